@@ -1,0 +1,24 @@
+/* Basis functions: which nodes a particle sees, and the maps written for them. */
+#pragma once
+#include <mpmstab/kernels.h>
+
+/*S
+   MpmBasis - a basis: its reach and its maps.
+
+   A particle in cell i sees the nodes i - reach_left to i + reach_right. slope_sum bounds h sum_i
+abs(dphi_ip/dx).
+S*/
+typedef struct {
+  const char   *name, *summary, *reference;
+  PetscInt      reach_left, reach_right;
+  PetscReal     slope_sum;
+  MpmKernel     p2g, g2p, grad;
+  MpmMassKernel p2g_mass;
+  PetscBool     hat; /* the closed forms of the formulations are for this basis */
+} MpmBasis;
+
+/* Not collective. All bases, NULL-terminated. */
+extern const MpmBasis *const MpmBases[];
+
+/* Not collective. Looks a basis up by name; NULL when there is none. */
+const MpmBasis *MpmBasisFind(const char name[]);

@@ -1,0 +1,22 @@
+/* Refusal of bad input: one message, from one rank, and all ranks end. */
+#pragma once
+#include <mpmstab/compat.h>
+
+/*MC
+   MpmRefuse - ends the task because of what the user gave: an option, a scene or a file.
+
+   Collective: every rank has the same input and refuses it alike; the first rank prints.
+
+   Input Parameters: a printf format and its arguments. The message names the option or file, the value
+   and what is allowed.
+M*/
+#define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
+
+/* Refuses unless the condition holds. */
+#define MpmCheckInput(condition, ...)                                                                        \
+  do {                                                                                                       \
+    if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                 \
+  } while (0)
+
+/* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
+PetscErrorCode MpmErrorsInstall(void);

@@ -1,0 +1,52 @@
+/* Growth: what a time series of norms says about stability. Plain numbers in, a verdict out. */
+#pragma once
+#include <mpmstab/compat.h>
+#include <mpmstab/verdict.h>
+
+/*S
+   MpmSeries - natural logarithms of the state's norm and of the square root of the energy, at sampled steps.
+
+   Logarithms, because an unstable run leaves the range of doubles long before its growth is known.
+*/
+typedef struct {
+  PetscInt    n, room;
+  PetscInt64 *step;
+  PetscReal  *log_norm, *log_energy;
+} MpmSeries;
+
+/* Not collective. */
+PetscErrorCode MpmSeriesAppend(MpmSeries *series, PetscInt64 step, PetscReal log_norm, PetscReal log_energy);
+PetscErrorCode MpmSeriesDestroy(MpmSeries *series);
+
+/*S
+   MpmGrowth - growth per step over the late half of a run.
+
+   measured: false when there were too few samples to say anything, or the state vanished. per_step: exp of
+   the fitted slope of the logarithm of the square root of the energy. decided: false when the series fits
+   linear and exponential growth about equally well.
+*/
+typedef struct {
+  PetscBool     measured, decided;
+  PetscReal     per_step;
+  MpmGrowthKind kind;
+  PetscInt64    from, to;
+} MpmGrowth;
+
+/*
+   MpmGrowthFit - fits the late half of a series.
+
+   Not collective.
+
+   Input Parameters:
++  tolerance - growth per step up to 1 + tolerance counts as bounded
+-  watch_norm - whether growth of the norm that the energy does not see (rigid motion) is to be called linear;
+not for waves whose displacement swings anyway
+
+   Growth counts as such when it exceeds four times the scatter around the fit. Exponential growth is a
+straight line in the logarithm, linear growth in the norm itself; the better fit decides, and a rise of more
+than a factor e over the second half of a run cannot be linear.
+*/
+MpmGrowth MpmGrowthFit(const MpmSeries *series, PetscReal tolerance, PetscBool watch_norm);
+
+/* Not collective. The verdict of a run. Linear growth (a defective eigenvalue 1) is not instability. */
+MpmVerdict MpmGrowthVerdict(const MpmGrowth *growth, PetscReal tolerance);

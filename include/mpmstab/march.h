@@ -1,0 +1,51 @@
+/* March: the explicit loop. Reads a formulation's passes; knows nothing of gas or bar. */
+#pragma once
+#include <mpmstab/grid.h>
+#include <mpmstab/particles.h>
+#include <mpmstab/passes.h>
+
+/*S
+   MpmMarch - a scene in motion.
+
+   The state is particle fields times 2^exponent: an unstable run is rescaled by powers of two, which changes
+   no digit, so that it can be followed for any number of steps.
+*/
+typedef struct {
+  const MpmScene *scene;
+  MpmGrid        *grid;
+  MpmParticles   *particles;
+  MpmSchedule     schedule;
+  PetscInt        nnodes, slack;
+  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
+  PetscInt64      step, migrations;
+  PetscInt        exponent;
+  PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
+} MpmMarch;
+
+/*
+   MpmMarchCreate - grid, particles and passes for a scene, ready for the first step.
+
+   Collective. Refuses a grid too small for the ranks.
+*/
+PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
+PetscErrorCode MpmMarchDestroy(MpmMarch **march);
+
+/* Collective. The sums that come before the first step; MpmMarchCreate ends with it. */
+PetscErrorCode MpmMarchStart(MpmMarch *march);
+
+/* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
+PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
+
+/*
+   MpmMarchNorms - norm of the state and energy, both in units of 2^exponent (energy: of its square).
+
+   Collective. Valid after a sampled step, and before the first. norm^2 is the integral of the sum of squares
+   of all particle fields; energy is the formulation's.
+*/
+PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *energy);
+
+/* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
+PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
+
+/* Collective. P2G of one particle field at the current places into a local vector, ghosts included. */
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);

@@ -1,0 +1,83 @@
+/*
+   Passes: a formulation's table compiled for marching. Consecutive particle operations between two grid sums
+   become one pass over the particles, done block by block.
+
+   A step is cut where its particles first read the grid: what comes before (the first P2Gs) joins the pass
+   that ends the step before it, since both go over the same particles. So gas1 and elastic need one pass a
+   step, gas2 two.
+*/
+#pragma once
+#include <mpmstab/basis.h>
+#include <mpmstab/formulation.h>
+
+#define MPM_MAX_PASS_OPS 24
+#define MPM_MAX_PASSES 8
+
+/*E
+   MpmPassOpKind - what a pass does to a block of particles.
+
+   MPM_PASS_MAP    - a map between particles and nodes (a kernel of the basis)
+   MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
+   MPM_PASS_DRIFT  - particles are at the next step's places from here on
+   MPM_PASS_SAMPLE - sum of squares of a particle field, when the step is sampled
+E*/
+typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
+
+/* to_nodes: the map writes the node field, into its spare when the pass also reads it. */
+typedef struct {
+  MpmPassOpKind kind;
+  MpmKernel     kernel;
+  MpmMassKernel mass_kernel;
+  PetscReal     a;
+  PetscInt      particle, node;
+  PetscBool     to_nodes;
+} MpmPassOp;
+
+/* A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid
+ * has. */
+typedef struct {
+  MpmOpKind kind;
+  PetscReal a;
+  PetscInt  dst, src, depth;
+} MpmNodeOp;
+
+/* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then
+ * migrate. */
+typedef struct {
+  PetscInt  nops, nsums, nnode_ops;
+  MpmPassOp op[MPM_MAX_PASS_OPS];
+  PetscInt  sum[MPM_MAX_FIELDS];
+  MpmNodeOp node_op[MPM_MAX_PASS_OPS];
+  PetscBool sums_mass, drifts, rebase;
+} MpmPass;
+
+/*S
+   MpmSchedule - the passes of a step, and the one that comes before the first step.
+
+   spare[n]: node field n is read and summed in one pass, so it needs a second array. halo: ghosts used up by
+node operations.
+S*/
+typedef struct {
+  MpmPass   start, pass[MPM_MAX_PASSES];
+  PetscInt  npasses, halo;
+  PetscBool spare[MPM_MAX_FIELDS];
+} MpmSchedule;
+
+/*
+   MpmScheduleCompile - compiles a formulation's table.
+
+   Not collective.
+
+   Input Parameters:
++  drifts - whether particles move; if not, DRIFT is left out and the masses are summed once
+-  fused  - whether particles may be summed to the grid before they migrate (they stay within the ghost layer)
+*/
+PetscErrorCode MpmScheduleCompile(const MpmFormulation *formulation, const MpmBasis *basis, PetscReal courant,
+                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule);
+
+/*
+   MpmScheduleBound - a bound on how much one step can enlarge the largest number of the state.
+
+   Not collective. Follows the table with the maps' maximum norms; used to rescale in time.
+*/
+PetscReal MpmScheduleBound(const MpmFormulation *formulation, const MpmBasis *basis, PetscReal courant);

@@ -1,0 +1,13 @@
+/* Progress: one line with the time left, on a terminal, for work that takes long. */
+#pragma once
+#include <mpmstab/scene.h>
+
+typedef struct {
+  PetscBool enabled, shown;
+  PetscReal started, last;
+} MpmProgress;
+
+/* Not collective. Enabled on the first rank when standard error is a terminal or the scene asks. */
+PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress);
+PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total);
+PetscErrorCode MpmProgressEnd(MpmProgress *progress);

@@ -1,0 +1,22 @@
+/* Tasks: what the program can be asked to do. */
+#pragma once
+#include <mpmstab/compat.h>
+
+/* Exit status of the program. */
+enum { MPM_EXIT_DONE = 0, MPM_EXIT_FAILED = 1, MPM_EXIT_REFUSED = 2, MPM_EXIT_MISSED = 3 };
+
+/*S
+   MpmTask - one task. run gets the words after the task's name and sets the exit status.
+S*/
+typedef struct {
+  const char *name, *summary;
+  PetscErrorCode (*run)(int argc, char **argv, PetscReal started, int *status);
+} MpmTask;
+
+extern const MpmTask MpmTasks[];
+
+/* Collective. Prints what the program is in ten lines. */
+PetscErrorCode MpmPrintUsage(void);
+
+PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status);

@@ -1,0 +1,15 @@
+/* The hat function: phi = 1 - abs(x - x_i) / h. Source: the classical MPM (Sulsky, Chen and Schreyer 1994).
+ */
+#include <mpmstab/basis.h>
+
+const MpmBasis MpmLinear = {.name        = "linear",
+                            .summary     = "hat functions, one cell to either side of a node",
+                            .reference   = "Sulsky, Chen and Schreyer 1994",
+                            .reach_left  = 0,
+                            .reach_right = 1,
+                            .slope_sum   = 2,
+                            .hat         = PETSC_TRUE,
+                            .p2g         = MpmHatP2G,
+                            .p2g_mass    = MpmHatP2GMass,
+                            .g2p         = MpmHatG2P,
+                            .grad        = MpmHatGrad};

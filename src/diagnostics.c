@@ -1,0 +1,58 @@
+/* l1, l2, linf of particle field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t.
+ */
+#include <mpmstab/diagnostics.h>
+#include <math.h>
+
+/* Sums over this rank: of abs(e), of e^2, and the largest abs(e). */
+static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const MpmProfile *profile,
+                                PetscReal scale, PetscReal sums[3])
+{
+  const MpmScene     *scene     = march->scene;
+  const MpmParticles *particles = march->particles;
+  const char         *name      = scene->formulation->particle_fields[field];
+  const PetscReal     lag = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
+  const PetscReal     t   = march->step * scene->dt - lag;
+  const PetscReal    *xi, *q;
+  const PetscInt     *cell;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, name, &q));
+  sums[0] = sums[1] = sums[2] = 0;
+  for (PetscInt p = 0; p < particles->count; p++) {
+    const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, march->grid, cell[p], xi[p]);
+    const PetscReal e = fabs(q[p] - scale * scene->formulation->wave->value(profile, field, X, t));
+
+    sums[0] += e;
+    sums[1] += e * e;
+    sums[2] = PetscMax(sums[2], e);
+  }
+  PetscCall(MpmParticlesRestore(particles, name, &q));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
+{
+  const MpmScene       *scene = march->scene;
+  const MpmFormulation *f     = scene->formulation;
+  const int             start = ilogb(scene->amplitude), grown = (int)march->exponent - start;
+  const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
+  const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
+
+  PetscFunctionBegin;
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    const PetscReal unit = f->wave->amplitude(&profile, field);
+    PetscReal       sums[3];
+
+    PetscCall(LocalSums(march, field, &profile, scalbn(1, -grown), sums));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM, comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums[2], 1, MPIU_REAL, MPI_MAX, comm));
+    error[field].l1   = scalbn(sums[0] / scene->particles / unit, grown);
+    error[field].l2   = scalbn(sqrt(sums[1] / scene->particles) / unit, grown);
+    error[field].linf = scalbn(sums[2] / unit, grown);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,24 @@
+/* Refusals print one line; errors inside the program keep PETSc's stack trace. */
+#include <mpmstab/errors.h>
+
+static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
+                                     PetscErrorCode code, PetscErrorType kind, const char *message,
+                                     void *context)
+{
+  PetscMPIInt rank = 0;
+
+  if (code != PETSC_ERR_USER_INPUT)
+    return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
+  if (kind == PETSC_ERROR_INITIAL) {
+    MPI_Comm_rank(comm, &rank);
+    if (rank == 0) fprintf(stderr, "mpmstab: %s\n", message);
+  }
+  return code;
+}
+
+PetscErrorCode MpmErrorsInstall(void)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscPushErrorHandler(RefusalHandler, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,52 @@
+/* A scene with an expect block is a test: what is missed is said, and the program fails. */
+#include <mpmstab/run.h>
+#include <math.h>
+
+static PetscErrorCode Miss(const char what[], const char found[], const char expected[], PetscInt *missed)
+{
+  PetscFunctionBegin;
+  PetscCall(
+      PetscFPrintf(PETSC_COMM_WORLD, stderr, "mpmstab: expected %s %s, found %s\n", what, expected, found));
+  (*missed)++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRange(const char what[], PetscReal value, const PetscReal range[2],
+                                 PetscInt *missed)
+{
+  char expected[80], found[40];
+
+  PetscFunctionBegin;
+  if (value >= range[0] && value <= range[1]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(expected, sizeof expected, "in [%.10g, %.10g]", range[0], range[1]));
+  if (isnan(value))
+    PetscCall(PetscStrncpy(found, "no value", sizeof found));
+  else
+    PetscCall(PetscSNPrintf(found, sizeof found, "%.10g", value));
+  PetscCall(Miss(what, found, expected, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCheckExpectations(const MpmRun *run, PetscInt *missed)
+{
+  const MpmExpect *expect = &run->scene->expect;
+  const MpmGrowth *growth = &run->growth;
+  PetscReal        worst  = 0;
+
+  PetscFunctionBegin;
+  *missed = 0;
+  if (expect->has_verdict && expect->verdict != run->verdict)
+    PetscCall(Miss("verdict", MpmVerdictNames[run->verdict], MpmVerdictNames[expect->verdict], missed));
+  if (expect->has_kind && (!growth->measured || growth->kind != expect->kind))
+    PetscCall(Miss("growth of kind", growth->measured ? MpmGrowthKindNames[growth->kind] : "none measured",
+                   MpmGrowthKindNames[expect->kind], missed));
+  if (expect->has_growth)
+    PetscCall(CheckRange("growth", growth->measured ? growth->per_step : NAN, expect->growth, missed));
+  if (expect->has_energy)
+    PetscCall(CheckRange("final / initial energy", run->energy_final / run->energy_initial, expect->energy,
+                         missed));
+  for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++)
+    worst = PetscMax(worst, run->error[f].l2);
+  if (expect->has_error) PetscCall(CheckRange("largest l2 error", worst, expect->error, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

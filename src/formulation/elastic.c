@@ -1,0 +1,62 @@
+/*
+   The one-dimensional linear elastic model of the slides: displacement u and w = v h / c, so that v dt = k w.
+
+     u_t = v, v_t = c^2 u_xx
+
+   Source: Berzins, Kirby and Gritton 2013, '1d Linear Elastic Model', The Algorithm. Its sums of steps 5 and
+   6 are printed over p and must run over the nodes i.
+*/
+#include <mpmstab/formulation.h>
+#include "quadratic.h"
+#include <math.h>
+
+enum { U, W };          /* particles */
+enum { U_I, W_I, A_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    P2G(U_I, U),            /* 1. u_i  = sum_p S_ip u_p                    */
+    P2G(W_I, W),            /* 2. w_i  = sum_p S_ip w_p                    */
+    LAP(A_I, U_I, COURANT), /* 3. a_i  = k (u_{i+1} - 2 u_i + u_{i-1})     */
+    ADD(W_I, A_I),          /* 4. w_i += a_i                               */
+    G2P(W, A_I, ONE),       /* 5. w_p += sum_i S_ip a_i                    */
+    G2P(U, W_I, COURANT),   /* 6. u_p += k sum_i S_ip w_i                  */
+    DRIFT,                  /* 7. x_p += U0 dt                             */
+};
+
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, W}, {MPM_ON_NODES, U_I}};
+
+/* The slides: G^2 - 2 gamma G + 1 = 0, gamma = 1 - 2 k^2 sin^2(beta/2). */
+static PetscReal Published(PetscReal k, PetscReal beta)
+{
+  return MpmQuadraticRadius(2 - 4 * PetscSqr(k * sin(beta / 2)), 1);
+}
+
+/* P2G G2P is not the identity; its symbol for the hat is alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 -
+ * xi). */
+static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal beta)
+{
+  PetscReal       q = 0, alpha;
+  const PetscReal s = PetscSqr(sin(beta / 2));
+
+  for (PetscInt j = 0; j < cell->ppc; j++) q += cell->xi[j] * (1 - cell->xi[j]) / cell->ppc;
+  alpha = 1 - 4 * q * s;
+  return MpmQuadraticRadius(2 - 4 * k * k * alpha * s, 1 - 4 * k * k * alpha * (1 - alpha) * s);
+}
+
+const MpmFormulation MpmElastic = {.name            = "elastic",
+                                   .summary         = "linear elastic bar: displacement and velocity",
+                                   .reference       = "Berzins, Kirby and Gritton 2013",
+                                   .particle_fields = {"u", "w"},
+                                   .node_fields     = {"u_i", "w_i", "a_i"},
+                                   .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                   .ops             = ops,
+                                   .staggered       = W,
+                                   .nenergy         = PETSC_STATIC_ARRAY_LENGTH(energy),
+                                   .energy          = energy,
+                                   .wave            = &MpmWaveSecondOrder,
+                                   .published_text  = "G^2 - 2 (1 - 2 k^2 sin^2(beta/2)) G + 1 = 0",
+                                   .corrected_text =
+                                       "tr = 2 - 4 k^2 alpha s, det = 1 - 4 k^2 alpha (1 - alpha) s, "
+                                       "s = sin^2(beta/2)",
+                                   .published = Published,
+                                   .corrected = Corrected};

@@ -1,0 +1,52 @@
+/*
+   Formulation 1 of the slides: one-dimensional gas flow, both updates from the old nodal fields.
+
+     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho, so that both updates carry a plus sign; c = a.
+
+   Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 1; after Brackbill 1988.
+*/
+#include <mpmstab/formulation.h>
+#include <complex.h>
+#include <math.h>
+
+enum { U, R };     /* particles */
+enum { U_I, R_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    P2G(U_I, U),           /* 1. u_i  = sum_p S_ip u_p      */
+    P2G(R_I, R),           /* 2. r_i  = sum_p S_ip r_p      */
+    GRAD(U, R_I, COURANT), /* 3. u_p += k (r_{i+1} - r_i)   */
+    GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)   */
+    DRIFT,                 /* 5. x_p += U0 dt               */
+};
+
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U}, {MPM_ON_PARTICLES, R}};
+
+/* The slides: G = 1 +- gamma, gamma = 2 i k sin(beta). */
+static PetscReal Published(PetscReal k, PetscReal beta)
+{
+  return hypot(1, 2 * k * sin(beta));
+}
+
+/* C1 + C2 = 1 halves the slides' stencil; G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta. */
+static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal beta)
+{
+  const double complex mu = cell->e * (1 - cos(beta)) + I * sin(beta);
+  return fmax(cabs(1 + k * mu), cabs(1 - k * mu));
+}
+
+const MpmFormulation MpmGas1 = {.name      = "gas1",
+                                .summary   = "gas, Formulation 1: velocity and density from old nodal values",
+                                .reference = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
+                                .particle_fields = {"u", "r"},
+                                .node_fields     = {"u_i", "r_i"},
+                                .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                .ops             = ops,
+                                .staggered       = MPM_NONE,
+                                .nenergy         = PETSC_STATIC_ARRAY_LENGTH(energy),
+                                .energy          = energy,
+                                .wave            = &MpmWaveFirstOrder,
+                                .published_text  = "abs(G)^2 = 1 + 4 k^2 sin^2 beta",
+                                .corrected_text  = "G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta",
+                                .published       = Published,
+                                .corrected       = Corrected};

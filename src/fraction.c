@@ -1,0 +1,121 @@
+/* Exact fractions: n delta without accumulated rounding. */
+#include <mpmstab/fraction.h>
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+
+__extension__ typedef __int128 Wide;
+
+/* Numerator and denominator stay below this, so that n times the numerator fits 128 bits for every n. */
+#define LARGEST_TERM ((PetscInt64)1000000000000000)
+
+static PetscInt64 Gcd(PetscInt64 a, PetscInt64 b)
+{
+  while (b) {
+    const PetscInt64 r = a % b;
+    a                  = b;
+    b                  = r;
+  }
+  return a < 0 ? -a : a;
+}
+
+static PetscBool ParseInteger(const char text[], const char **end, PetscInt64 *value)
+{
+  char *stop;
+
+  if (!isdigit((unsigned char)text[text[0] == '-' || text[0] == '+'])) return PETSC_FALSE;
+  errno  = 0;
+  *value = strtoll(text, &stop, 10);
+  *end   = stop;
+  return errno == 0 && *value <= LARGEST_TERM && *value >= -LARGEST_TERM ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void Reduce(MpmFraction *f, PetscInt64 num, PetscInt64 den)
+{
+  const PetscInt64 g = Gcd(num, den);
+
+  f->num   = num / g;
+  f->den   = den / g;
+  f->value = (PetscReal)f->num / (PetscReal)f->den;
+}
+
+/* A decimal with few digits is the ratio it spells: 0.3 is 3/10, not the double below it. */
+static PetscBool ParseDecimal(const char text[], MpmFraction *f)
+{
+  PetscInt64  num = 0, den = 1;
+  const char *s     = text;
+  PetscBool   minus = PETSC_FALSE, point = PETSC_FALSE;
+
+  if (*s == '-' || *s == '+') minus = *s++ == '-' ? PETSC_TRUE : PETSC_FALSE;
+  for (; isdigit((unsigned char)*s) || (*s == '.' && !point); s++) {
+    if (*s == '.') {
+      point = PETSC_TRUE;
+      continue;
+    }
+    num = 10 * num + (*s - '0');
+    if (point) den *= 10;
+    if (num > LARGEST_TERM || den > LARGEST_TERM) return PETSC_FALSE;
+  }
+  if (*s == 'e' || *s == 'E') {
+    char *stop;
+    long  exponent = PetscClipInterval(strtol(s + 1, &stop, 10), -20, 20); /* past that no term is short */
+
+    for (; exponent > 0 && num <= LARGEST_TERM; exponent--) num *= 10;
+    for (; exponent < 0 && den <= LARGEST_TERM; exponent++) den *= 10;
+    if (num > LARGEST_TERM || den > LARGEST_TERM) return PETSC_FALSE;
+    s = stop;
+  }
+  if (*s) return PETSC_FALSE;
+  Reduce(f, minus ? -num : num, den);
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscBool *ok)
+{
+  const char *end;
+  char       *stop;
+  PetscInt64  num, den;
+
+  PetscFunctionBegin;
+  *ok = PETSC_FALSE;
+  if (strchr(text, '/')) {
+    if (!ParseInteger(text, &end, &num) || *end != '/') PetscFunctionReturn(PETSC_SUCCESS);
+    if (!ParseInteger(end + 1, &end, &den) || *end || den <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+    Reduce(fraction, num, den);
+    *ok = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!*text || isspace((unsigned char)*text) || strpbrk(text, "xX")) PetscFunctionReturn(PETSC_SUCCESS);
+  fraction->value = strtod(text, &stop);
+  fraction->num = fraction->den = 0;
+  if (*stop || !isfinite(fraction->value)) PetscFunctionReturn(PETSC_SUCCESS);
+  *ok = PETSC_TRUE;
+  (void)ParseDecimal(text, fraction);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmFractionMultiple(const MpmFraction *f, PetscInt64 n, PetscInt64 *whole, PetscReal *part)
+{
+  if (f->den) {
+    const Wide product = (Wide)f->num * n;
+    Wide       rest    = product % f->den;
+
+    if (rest < 0) rest += f->den;
+    *whole = (PetscInt64)((product - rest) / f->den);
+    *part  = (PetscReal)(PetscInt64)rest / (PetscReal)f->den;
+  } else {
+    const PetscReal product = f->value * (PetscReal)n, lost = fma(f->value, (PetscReal)n, -product);
+
+    *part  = (product - floor(product)) + lost;
+    *whole = (PetscInt64)floor(product);
+    if (*part < 0) {
+      *part += 1;
+      *whole -= 1;
+    }
+    if (*part >= 1) {
+      *part -= 1;
+      *whole += 1;
+    }
+  }
+}

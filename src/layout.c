@@ -1,0 +1,40 @@
+/*
+   Uniform layout: particle j of cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed
+   from the global id g = n ppc + j.
+*/
+#include <mpmstab/layout.h>
+#include <math.h>
+#include <stdint.h>
+
+PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
+{
+  uint64_t z = (uint64_t)seed + ((uint64_t)id + 1) * 0x9E3779B97F4A7C15u;
+
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  z ^= z >> 31;
+  return (PetscReal)(z >> 11) * 0x1p-53;
+}
+
+void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscReal *xi)
+{
+  const MpmFraction *offset = &scene->offset;
+  const PetscInt     n = (PetscInt)(id / scene->ppc), j = (PetscInt)(id % scene->ppc);
+  PetscReal          place; /* in cells from the left end of cell n */
+  PetscInt           shift;
+
+  if (scene->jitter == 0 && offset->den && offset->den <= 1000000000)
+    /* rounded once, so that positions that meet a node meet it exactly */
+    place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(scene->ppc * offset->den);
+  else {
+    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, id) - 0.5);
+    place                        = (j + offset->value + displacement) / scene->ppc;
+  }
+  shift = (PetscInt)floor(place);
+  *xi   = place - shift;
+  if (*xi >= 1) { /* a place just left of a node, rounded onto it */
+    *xi = 0;
+    shift++;
+  }
+  *cell = n + shift;
+}

@@ -1,0 +1,159 @@
+/* Setting a march up: how wide the ghost layer is, and what the scene needs of vectors. */
+#include <mpmstab/march.h>
+#include <math.h>
+
+/* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more
+ * ghosts. */
+#define MOST_SLACK 16
+
+/*
+   A particle in local cell c sees the nodes c - reach_left to c + reach_right, node operations use up halo
+   more. When a step's drift fits the slack that is left, particles are summed to the grid where they are and
+   migrate rarely; if not, they migrate in every step before they are summed.
+*/
+static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmScene *scene, MpmMarch *march, PetscInt *ghost)
+{
+  const PetscBool drifts = MpmSceneDrifts(scene);
+  const PetscInt  reach  = PetscMax(scene->basis->reach_left, scene->basis->reach_right);
+  const PetscInt  stride = (PetscInt)ceil(PetscAbsReal(scene->drift.value)) + 1;
+  PetscInt        need, spare;
+  PetscMPIInt     size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, drifts, PETSC_TRUE,
+                               &march->schedule));
+  need  = reach + march->schedule.halo;
+  spare = PetscMin(MpmGridSmallestCount(scene->cells, size) - need, PetscMax(MOST_SLACK, stride));
+  if (spare < 0 && need > scene->cells)
+    MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT
+              " with formulation %s and basis %s",
+              scene->cells, need, scene->formulation->name, scene->basis->name);
+  MpmCheckInput(spare >= 0,
+                "cells %" PetscInt_FMT " on %d ranks: a rank needs %" PetscInt_FMT
+                " cells; allowed: at most %" PetscInt_FMT " ranks, or more cells",
+                scene->cells, size, need, scene->cells / need);
+  march->slack = drifts && spare >= stride ? spare : 0;
+  if (drifts && !march->slack)
+    PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, PETSC_TRUE, PETSC_FALSE,
+                                 &march->schedule));
+  *ghost = need + march->slack;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateVectors(MpmMarch *march)
+{
+  PetscFunctionBegin;
+  march->nnodes = MpmFormulationNodeFields(march->scene->formulation);
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    PetscCall(DMCreateLocalVector(march->grid->da, &march->node[f]));
+    if (march->schedule.spare[f]) PetscCall(VecDuplicate(march->node[f], &march->spare[f]));
+  }
+  PetscCall(DMCreateLocalVector(march->grid->da, &march->inverse_mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march)
+{
+  PetscInt  ghost;
+  MpmMarch *m;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(march));
+  m           = *march;
+  m->scene    = scene;
+  m->exponent = ilogb(scene->amplitude);
+  PetscCall(ChooseGhosts(comm, scene, m, &ghost));
+  PetscCall(MpmGridCreate(comm, scene->cells, ghost, &m->grid));
+  PetscCall(MpmParticlesCreate(scene, m->grid, m->exponent, &m->particles));
+  PetscCall(CreateVectors(m));
+  PetscCall(MpmMarchStart(m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchDestroy(MpmMarch **march)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < (*march)->nnodes; f++) {
+    PetscCall(VecDestroy(&(*march)->node[f]));
+    PetscCall(VecDestroy(&(*march)->spare[f]));
+  }
+  PetscCall(VecDestroy(&(*march)->inverse_mass));
+  PetscCall(MpmParticlesDestroy(&(*march)->particles));
+  PetscCall(MpmGridDestroy(&(*march)->grid));
+  PetscCall(PetscFree(*march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
+{
+  const PetscReal factor = scalbn(1, -(int)shift);
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++) {
+    PetscReal *q;
+
+    PetscCall(MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &q));
+    for (PetscInt p = 0; p < march->particles->count; p++) q[p] *= factor;
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f], &q));
+  }
+  for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(VecScale(march->node[f], factor));
+  march->exponent += shift;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Before the first step nothing has been sampled in passing. */
+static PetscErrorCode FieldSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
+{
+  const char *name = march->scene->formulation->particle_fields[field];
+  PetscReal  *q;
+
+  PetscFunctionBegin;
+  *sum = march->squares[field];
+  if (march->step > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGet(march->particles, name, &q));
+  *sum = MpmSumSquares(march->particles->count, q);
+  PetscCall(MpmParticlesRestore(march->particles, name, &q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DifferenceSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
+{
+  PetscReal *f;
+
+  PetscFunctionBegin;
+  *sum = 0;
+  PetscCall(MpmGridGetArray(march->grid, march->node[field], &f));
+  for (PetscInt i = 0; i < march->grid->count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
+  PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *energy)
+{
+  const MpmScene       *scene       = march->scene;
+  const MpmFormulation *formulation = scene->formulation;
+  const MpmProfile      profile     = MpmSceneProfile(scene, 1);
+  const PetscReal       volume      = scene->cell_width / scene->ppc; /* of a particle */
+  PetscReal             sums[2]     = {0, 0}, squares;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; formulation->particle_fields[f]; f++) {
+    PetscCall(FieldSquares(march, f, &squares));
+    sums[0] += volume * squares;
+  }
+  for (PetscInt t = 0; t < formulation->nenergy; t++) {
+    const MpmEnergyTerm *term = &formulation->energy[t];
+
+    if (term->place == MPM_ON_PARTICLES)
+      PetscCall(FieldSquares(march, term->field, &squares));
+    else
+      PetscCall(DifferenceSquares(march, term->field, &squares));
+    sums[1] += (term->place == MPM_ON_PARTICLES ? volume : scene->cell_width) * squares;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM,
+                             PetscObjectComm((PetscObject)march->grid->da)));
+  *norm   = sqrt(sums[0]);
+  *energy = sums[1] / 2 * formulation->wave->energy_unit(&profile);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,171 @@
+/*
+   Migration. Drift is uniform, so every rank knows without asking when particles may have reached the end of
+   the ghost layer; only then are they sent. The swarm fills the holes of those that left with its last
+   particles, so the order of places, on which the passes' speed rests, is restored after.
+*/
+#include <mpmstab/particles.h>
+
+/* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived.
+ */
+static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt whole, PetscReal part,
+                                PetscInt64 *leaving)
+{
+  const PetscReal *xi;
+  PetscInt        *cell, *owner = NULL, self;
+  PetscMPIInt      rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)particles->swarm), &rank));
+  self     = rank;
+  *leaving = 0;
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  if (particles->parallel) PetscCall(MpmParticlesGet(particles, DMSwarmField_rank, &owner));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    PetscInt  now;
+    PetscReal place;
+
+    MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
+    now = (grid->first + now) % grid->cells;
+    if (now < 0) now += grid->cells;
+    cell[p] = now;
+    if (!owner) continue;
+    owner[p] = now >= grid->first && now < grid->first + grid->count ? self : MpmGridOwner(grid, now);
+    *leaving += owner[p] != self;
+  }
+  if (particles->parallel) PetscCall(MpmParticlesRestore(particles, DMSwarmField_rank, &owner));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Back from the cell a particle is in now to the local cell it rests in; the part of drift below a cell stays
+ * out. */
+static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *grid, PetscReal part)
+{
+  const PetscReal *xi;
+  PetscInt        *cell;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    const PetscInt zero = 0;
+    PetscInt       carry;
+    PetscReal      place;
+
+    MpmPlaceBlock(1, &zero, &xi[p], 0, part, &carry, &place);
+    cell[p] -= grid->first + carry;
+  }
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* order[i] is the particle that comes i-th by (cell, xi, id): a counting sort by cell, then insertion within
+ * a cell. */
+static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
+{
+  const PetscInt64 *id;
+  const PetscReal  *xi;
+  const PetscInt   *cell;
+  PetscInt         *next;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* cells -1 to count - 1, and the end */
+  for (PetscInt p = 0; p < particles->count; p++) next[cell[p] + 2]++;
+  for (PetscInt c = 0; c <= grid->count; c++) next[c + 1] += next[c];
+  for (PetscInt p = 0; p < particles->count; p++) order[next[cell[p] + 1]++] = p;
+  for (PetscInt i = 1; i < particles->count; i++) {
+    const PetscInt p = order[i];
+    PetscInt       j = i;
+
+    for (; j > 0 && cell[order[j - 1]] == cell[p]; j--) {
+      const PetscInt q = order[j - 1];
+
+      if (xi[q] < xi[p] || (xi[q] == xi[p] && id[q] < id[p])) break;
+      order[j] = q;
+    }
+    order[j] = p;
+  }
+  PetscCall(PetscFree(next));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Applies the order to one field of 8 or 4 bytes a particle, through a buffer of 8 bytes a particle. */
+static PetscErrorCode Reorder(const MpmParticles *particles, const char name[], const PetscInt order[],
+                              PetscInt64 buffer[])
+{
+  const PetscInt n = particles->count;
+  PetscDataType  type;
+  size_t         bytes;
+  void          *field;
+
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, &type, &field));
+  PetscCall(PetscDataTypeGetSize(type, &bytes));
+  if (bytes == sizeof(PetscInt64)) {
+    const PetscInt64 *from = (const PetscInt64 *)field;
+
+    for (PetscInt i = 0; i < n; i++) buffer[i] = from[order[i]];
+  } else {
+    const int *from = (const int *)field;
+    int       *to   = (int *)buffer;
+
+    PetscCheck(bytes == sizeof(int), PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s of another size", name);
+    for (PetscInt i = 0; i < n; i++) to[i] = from[order[i]];
+  }
+  PetscCall(PetscMemcpy(field, buffer, bytes * (size_t)n));
+  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, &type, &field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
+{
+  PetscInt   *order;
+  PetscInt64 *buffer;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(particles->count, &order));
+  PetscCall(PetscMalloc1(particles->count, &buffer));
+  PetscCall(FindOrder(particles, grid, order));
+  PetscCall(Reorder(particles, DMSwarmField_pid, order, buffer));
+  PetscCall(Reorder(particles, MpmFieldCell, order, buffer));
+  PetscCall(Reorder(particles, MpmFieldXi, order, buffer));
+  for (PetscInt f = 0; particles->formulation->particle_fields[f]; f++)
+    PetscCall(Reorder(particles, particles->formulation->particle_fields[f], order, buffer));
+  PetscCall(PetscFree(buffer));
+  PetscCall(PetscFree(order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
+{
+  MPI_Comm   comm = PetscObjectComm((PetscObject)particles->swarm);
+  PetscInt   whole, size;
+  PetscInt64 leaving;
+  PetscReal  part;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
+  PetscCall(SetOwners(particles, grid, whole, part, &leaving));
+  if (particles->parallel) {
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &leaving, 1, MPIU_INT64, MPI_SUM, comm));
+    if (leaving) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
+    PetscCall(DMSwarmGetLocalSize(particles->swarm, &particles->count));
+    PetscCall(DMSwarmGetSize(particles->swarm, &size));
+    PetscCheck(size == particles->total, comm, PETSC_ERR_PLIB,
+               "%" PetscInt_FMT " particles after migration, %" PetscInt64_FMT " before", size,
+               particles->total);
+  }
+  PetscCall(SetRestingCells(particles, grid, part));
+  particles->rebased += whole;
+  PetscCall(RestoreOrder(particles, grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

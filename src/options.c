@@ -1,0 +1,95 @@
+/* The options: one line each, with default, range and help. */
+#include <mpmstab/scene.h>
+#include <string.h>
+
+static const char *FormulationWord(PetscInt i)
+{
+  return MpmFormulations[i] ? MpmFormulations[i]->name : NULL;
+}
+
+static const char *BasisWord(PetscInt i)
+{
+  return MpmBases[i] ? MpmBases[i]->name : NULL;
+}
+
+static const char *InitialWord(PetscInt i)
+{
+  return MpmInitialNames[i];
+}
+
+static const char *VerdictWord(PetscInt i)
+{
+  return MpmVerdictNames[i];
+}
+
+static const char *GrowthWord(PetscInt i)
+{
+  return MpmGrowthKindNames[i];
+}
+
+static const char *TransferWord(PetscInt i)
+{
+  return i == 0 ? "flip" : NULL;
+}
+
+static const char *LayoutWord(PetscInt i)
+{
+  return i == 0 ? "uniform" : NULL;
+}
+
+static const char *BoundaryWord(PetscInt i)
+{
+  return i == 0 ? "periodic" : NULL;
+}
+
+/* clang-format off */
+#define BETWEEN(a, b) .lo = a, .hi = b
+#define ABOVE(a)      .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
+#define NO_RANGE      .word = NULL
+#define ANY           .lo = -PETSC_MAX_REAL, .hi = PETSC_MAX_REAL
+
+const MpmOption MpmOptions[] = {
+  {"formulation",  MPM_WORD,     "gas2",     "the scheme", .word = FormulationWord},
+  {"basis",        MPM_WORD,     "linear",   "the grid's basis functions", .word = BasisWord},
+  {"transfer",     MPM_WORD,     "flip",     "how particles are renewed", .word = TransferWord},
+  {"dim",          MPM_INTEGER,  "1",        "space dimensions", BETWEEN(1, 1)},
+  {"cells",        MPM_INTEGER,  "64",       "cells of the grid", BETWEEN(1, 2147483646)},
+  {"length",       MPM_REAL,     "1",        "length L of the domain", ABOVE(0)},
+  {"ppc",          MPM_INTEGER,  "2",        "particles per cell", BETWEEN(1, 1000000)},
+  {"layout",       MPM_WORD,     "uniform",  "where particles start", .word = LayoutWord},
+  {"offset",       MPM_FRACTION, "0.5",      "start of the first particle, in particle spacings", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON)},
+  {"jitter",       MPM_REAL,     "0",        "random displacement, in particle spacings", BETWEEN(0, 1)},
+  {"seed",         MPM_INTEGER,  "1",        "seed of jitter and random data", BETWEEN(0, 9007199254740992)},
+  {"boundary",     MPM_WORD,     "periodic", "the ends of the domain", .word = BoundaryWord},
+  {"wave_speed",   MPM_REAL,     "1",        "wave speed c", ABOVE(0)},
+  {"courant",      MPM_REAL,     "0.5",      "Courant number k = c dt / h", ABOVE(0), .rival = "dt"},
+  {"dt",           MPM_REAL,     NULL,       "time step, instead of courant", ABOVE(0), .rival = "courant"},
+  {"drift",        MPM_FRACTION, "0",        "cells a particle moves per step, U0 dt / h; a number or 1/8", BETWEEN(-1e6, 1e6), .rival = "velocity"},
+  {"velocity",     MPM_REAL,     NULL,       "U0, instead of drift", ANY, .rival = "drift"},
+  {"steps",        MPM_INTEGER,  "100",      "time steps", BETWEEN(1, 1e15), .rival = "time"},
+  {"time",         MPM_REAL,     NULL,       "end of the run, instead of steps; rounded up to a whole step", ABOVE(0), .rival = "steps"},
+  {"initial",      MPM_WORD,     "mode",     "initial data", .word = InitialWord},
+  {"mode",         MPM_INTEGER,  "1",        "waves in the domain, with initial mode; at most cells / 2", BETWEEN(1, 2147483646)},
+  {"amplitude",    MPM_REAL,     "1",        "amplitude of the initial data", ABOVE(0)},
+  {"stagger",      MPM_SWITCH,   "false",    "start the field updated first half a step early", NO_RANGE},
+  {"tolerance",    MPM_REAL,     "1e-6",     "growth per step above 1 + tolerance is unstable", ABOVE(0)},
+  {"output",       MPM_PATH,     NULL,       "HDF5 file for particles and nodes, with an .xmf beside it", NO_RANGE},
+  {"output_every", MPM_INTEGER,  NULL,       "steps between outputs (default: first and last)", BETWEEN(1, 1e15)},
+  {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
+  {"csv",          MPM_PATH,     NULL,       "file for the time series, as CSV", NO_RANGE},
+  {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE},
+  {"expect",       MPM_WORD,     NULL,       "fail unless this is the verdict", .word = VerdictWord},
+  {"expect_kind",  MPM_WORD,     NULL,       "fail unless growth is of this kind", .word = GrowthWord},
+  {"expect_growth", MPM_RANGE,   NULL,       "fail unless measured growth lies in lo,hi", ANY},
+  {"expect_error", MPM_RANGE,    NULL,       "fail unless the largest l2 error lies in lo,hi", ANY},
+  {"expect_energy", MPM_RANGE,   NULL,       "fail unless final / initial energy lies in lo,hi", ANY},
+  {NULL},
+};
+/* clang-format on */
+
+PetscInt MpmOptionIndex(const char name[])
+{
+  for (PetscInt i = 0; MpmOptions[i].name; i++)
+    if (!strcmp(MpmOptions[i].name, name)) return i;
+  return MPM_NOT_AN_OPTION;
+}

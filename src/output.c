@@ -1,0 +1,247 @@
+/* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
+#include <mpmstab/errors.h>
+#include <mpmstab/output.h>
+#include <petscviewerhdf5.h>
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+struct MpmOutput_ {
+  const MpmScene *scene;
+  PetscViewer     viewer;
+  Vec             by_id, coordinates, local, global;
+  MpmTextFile     xmf;
+  char            path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+};
+
+static PetscErrorCode WriteSceneAttributes(const MpmOutput *output, PetscViewer viewer)
+{
+  const MpmScene *s = output->scene;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "version", PETSC_STRING, MPMSTAB_VERSION));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "formulation", PETSC_STRING, s->formulation->name));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "basis", PETSC_STRING, s->basis->name));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "transfer", PETSC_STRING, s->transfer));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "initial", PETSC_STRING, MpmInitialNames[s->initial]));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "dim", PETSC_INT, &s->dim));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "cells", PETSC_INT, &s->cells));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "ppc", PETSC_INT, &s->ppc));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "length", PETSC_REAL, &s->length));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "wave_speed", PETSC_REAL, &s->wave_speed));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "courant", PETSC_REAL, &s->courant));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "drift", PETSC_REAL, &s->drift.value));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "offset", PETSC_REAL, &s->offset.value));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "jitter", PETSC_REAL, &s->jitter));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "amplitude", PETSC_REAL, &s->amplitude));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
+{
+  const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
+  const PetscInt n    = (PetscInt)march->scene->particles;
+  char           xmf[PETSC_MAX_PATH_LEN];
+  size_t         length;
+  MpmOutput     *o;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(output));
+  o        = *output;
+  o->scene = march->scene;
+  PetscCall(PetscStrncpy(o->path, march->scene->output, sizeof o->path));
+  PetscCall(PetscSNPrintf(o->part, sizeof o->part, "%s.part", o->path));
+  PetscCall(VecCreateMPI(comm, PETSC_DECIDE, n, &o->by_id));
+  PetscCall(VecCreate(comm, &o->coordinates));
+  PetscCall(VecSetBlockSize(o->coordinates, 3));
+  PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
+  PetscCall(VecSetType(o->coordinates, VECSTANDARD));
+  PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
+  PetscCall(VecCreateMPI(comm, march->grid->count, march->grid->cells, &o->global));
+  PetscCall(PetscStrlen(o->path, &length));
+  if (length > 3 && !strcmp(o->path + length - 3, ".h5")) length -= 3;
+  PetscCall(PetscSNPrintf(xmf, sizeof xmf, "%.*s.xmf", (int)length, o->path));
+  PetscCall(MpmTextFileOpen(xmf, &o->xmf));
+  if (o->xmf.stream)
+    fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+                           "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+  PetscCall(PetscViewerHDF5Open(comm, o->part, FILE_MODE_WRITE, &o->viewer));
+  PetscCall(WriteSceneAttributes(o, o->viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Scatters values of local particles to the vector ordered by global id, block by block. */
+static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const PetscReal values[], Vec vector)
+{
+  const PetscInt64 *id;
+  PetscInt         *rows;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  PetscCall(PetscMalloc1(width * march->particles->count, &rows));
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    for (PetscInt d = 0; d < width; d++) rows[width * p + d] = (PetscInt)(width * id[p] + d);
+  PetscCall(VecSetValues(vector, width * march->particles->count, rows, values, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(vector));
+  PetscCall(VecAssemblyEnd(vector));
+  PetscCall(PetscFree(rows));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViewAs(Vec vector, const char name[], PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscObjectSetName((PetscObject)vector, name));
+  PetscCall(VecView(vector, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteCoordinates(const MpmOutput *output, const MpmMarch *march)
+{
+  const MpmParticles *particles = march->particles;
+  const PetscReal    *xi;
+  const PetscInt     *cell;
+  PetscReal          *x;
+  PetscInt            whole, zero = 0;
+  PetscReal           part;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(PetscCalloc1(3 * particles->count, &x));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    PetscInt  now;
+    PetscReal place;
+
+    MpmPlaceBlock(1, &zero, &xi[p], 0, part, &now, &place);
+    now      = (PetscInt)(((PetscInt64)march->grid->first + cell[p] + whole + now) % march->grid->cells);
+    x[3 * p] = output->scene->cell_width * ((now < 0 ? now + march->grid->cells : now) + place);
+  }
+  PetscCall(SetById(march, 3, x, output->coordinates));
+  PetscCall(PetscFree(x));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(ViewAs(output->coordinates, "coordinates", output->viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5PushGroup(output->viewer, "particles"));
+  PetscCall(WriteCoordinates(output, march));
+  for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
+    const char      *name = output->scene->formulation->particle_fields[f];
+    const PetscReal *q;
+
+    PetscCall(MpmParticlesGet(march->particles, name, &q));
+    PetscCall(SetById(march, 1, q, output->by_id));
+    PetscCall(MpmParticlesRestore(march->particles, name, &q));
+    PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
+    PetscCall(ViewAs(output->by_id, name, output->viewer));
+  }
+  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5PushGroup(output->viewer, "nodes"));
+  for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
+    PetscReal *from, *to;
+
+    PetscCall(MpmMarchProject(march, f, output->local));
+    PetscCall(MpmGridGetArray(march->grid, output->local, &from));
+    PetscCall(VecGetArray(output->global, &to));
+    for (PetscInt i = 0; i < march->grid->count; i++) to[i] = scalbn(from[i], (int)march->exponent);
+    PetscCall(VecRestoreArray(output->global, &to));
+    PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
+    PetscCall(ViewAs(output->global, output->scene->formulation->particle_fields[f], output->viewer));
+  }
+  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One attribute of a particle or node grid, stored in the HDF5 file. */
+static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[],
+                          const char name[], const char dimensions[])
+{
+  fprintf(
+      xmf,
+      "<Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">"
+      "<DataItem Dimensions=\"%s\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">%s:%s/%s/%s</DataItem>"
+      "</Attribute>\n",
+      name, dimensions, file, group, place, name);
+}
+
+static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[], PetscReal time)
+{
+  const MpmScene *s     = output->scene;
+  const char     *slash = strrchr(output->path, '/'), *file = slash ? slash + 1 : output->path;
+  char            particles[32], nodes[32];
+
+  snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->particles);
+  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->cells);
+  fprintf(xmf,
+          "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
+          "<Grid Name=\"particles\" GridType=\"Uniform\">\n"
+          "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%s\"/>\n"
+          "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"%s 3\" NumberType=\"Float\" Precision=\"8\" "
+          "Format=\"HDF\">%s:%s/particles/coordinates</DataItem></Geometry>\n",
+          time, particles, particles, file, group);
+  for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
+    DescribeField(xmf, file, group, "particles", s->formulation->particle_fields[f], particles);
+  fprintf(
+      xmf,
+      "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
+      "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
+      "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
+      "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
+      nodes, s->cell_width);
+  for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
+    DescribeField(xmf, file, group, "nodes", s->formulation->particle_fields[f], nodes);
+  fprintf(xmf, "</Grid>\n</Grid>\n");
+}
+
+PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
+{
+  const PetscReal time = march->step * march->scene->dt, step = (PetscReal)march->step;
+  char            group[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(group, sizeof group, "/step_%010" PetscInt64_FMT, march->step));
+  PetscCall(PetscViewerHDF5PushGroup(output->viewer, group));
+  PetscCall(WriteParticles(output, march));
+  PetscCall(WriteNodes(output, march));
+  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->viewer, group, "time", PETSC_REAL, &time));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->viewer, group, "step", PETSC_REAL, &step));
+  if (output->xmf.stream) DescribeStep(output, output->xmf.stream, group, time);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputDestroy(MpmOutput **output)
+{
+  MpmOutput  *o = *output;
+  PetscMPIInt rank;
+  int         error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerDestroy(&o->viewer));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0 && rename(o->part, o->path)) error = errno;
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  MpmCheckInput(!error, "%s: cannot be written: %s", o->path, strerror(error));
+  if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
+  PetscCall(MpmTextFileClose(&o->xmf));
+  PetscCall(VecDestroy(&o->by_id));
+  PetscCall(VecDestroy(&o->coordinates));
+  PetscCall(VecDestroy(&o->local));
+  PetscCall(VecDestroy(&o->global));
+  PetscCall(PetscFree(*output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

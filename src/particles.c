@@ -1,0 +1,167 @@
+/* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
+#include <mpmstab/particles.h>
+#include <math.h>
+
+const char MpmFieldCell[] = "cell", MpmFieldXi[] = "xi";
+
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole,
+                                 PetscReal *part)
+{
+  PetscInt64 cells;
+
+  PetscFunctionBegin;
+  MpmFractionMultiple(&particles->drift, step, &cells, part);
+  *whole = (PetscInt)(cells - particles->rebased);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)grid->da), &size));
+  particles->parallel = size > 1 ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(DMCreate(PetscObjectComm((PetscObject)grid->da), &particles->swarm));
+  PetscCall(DMSetType(particles->swarm, DMSWARM));
+  PetscCall(DMSetDimension(particles->swarm, scene->dim));
+  PetscCall(DMSwarmSetType(particles->swarm, DMSWARM_BASIC));
+  PetscCall(DMSwarmInitializeFieldRegister(particles->swarm));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->formulation->particle_fields[f], 1,
+                                                PETSC_REAL));
+  PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Visits, in the order of their places, the particles whose cell this rank owns; jitter may take a particle
+   into a neighbour of its own cell. With arrays it stores them, without it only counts.
+*/
+static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[],
+                         PetscReal xi[])
+{
+  PetscInt n = 0;
+
+  for (PetscInt c = grid->first - 1; c <= grid->first + grid->count; c++) {
+    const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
+
+    for (PetscInt j = 0; j < scene->ppc; j++) {
+      const PetscInt64 g = (PetscInt64)wrapped * scene->ppc + j;
+      PetscInt         place;
+      PetscReal        part;
+
+      MpmLayoutPlace(scene, g, &place, &part);
+      place += c - wrapped - grid->first;
+      if (place < 0 || place >= grid->count) continue;
+      if (id) {
+        id[n]   = g;
+        cell[n] = place;
+        xi[n]   = part;
+      }
+      n++;
+    }
+  }
+  return n;
+}
+
+static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscInt64 *id;
+  PetscInt   *cell, size;
+  PetscReal  *xi;
+
+  PetscFunctionBegin;
+  particles->count = VisitOwn(scene, grid, NULL, NULL, NULL);
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, 0));
+  PetscCall(DMSwarmGetSize(particles->swarm, &size));
+  PetscCheck(size == particles->total, PetscObjectComm((PetscObject)particles->swarm), PETSC_ERR_PLIB,
+             "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, particles->total);
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  (void)VisitOwn(scene, grid, id, cell, xi);
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A seed for each field, so that random fields are independent. */
+static PetscInt64 FieldSeed(const MpmScene *scene, PetscInt field)
+{
+  return (PetscInt64)(0x1p52 * MpmHash(scene->seed + 1, -2 - field));
+}
+
+static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
+                           MpmParticles *particles)
+{
+  const PetscReal   amplitude = scalbn(scene->amplitude, -(int)exponent);
+  const MpmProfile  profile   = MpmSceneProfile(scene, amplitude);
+  const PetscInt64 *id;
+  const PetscInt   *cell;
+  const PetscReal  *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+    const PetscInt64 seed = FieldSeed(scene, f);
+    const PetscReal  t    = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
+    PetscReal       *q;
+
+    PetscCall(MpmParticlesGet(particles, scene->formulation->particle_fields[f], &q));
+    for (PetscInt p = 0; p < particles->count; p++) {
+      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+
+      if (scene->initial == MPM_INITIAL_RANDOM)
+        q[p] = amplitude * (2 * MpmHash(seed, id[p]) - 1);
+      else
+        q[p] = scene->formulation->wave->value(&profile, f, X, t);
+    }
+    PetscCall(MpmParticlesRestore(particles, scene->formulation->particle_fields[f], &q));
+  }
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
+                                  MpmParticles **particles)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(particles));
+  (*particles)->formulation = scene->formulation;
+  (*particles)->drift       = scene->drift;
+  (*particles)->total       = scene->particles;
+  PetscCall(CreateSwarm(scene, grid, *particles));
+  PetscCall(Place(scene, grid, *particles));
+  PetscCall(Fill(scene, grid, exponent, *particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesDestroy(MpmParticles **particles)
+{
+  PetscFunctionBegin;
+  PetscCall(DMDestroy(&(*particles)->swarm));
+  PetscCall(PetscFree(*particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

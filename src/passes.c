@@ -1,0 +1,210 @@
+/* Table -> passes. */
+#include <mpmstab/passes.h>
+
+typedef struct {
+  const MpmFormulation *formulation;
+  const MpmBasis       *basis;
+  PetscReal             courant;
+  PetscBool             drifts, fused, mass_due;
+  PetscInt              depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
+  MpmSchedule          *schedule;
+} Compiler;
+
+static PetscBool Sums(const MpmPass *pass, PetscInt node)
+{
+  for (PetscInt s = 0; s < pass->nsums; s++)
+    if (pass->sum[s] == node) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool Reads(const MpmPass *pass, PetscInt node)
+{
+  for (PetscInt o = 0; o < pass->nops; o++)
+    if (pass->op[o].kind == MPM_PASS_MAP && !pass->op[o].to_nodes && pass->op[o].node == node)
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static MpmKernel KernelOf(const MpmBasis *basis, MpmOpKind kind)
+{
+  switch (kind) {
+  case MPM_P2G:
+    return basis->p2g;
+  case MPM_G2P:
+    return basis->g2p;
+  case MPM_GRAD:
+    return basis->grad;
+  default:
+    return NULL;
+  }
+}
+
+static PetscErrorCode Append(MpmPass *pass, MpmPassOp op)
+{
+  PetscFunctionBegin;
+  PetscCheck(pass->nops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
+  pass->op[pass->nops++] = op;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, PetscBool to_nodes)
+{
+  const PetscInt  node = to_nodes ? op->dst : op->src, particle = to_nodes ? op->src : op->dst;
+  const PetscBool with_mass = to_nodes && c->mass_due ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                     .kernel      = KernelOf(c->basis, op->kind),
+                                     .mass_kernel = c->basis->p2g_mass,
+                                     .a           = MpmCoefficientValue(op->coefficient, c->courant),
+                                     .particle    = particle,
+                                     .node        = node,
+                                     .to_nodes    = to_nodes}));
+  if (with_mass) {
+    pass->sums_mass = PETSC_TRUE;
+    c->mass_due     = PETSC_FALSE;
+  }
+  if (to_nodes) {
+    if (Reads(pass, node)) c->schedule->spare[node] = PETSC_TRUE;
+    pass->sum[pass->nsums++] = node;
+    c->depth[node]           = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
+{
+  const PetscInt reads = c->depth[op->src] + MpmOpTraitsOf(op->kind).halo;
+
+  PetscFunctionBegin;
+  PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
+  c->depth[op->dst]                = op->kind == MPM_ADD ? PetscMax(reads, c->depth[op->dst]) : reads;
+  c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
+  pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind  = op->kind,
+                                                 .a     = MpmCoefficientValue(op->coefficient, c->courant),
+                                                 .dst   = op->dst,
+                                                 .src   = op->src,
+                                                 .depth = c->depth[op->dst]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A pass must end before an operation that reads what the pass has yet to complete. */
+static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
+  if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
+  if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
+  return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
+}
+
+static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  PetscFunctionBegin;
+  if (traits.dst == MPM_NOWHERE) {
+    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_DRIFT}));
+    pass->drifts = PETSC_TRUE;
+    pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
+    c->mass_due  = PETSC_TRUE;
+  } else if (traits.src == MPM_ON_PARTICLES)
+    PetscCall(AppendMap(c, pass, op, PETSC_TRUE));
+  else if (traits.dst == MPM_ON_PARTICLES)
+    PetscCall(AppendMap(c, pass, op, PETSC_FALSE));
+  else
+    PetscCall(AppendNodeOp(c, pass, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many operations come before the particles first read the grid or move. */
+static PetscInt HeadLength(const MpmFormulation *f)
+{
+  PetscInt h = 0;
+
+  while (h < f->nops && MpmOpTraitsOf(f->ops[h].kind).dst == MPM_ON_NODES) h++;
+  return h;
+}
+
+/* The state's norm is summed where each particle field gets its last value of the step. */
+static PetscErrorCode InsertSamples(const MpmFormulation *f, MpmSchedule *schedule)
+{
+  PetscFunctionBegin;
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    MpmPass *last  = NULL;
+    PetscInt after = 0;
+
+    for (PetscInt p = 0; p < schedule->npasses; p++) {
+      for (PetscInt o = 0; o < schedule->pass[p].nops; o++) {
+        const MpmPassOp *op = &schedule->pass[p].op[o];
+
+        if (op->kind == MPM_PASS_MAP && !op->to_nodes && op->particle == field) {
+          last  = &schedule->pass[p];
+          after = o;
+        }
+      }
+    }
+    if (!last) continue; /* a field that no step changes needs no watching */
+    PetscCall(Append(last, last->op[last->nops - 1]));
+    for (PetscInt o = last->nops - 2; o > after; o--) last->op[o] = last->op[o - 1];
+    last->op[after + 1] = (MpmPassOp){.kind = MPM_PASS_SAMPLE, .particle = field};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant,
+                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
+{
+  const PetscInt head = HeadLength(f);
+  Compiler       c    = {.formulation = f,
+                         .basis       = basis,
+                         .courant     = courant,
+                         .drifts      = drifts,
+                         .fused       = fused,
+                         .mass_due    = PETSC_TRUE,
+                         .schedule    = schedule};
+  MpmPass       *pass;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(schedule, sizeof *schedule));
+  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &f->ops[o]));
+  pass              = &schedule->pass[0];
+  schedule->npasses = 1;
+  for (PetscInt o = 0; o < f->nops; o++) {
+    const MpmOp *op = &f->ops[(head + o) % f->nops];
+
+    if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
+    if (EndsBefore(pass, op)) {
+      PetscCheck(schedule->npasses < MPM_MAX_PASSES, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASSES");
+      pass = &schedule->pass[schedule->npasses++];
+    }
+    PetscCall(CompileOp(&c, pass, op));
+  }
+  PetscCall(InsertSamples(f, schedule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmScheduleBound(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant)
+{
+  PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
+
+  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) particle[i] = node[i] = 1;
+  for (PetscInt o = 0; o < f->nops; o++) {
+    const MpmOp    *op = &f->ops[o];
+    const PetscReal a  = PetscAbsReal(MpmCoefficientValue(op->coefficient, courant));
+
+    if (op->kind == MPM_P2G)
+      node[op->dst] = particle[op->src];
+    else if (op->kind == MPM_G2P)
+      particle[op->dst] += a * node[op->src];
+    else if (op->kind == MPM_GRAD)
+      particle[op->dst] += a * basis->slope_sum * node[op->src];
+    else if (op->kind == MPM_LAP)
+      node[op->dst] = 4 * a * node[op->src];
+    else if (op->kind == MPM_ADD)
+      node[op->dst] += node[op->src];
+  }
+  for (PetscInt i = 0; f->particle_fields[i]; i++) bound = PetscMax(bound, particle[i]);
+  return bound;
+}

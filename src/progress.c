@@ -1,0 +1,43 @@
+/* A progress line on standard error. */
+#include <mpmstab/progress.h>
+#include <unistd.h>
+
+#define SILENT_S 2.0 /* shorter work shows nothing */
+#define BETWEEN_S 0.5
+
+PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  progress->enabled =
+      scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
+  if (rank) progress->enabled = PETSC_FALSE;
+  progress->shown   = PETSC_FALSE;
+  progress->started = MPI_Wtime();
+  progress->last    = progress->started + SILENT_S - BETWEEN_S;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total)
+{
+  const PetscReal now = progress->enabled ? MPI_Wtime() : 0;
+
+  PetscFunctionBegin;
+  if (!progress->enabled || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(stderr, "\rstep %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", done, total,
+          100.0 * (double)done / (double)total,
+          (now - progress->started) * (double)(total - done) / (double)PetscMax(done, 1));
+  fflush(stderr);
+  progress->last  = now;
+  progress->shown = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgressEnd(MpmProgress *progress)
+{
+  PetscFunctionBegin;
+  if (progress->shown) fprintf(stderr, "\r%70s\r", "");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

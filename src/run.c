@@ -1,0 +1,176 @@
+/* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
+#include <mpmstab/errors.h>
+#include <mpmstab/output.h>
+#include <mpmstab/progress.h>
+#include <mpmstab/run.h>
+#include <math.h>
+
+#define MOST_SAMPLES 256 /* equally spaced, unless growth asks for more */
+
+/* Rescaling keeps the state within 2^+-100; between two samples it may grow to 2^480, and its squares fit a
+ * double. */
+#define RESCALE_AT 100
+#define ROOM 380
+
+typedef struct {
+  MpmRun     *run;
+  MpmMarch   *march;
+  MpmOutput  *output; /* NULL: none asked */
+  MpmTextFile csv;
+  PetscInt64  gap; /* steps between samples */
+  PetscReal   aside_s;
+} Loop;
+
+/* A step enlarges the state by at most a bound known from the table, so that no run overflows between
+ * samples. */
+static PetscInt64 SampleGap(const MpmScene *scene)
+{
+  const PetscReal bound = MpmScheduleBound(scene->formulation, scene->basis, scene->courant);
+  const PetscReal safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
+
+  return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
+}
+
+static PetscErrorCode WriteCsvHeader(const Loop *loop)
+{
+  const MpmScene *scene = loop->run->scene;
+
+  PetscFunctionBegin;
+  if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(loop->csv.stream, "step,time,norm,energy,log10_norm");
+  for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
+    fprintf(loop->csv.stream, ",error_l2_%s", scene->formulation->particle_fields[f]);
+  fprintf(loop->csv.stream, "\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteCsvRow(const Loop *loop, PetscReal log_norm, PetscReal energy)
+{
+  const MpmScene *scene = loop->run->scene;
+  MpmError        error[MPM_MAX_FIELDS];
+
+  PetscFunctionBegin;
+  if (!scene->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (loop->run->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, error));
+  if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(loop->csv.stream, "%" PetscInt64_FMT ",%.17g,%.17g,%.17g,%.17g", loop->march->step,
+          loop->march->step * scene->dt, exp(log_norm), energy, log_norm / M_LN10);
+  for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
+    fprintf(loop->csv.stream, ",%.17g", error[f].l2);
+  fprintf(loop->csv.stream, "\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Records norm and energy of a sampled step and rescales the state. follow: whether the run can go on. */
+static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
+{
+  MpmMarch       *march = loop->march;
+  MpmRun         *run   = loop->run;
+  const PetscReal ln2   = M_LN2 * march->exponent;
+  PetscReal       norm, energy, true_energy;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchNorms(march, &norm, &energy));
+  *follow = isfinite(norm) && isfinite(energy) ? PETSC_TRUE : PETSC_FALSE;
+  if (run->blew_up_at_step == MPM_NEVER && !(log(norm) + ln2 <= log(PETSC_MAX_REAL)))
+    run->blew_up_at_step = march->step;
+  true_energy = scalbn(energy, 2 * (int)march->exponent);
+  if (march->step == 0) run->energy_initial = true_energy;
+  run->energy_final = true_energy;
+  if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSeriesAppend(&run->series, march->step, log(norm) + ln2, log(energy) / 2 + ln2));
+  PetscCall(WriteCsvRow(loop, log(norm) + ln2, true_energy));
+  if (norm > 0 && PetscAbsInt(ilogb(norm)) > RESCALE_AT) PetscCall(MpmMarchRescale(march, ilogb(norm)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteOutput(Loop *loop)
+{
+  const PetscReal begin = MPI_Wtime();
+
+  PetscFunctionBegin;
+  PetscCall(MpmOutputStep(loop->output, loop->march));
+  loop->aside_s += MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode March(Loop *loop)
+{
+  const MpmScene *scene = loop->run->scene;
+  PetscReal       begin;
+  PetscBool       follow;
+  MpmProgress     progress;
+
+  PetscFunctionBegin;
+  PetscCall(Sample(loop, &follow));
+  if (loop->output) PetscCall(WriteOutput(loop));
+  PetscCall(MpmProgressBegin(scene, &progress));
+  loop->aside_s = 0;
+  begin         = MPI_Wtime();
+  for (PetscInt64 step = 1; step <= scene->steps && follow; step++) {
+    const PetscBool sample = step % loop->gap == 0 || step == scene->steps ? PETSC_TRUE : PETSC_FALSE;
+
+    PetscCall(MpmMarchStep(loop->march, sample));
+    if (sample) PetscCall(Sample(loop, &follow));
+    if (loop->output && (step % scene->output_every == 0 || step == scene->steps))
+      PetscCall(WriteOutput(loop));
+    PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
+  }
+  loop->run->loop_s = MPI_Wtime() - begin - loop->aside_s;
+  PetscCall(MpmProgressEnd(&progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every file is tried before the work begins, and has its name only when the work is done. */
+static PetscErrorCode OpenFiles(Loop *loop)
+{
+  const MpmScene *scene = loop->run->scene;
+
+  PetscFunctionBegin;
+  if (scene->json[0]) PetscCall(MpmFileCheck("json", scene->json));
+  if (scene->csv[0]) PetscCall(MpmFileCheck("csv", scene->csv));
+  if (scene->output[0]) PetscCall(MpmFileCheck("output", scene->output));
+  if (scene->output[0]) PetscCall(MpmOutputCreate(loop->march, &loop->output));
+  if (scene->csv[0]) {
+    PetscCall(MpmTextFileOpen(scene->csv, &loop->csv));
+    PetscCall(WriteCsvHeader(loop));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+{
+  Loop    loop = {.gap = SampleGap(scene)};
+  MpmRun *r;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(run));
+  r                  = *run;
+  r->scene           = scene;
+  r->blew_up_at_step = MPM_NEVER;
+  r->has_errors      = scene->initial == MPM_INITIAL_RANDOM ? PETSC_FALSE : PETSC_TRUE;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
+  PetscCall(MpmPredict(scene, &r->predictions));
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop.march));
+  loop.run = r;
+  PetscCall(OpenFiles(&loop));
+  PetscCall(March(&loop));
+  if (loop.output) PetscCall(MpmOutputDestroy(&loop.output));
+  if (scene->csv[0]) PetscCall(MpmTextFileClose(&loop.csv));
+  if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
+  r->steps      = loop.march->step;
+  r->migrations = loop.march->migrations;
+  PetscCall(MpmMarchDestroy(&loop.march));
+  r->growth  = MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE);
+  r->verdict = r->steps < scene->steps ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
+  r->wall_s  = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunDestroy(MpmRun **run)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSeriesDestroy(&(*run)->series));
+  PetscCall(PetscFree(*run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,202 @@
+/* Settings -> Scene: units, derived numbers, and options that exclude each other. */
+#include <mpmstab/scene.h>
+#include <math.h>
+
+static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "formulation", &i));
+  scene->formulation = MpmFormulations[i];
+  PetscCall(MpmSettingsWord(settings, "basis", &i));
+  scene->basis = MpmBases[i];
+  PetscCall(MpmSettingsWord(settings, "transfer", &i));
+  scene->transfer = MpmOptions[MpmOptionIndex("transfer")].word(i);
+  PetscCall(MpmSettingsWord(settings, "layout", &i));
+  scene->layout = MpmOptions[MpmOptionIndex("layout")].word(i);
+  PetscCall(MpmSettingsWord(settings, "boundary", &i));
+  scene->boundary = MpmOptions[MpmOptionIndex("boundary")].word(i);
+  PetscCall(MpmSettingsWord(settings, "initial", &i));
+  scene->initial = (MpmInitial)i;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt64 n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsInteger(settings, "dim", &n));
+  scene->dim = (PetscInt)n;
+  PetscCall(MpmSettingsInteger(settings, "cells", &n));
+  scene->cells = (PetscInt)n;
+  PetscCall(MpmSettingsReal(settings, "length", &scene->length));
+  PetscCall(MpmSettingsInteger(settings, "ppc", &n));
+  scene->ppc       = (PetscInt)n;
+  scene->particles = n * scene->cells;
+  if (scene->particles > PETSC_MAX_INT / 2)
+    PetscCall(MpmSettingsRefuse(settings, MpmSettingsSource(settings, "ppc") ? "ppc" : "cells",
+                                "cells times ppc is too large; allowed: at most 1073741823 particles"));
+  PetscCall(MpmSettingsFraction(settings, "offset", &scene->offset));
+  PetscCall(MpmSettingsReal(settings, "jitter", &scene->jitter));
+  PetscCall(MpmSettingsInteger(settings, "seed", &scene->seed));
+  scene->cell_width = scene->length / scene->cells;
+  if (!isnormal(scene->cell_width))
+    PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscReal value;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReal(settings, "wave_speed", &scene->wave_speed));
+  if (MpmSettingsGiven(settings, "dt")) {
+    PetscCall(MpmSettingsReal(settings, "dt", &scene->dt));
+    scene->courant = scene->wave_speed * scene->dt / scene->cell_width;
+    if (!isnormal(scene->courant))
+      PetscCall(
+          MpmSettingsRefuse(settings, "dt", "c dt / h is out of range; allowed: a finite Courant number"));
+  } else {
+    PetscCall(MpmSettingsReal(settings, "courant", &scene->courant));
+    scene->dt = scene->courant * scene->cell_width / scene->wave_speed;
+    if (!isnormal(scene->dt))
+      PetscCall(MpmSettingsRefuse(settings, "courant",
+                                  "dt = k h / c is out of range; allowed: a finite time step"));
+  }
+  if (MpmSettingsGiven(settings, "velocity")) {
+    PetscCall(MpmSettingsReal(settings, "velocity", &value));
+    scene->drift = (MpmFraction){.num = 0, .den = 0, .value = value * scene->dt / scene->cell_width};
+    if (!(PetscAbsReal(scene->drift.value) <= 1e6))
+      PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
+  } else
+    PetscCall(MpmSettingsFraction(settings, "drift", &scene->drift));
+  if (MpmSettingsGiven(settings, "time")) {
+    PetscCall(MpmSettingsReal(settings, "time", &value));
+    /* a time that is whole steps but for rounding is not given one more */
+    value = ceil(value / scene->dt * (1 - 1e-12));
+    if (!(value <= 1e15)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
+    scene->steps = PetscMax((PetscInt64)value, 1);
+  } else
+    PetscCall(MpmSettingsInteger(settings, "steps", &scene->steps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt64 n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsInteger(settings, "mode", &n));
+  scene->mode = (PetscInt)n;
+  if (scene->initial == MPM_INITIAL_MODE && scene->mode > PetscMax(1, scene->cells / 2))
+    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: a whole number from 1 to cells / 2"));
+  if (scene->initial != MPM_INITIAL_MODE && MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT &&
+      MpmSettingsSource(settings, "mode") >= MpmSettingsSource(settings, "initial"))
+    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode"));
+  PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
+  PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
+  if (scene->stagger && scene->formulation->staggered == MPM_NONE)
+    PetscCall(MpmSettingsRefuse(
+        settings, "stagger",
+        "this formulation updates its fields at once; allowed: with two-stage formulations"));
+  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM)
+    PetscCall(MpmSettingsRefuse(settings, "stagger",
+                                "random data have no half step; allowed: with initial mode or pulse"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], char path[])
+{
+  const char *text;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsPath(settings, name, &text));
+  if (text) PetscCall(PetscStrncpy(path, text, PETSC_MAX_PATH_LEN - 16)); /* room for '.part' and '.xmf' */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
+  PetscCall(ReadPath(settings, "output", scene->output));
+  PetscCall(ReadPath(settings, "json", scene->json));
+  PetscCall(ReadPath(settings, "csv", scene->csv));
+  scene->output_every = scene->steps;
+  if (MpmSettingsGiven(settings, "output_every")) {
+    PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
+    if (!scene->output[0])
+      PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
+  }
+  scene->has_progress = MpmSettingsGiven(settings, "progress");
+  if (scene->has_progress) PetscCall(MpmSettingsSwitch(settings, "progress", &scene->progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  expect->has_verdict = MpmSettingsGiven(settings, "expect");
+  expect->has_kind    = MpmSettingsGiven(settings, "expect_kind");
+  expect->has_growth  = MpmSettingsGiven(settings, "expect_growth");
+  expect->has_error   = MpmSettingsGiven(settings, "expect_error");
+  expect->has_energy  = MpmSettingsGiven(settings, "expect_energy");
+  if (expect->has_verdict) {
+    PetscCall(MpmSettingsWord(settings, "expect", &i));
+    expect->verdict = (MpmVerdict)i;
+  }
+  if (expect->has_kind) {
+    PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
+    expect->kind = (MpmGrowthKind)i;
+  }
+  if (expect->has_growth) PetscCall(MpmSettingsRange(settings, "expect_growth", expect->growth));
+  if (expect->has_energy) PetscCall(MpmSettingsRange(settings, "expect_energy", expect->energy));
+  if (expect->has_error) {
+    PetscCall(MpmSettingsRange(settings, "expect_error", expect->error));
+    if (scene->initial == MPM_INITIAL_RANDOM)
+      PetscCall(MpmSettingsRefuse(settings, "expect_error",
+                                  "random data have no exact solution; allowed: with initial "
+                                  "mode or pulse"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene)
+{
+  MpmSettings *settings;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(scene));
+  PetscCall(MpmSettingsCreate(path, &settings));
+  PetscCall(PetscStrncpy((*scene)->path, path ? path : "", sizeof(*scene)->path));
+  PetscCall(ReadWords(settings, *scene));
+  PetscCall(ReadGrid(settings, *scene));
+  PetscCall(ReadTime(settings, *scene));
+  PetscCall(ReadInitial(settings, *scene));
+  PetscCall(ReadOutputs(settings, *scene));
+  PetscCall(ReadExpect(settings, *scene, &(*scene)->expect));
+  PetscCall(MpmSettingsDestroy(&settings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneDestroy(MpmScene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude)
+{
+  return (MpmProfile){.initial    = scene->initial,
+                      .length     = scene->length,
+                      .wave_speed = scene->wave_speed,
+                      .cell_width = scene->cell_width,
+                      .amplitude  = amplitude,
+                      .wavenumber = 2 * PETSC_PI * scene->mode / scene->length};
+}

@@ -1,0 +1,129 @@
+/* Gathers what the user said: scene, then command line; refuses what nothing knows. */
+#include <mpmstab/settings.h>
+#include <string.h>
+
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source,
+                              int line)
+{
+  const char    *rival = MpmOptions[option].rival;
+  const PetscInt other = rival ? MpmOptionIndex(rival) : MPM_NOT_AN_OPTION;
+
+  PetscFunctionBegin;
+  if (rival) {
+    MpmCheckInput(settings->source[other] != source, "%s and %s are both given%s%s; allowed: one of them",
+                  MpmOptions[option].name, rival, source == MPM_FROM_SCENE ? " in " : " on the command line",
+                  source == MPM_FROM_SCENE ? settings->scene : "");
+    PetscCall(PetscFree(settings->text[other]));
+    settings->source[other] = MPM_FROM_DEFAULT;
+  }
+  PetscCall(PetscFree(settings->text[option]));
+  PetscCall(PetscStrallocpy(text, &settings->text[option]));
+  settings->source[option] = source;
+  settings->line[option]   = line;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadCommandLine(MpmSettings *settings)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    char        key[64];
+    const char *text;
+    PetscBool   given;
+
+    PetscCall(PetscSNPrintf(key, sizeof key, "-%s", MpmOptions[i].name));
+    PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
+    if (given) PetscCall(MpmSettingsSet(settings, i, text ? text : "", MPM_FROM_COMMAND_LINE, 0));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCreate(const char scene[], MpmSettings **settings)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(settings));
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    PetscCheck(i < MPM_MAX_OPTIONS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_OPTIONS");
+    if (MpmOptions[i].fallback) PetscCall(PetscStrallocpy(MpmOptions[i].fallback, &(*settings)->text[i]));
+  }
+  if (scene) PetscCall(MpmSettingsReadScene(*settings, scene));
+  PetscCall(ReadCommandLine(*settings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
+{
+  PetscFunctionBegin;
+  if (*settings)
+    for (PetscInt i = 0; MpmOptions[i].name; i++) PetscCall(PetscFree((*settings)->text[i]));
+  PetscCall(PetscFree(*settings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Options of the libraries below us: they read theirs while the task runs, so only the family can be known
+ * before. */
+static PetscBool IsLibraryOption(const char name[])
+{
+  static const char *const families[] = {
+      "log_",    "malloc",    "objects_",       "options_", "on_error_", "info",   "dm_",
+      "da_",     "vec_",      "mat_",           "sf_",      "viewer_",   "mpi_",   "memory_",
+      "fp_trap", "debugger",  "start_in_debug", "saws",     "no_",       "nox",    "version",
+      "check_",  "get_total", "petsc",          "xml",      "python",    "error_", "use_gpu",
+      "device_", "cuda_",     "hip_",           "blas_",    "process_",  "q",      "display",
+      "tmp"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(families); i++)
+    if (!strncmp(name, families[i], strlen(families[i]))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode RefuseUnknown(const char name[])
+{
+  const char *names[MPM_MAX_OPTIONS], *near;
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  while (MpmOptions[n].name) {
+    names[n] = MpmOptions[n].name;
+    n++;
+  }
+  near = MpmSuggest(name, n, names);
+  if (near) MpmRefuse("unknown option -%s; did you mean -%s?", name, near);
+  MpmRefuse("unknown option -%s; 'mpmstab list options' shows those there are", name);
+}
+
+static PetscBool IsKey(const char word[])
+{
+  return word[0] == '-' && (word[1] == '-' || (word[1] | 32) >= 'a') ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmSettingsCheckCommandLine(int argc, char **argv, int first)
+{
+  PetscFunctionBegin;
+  for (int i = first; i < argc; i++) {
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...",
+                  argv[i]);
+    if (MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION && !IsLibraryOption(argv[i] + 1))
+      PetscCall(RefuseUnknown(argv[i] + 1));
+    if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckUnused(void)
+{
+  PetscInt n;
+  char   **names, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt i = 0; i < n; i++) {
+    /* PETSc reads these when it ends */
+    if (!strncmp(names[i], "options_", 8) || !strncmp(names[i], "objects_", 8) ||
+        !strncmp(names[i], "malloc", 6))
+      continue;
+    PetscCall(RefuseUnknown(names[i]));
+  }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,173 @@
+/* Typed settings: each is checked once, here, and refused with what is allowed. */
+#include <mpmstab/settings.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
+{
+  return settings->text[MpmOptionIndex(name)] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[])
+{
+  return settings->source[MpmOptionIndex(name)];
+}
+
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
+{
+  const PetscInt i = MpmOptionIndex(name);
+
+  PetscFunctionBegin;
+  if (settings->source[i] == MPM_FROM_SCENE)
+    MpmRefuse("%s:%d: %s: %s: %s", settings->scene, settings->line[i], name, settings->text[i], why);
+  MpmRefuse("-%s %s: %s", name, settings->text[i], why);
+}
+
+static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  char             why[256];
+
+  PetscFunctionBegin;
+  if (option->lo_open && option->hi == PETSC_MAX_REAL)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g", what, (double)option->lo));
+  else if (option->hi == PETSC_MAX_REAL)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s", what));
+  else if (option->kind == MPM_FRACTION && option->hi < 1)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g to below 1", what, (double)option->lo));
+  else
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
+                            (double)option->hi));
+  PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool InRange(const MpmOption *option, PetscReal value)
+{
+  if (!isfinite(value) || value > option->hi) return PETSC_FALSE;
+  return option->lo_open ? value > option->lo : value >= option->lo;
+}
+
+/* strtod takes blanks, hexadecimals, 'inf' and 'nan'; a setting does not. */
+static PetscBool ParseReal(const char text[], PetscReal *value)
+{
+  char *end;
+
+  if (!*text || strspn(text, "0123456789+-.eE") != strlen(text)) return PETSC_FALSE;
+  *value = strtod(text, &end);
+  return *end || !isfinite(*value) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value)
+{
+  const PetscInt i    = MpmOptionIndex(name);
+  const char    *text = settings->text[i];
+  char          *end;
+
+  PetscFunctionBegin;
+  errno  = 0;
+  *value = strtoll(text, &end, 10);
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
+      !InRange(&MpmOptions[i], (PetscReal)*value))
+    PetscCall(RefuseNumber(settings, name, "a whole number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
+{
+  const PetscInt i = MpmOptionIndex(name);
+
+  PetscFunctionBegin;
+  if (!ParseReal(settings->text[i], value) || !InRange(&MpmOptions[i], *value))
+    PetscCall(RefuseNumber(settings, name, "a finite number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[], MpmFraction *value)
+{
+  const PetscInt i = MpmOptionIndex(name);
+  PetscBool      ok;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(settings->text[i], value, &ok));
+  if (!ok || !InRange(&MpmOptions[i], value->value))
+    PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
+{
+  static const char *const yes[] = {"", "true", "yes", "on", "1"}, *const no[] = {"false", "no", "off", "0"};
+  const char *const text = settings->text[MpmOptionIndex(name)];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(yes); i++) {
+    if (!strcmp(text, yes[i])) {
+      *value = PETSC_TRUE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(no); i++) {
+    if (!strcmp(text, no[i])) {
+      *value = PETSC_FALSE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  PetscCall(MpmSettingsRefuse(settings, name, "allowed: true or false"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
+{
+  const PetscInt option = MpmOptionIndex(name);
+  const char    *words[32], *near;
+  char           why[512] = "allowed: ";
+  PetscInt       n        = 0;
+
+  PetscFunctionBegin;
+  for (; MpmOptions[option].word(n); n++) {
+    words[n] = MpmOptions[option].word(n);
+    if (!strcmp(words[n], settings->text[option])) {
+      *index = n;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    if (i) PetscCall(PetscStrlcat(why, i == n - 1 ? " or " : ", ", sizeof why));
+    PetscCall(PetscStrlcat(why, words[i], sizeof why));
+  }
+  near = n > 1 ? MpmSuggest(settings->text[option], n, words) : NULL;
+  if (near) {
+    PetscCall(PetscStrlcat(why, "; did you mean ", sizeof why));
+    PetscCall(PetscStrlcat(why, near, sizeof why));
+    PetscCall(PetscStrlcat(why, "?", sizeof why));
+  }
+  PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2])
+{
+  const char *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char        first[64] = "";
+
+  PetscFunctionBegin;
+  if (comma && comma - text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
+    if (ParseReal(first, &range[0]) && ParseReal(comma + 1, &range[1]) && range[0] <= range[1])
+      PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsRefuse(settings, name,
+                              "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path)
+{
+  PetscFunctionBegin;
+  *path = settings->text[MpmOptionIndex(name)];
+  if (*path && !**path) PetscCall(MpmSettingsRefuse(settings, name, "allowed: the name of a file"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

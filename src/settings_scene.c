@@ -1,0 +1,153 @@
+/* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
+#include <mpmstab/settings.h>
+#include <errno.h>
+#include <string.h>
+#include <yaml.h>
+
+#define LARGEST_SCENE (1 << 20) /* bytes */
+
+/* Rank 0 reads and every rank gets the same bytes, so that all of them refuse the same thing. */
+static PetscErrorCode ReadBytes(const char path[], char **bytes, PetscInt *size)
+{
+  PetscMPIInt rank;
+  int         answer[2] = {0, 0}; /* size, errno */
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(PetscMalloc1(LARGEST_SCENE + 1, bytes));
+  if (rank == 0) {
+    FILE *file = fopen(path, "rb");
+
+    if (file) {
+      answer[0] = (int)fread(*bytes, 1, LARGEST_SCENE + 1, file);
+      if (ferror(file)) answer[1] = errno ? errno : EIO;
+      fclose(file);
+    } else
+      answer[1] = errno;
+  }
+  PetscCallMPI(MPI_Bcast(answer, 2, MPI_INT, 0, PETSC_COMM_WORLD));
+  MpmCheckInput(!answer[1], "scene %s: %s; allowed: a YAML file", path, strerror(answer[1]));
+  MpmCheckInput(answer[0] <= LARGEST_SCENE, "scene %s: larger than 1 MiB; allowed: a YAML file of options",
+                path);
+  *size = answer[0];
+  PetscCallMPI(MPI_Bcast(*bytes, *size, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static int Line(const yaml_node_t *node)
+{
+  return (int)node->start_mark.line + 1;
+}
+
+static const char *Scalar(const yaml_node_t *node)
+{
+  return node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : NULL;
+}
+
+static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const char text[], int line)
+{
+  const char    *names[MPM_MAX_OPTIONS], *near;
+  PetscInt       n      = 0;
+  const PetscInt option = MpmOptionIndex(key);
+
+  PetscFunctionBegin;
+  if (option == MPM_NOT_AN_OPTION) {
+    for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
+    near = MpmSuggest(key, n, names);
+    if (near) MpmRefuse("%s:%d: unknown key '%s'; did you mean '%s'?", settings->scene, line, key, near);
+    MpmRefuse("%s:%d: unknown key '%s'; 'mpmstab list options' shows those there are", settings->scene, line,
+              key);
+  }
+  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time",
+                settings->scene, line, key);
+  MpmCheckInput(*text, "%s:%d: key '%s' has no value", settings->scene, line, key);
+  PetscCall(MpmSettingsSet(settings, option, text, MPM_FROM_SCENE, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A scalar is itself, a sequence of two scalars is 'a,b'. */
+static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document, const char key[],
+                                const yaml_node_t *value, char text[], size_t size)
+{
+  const char *parts[2] = {Scalar(value), NULL};
+
+  PetscFunctionBegin;
+  if (value->type == YAML_SEQUENCE_NODE) {
+    const yaml_node_item_t *item = value->data.sequence.items.start;
+
+    if (value->data.sequence.items.top - item == 2)
+      for (int i = 0; i < 2; i++) parts[i] = Scalar(yaml_document_get_node(document, item[i]));
+    MpmCheckInput(parts[0] && parts[1], "%s:%d: key '%s': allowed: one value, or two numbers [lo, hi]",
+                  settings->scene, Line(value), key);
+  }
+  MpmCheckInput(parts[0], "%s:%d: key '%s' holds a block; allowed: a value", settings->scene, Line(value),
+                key);
+  MpmCheckInput(strlen(parts[0]) + (parts[1] ? strlen(parts[1]) : 0) + 2 < size,
+                "%s:%d: key '%s': its value is too long", settings->scene, Line(value), key);
+  PetscCall(PetscSNPrintf(text, size, "%s%s%s", parts[0], parts[1] ? "," : "", parts[1] ? parts[1] : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keys of the 'expect' block become expect_KEY; 'verdict' is the option expect itself. */
+static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *document,
+                                  const yaml_node_t *mapping, PetscBool inside_expect)
+{
+  const yaml_node_pair_t *end = mapping->data.mapping.pairs.top;
+
+  PetscFunctionBegin;
+  for (const yaml_node_pair_t *pair = mapping->data.mapping.pairs.start; pair < end; pair++) {
+    const yaml_node_t *node  = yaml_document_get_node(document, pair->key);
+    const yaml_node_t *value = yaml_document_get_node(document, pair->value);
+    const char        *key   = Scalar(node);
+    char               name[128], text[PETSC_MAX_PATH_LEN];
+
+    MpmCheckInput(key && strlen(key) < 100, "%s:%d: allowed: lines of the form key: value", settings->scene,
+                  Line(node));
+    if (!inside_expect && !strcmp(key, "expect") && value->type == YAML_MAPPING_NODE) {
+      PetscCall(ReadMapping(settings, document, value, PETSC_TRUE));
+      continue;
+    }
+    PetscCall(ValueText(settings, document, key, value, text, sizeof text));
+    if (inside_expect && !strcmp(key, "verdict"))
+      PetscCall(PetscStrncpy(name, "expect", sizeof name));
+    else
+      PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
+    PetscCall(SetOnce(settings, name, text, Line(node)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
+{
+  yaml_document_t    document;
+  const yaml_node_t *root;
+
+  PetscFunctionBegin;
+  MpmCheckInput(yaml_parser_load(parser, &document),
+                "%s:%d: not YAML: %s; allowed: lines of the form key: value", settings->scene,
+                (int)parser->problem_mark.line + 1, parser->problem ? parser->problem : "unreadable");
+  root = yaml_document_get_root_node(&document);
+  MpmCheckInput(root && root->type == YAML_MAPPING_NODE, "scene %s: allowed: lines of the form key: value",
+                settings->scene);
+  PetscCall(ReadMapping(settings, &document, root, PETSC_FALSE));
+  yaml_document_delete(&document);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
+{
+  char         *bytes;
+  PetscInt      size = 0;
+  yaml_parser_t parser;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
+  PetscCall(ReadBytes(path, &bytes, &size));
+  PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM,
+             "no memory for the YAML parser");
+  yaml_parser_set_input_string(&parser, (const unsigned char *)bytes, (size_t)size);
+  PetscCall(ReadDocument(settings, &parser));
+  yaml_parser_delete(&parser);
+  PetscCall(PetscFree(bytes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,82 @@
+/* mpmstab list [formulation|basis|transfer|layout|options] */
+#include <mpmstab/scene.h>
+#include <mpmstab/task.h>
+#include <string.h>
+
+#define Print(...) PetscCall(PetscPrintf(PETSC_COMM_WORLD, __VA_ARGS__))
+
+static PetscErrorCode ListFormulations(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmFormulations[i]; i++)
+    Print("  %-10s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary,
+          MpmFormulations[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListBases(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmBases[i]; i++)
+    Print("  %-10s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListTransfers(void)
+{
+  PetscFunctionBegin;
+  Print("  %-10s particles gain increments from the grid (Brackbill and Ruppel 1986)\n", "flip");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListLayouts(void)
+{
+  PetscFunctionBegin;
+  Print("  %-10s equally spaced from offset, displaced by jitter (hashed from the particle's id)\n",
+        "uniform");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListOptions(void)
+{
+  PetscFunctionBegin;
+  for (const MpmOption *o = MpmOptions; o->name; o++)
+    Print("  %-14s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const struct {
+  const char *name, *title;
+  PetscErrorCode (*list)(void);
+} lists[] = {
+    {"formulation", "formulations", ListFormulations},
+    {"basis", "bases", ListBases},
+    {"transfer", "transfers", ListTransfers},
+    {"layout", "layouts", ListLayouts},
+    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions}};
+
+PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
+{
+  const char *names[PETSC_STATIC_ARRAY_LENGTH(lists)];
+  PetscBool   found = PETSC_FALSE;
+  const char *near;
+
+  PetscFunctionBegin;
+  (void)started;
+  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|layout|options]",
+                argv[1]);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
+    names[i] = lists[i].name;
+    if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
+    found = PETSC_TRUE;
+    Print("%s\n", lists[i].title);
+    PetscCall(lists[i].list());
+  }
+  if (!found) {
+    near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, layout or options%s%s%s", argv[0],
+              near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  }
+  *status = MPM_EXIT_DONE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,78 @@
+/* Files that appear whole or not at all: written aside, checked, renamed. */
+#include <mpmstab/errors.h>
+#include <mpmstab/output.h>
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Rank 0's errno on all ranks, so that they refuse together. */
+static PetscErrorCode ShareErrno(int *error)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsFirst(void)
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  return rank == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmFileCheck(const char name[], const char path[])
+{
+  char part[PETSC_MAX_PATH_LEN];
+  int  error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(part, sizeof part, "%s.part", path));
+  if (IsFirst()) {
+    FILE *file = fopen(part, "wb");
+
+    if (!file)
+      error = errno;
+    else {
+      fclose(file);
+      if (unlink(part)) error = errno;
+    }
+  }
+  PetscCall(ShareErrno(&error));
+  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path,
+                strerror(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
+{
+  int error = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
+  PetscCall(PetscSNPrintf(file->part, sizeof file->part, "%s.part", path));
+  file->stream = NULL;
+  if (IsFirst()) {
+    file->stream = fopen(file->part, "w");
+    if (!file->stream) error = errno;
+  }
+  PetscCall(ShareErrno(&error));
+  MpmCheckInput(!error, "%s: cannot be written: %s", path, strerror(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTextFileClose(MpmTextFile *file)
+{
+  int error = 0;
+
+  PetscFunctionBegin;
+  if (file->stream) {
+    if (fflush(file->stream) || ferror(file->stream)) error = errno ? errno : EIO;
+    if (fclose(file->stream) && !error) error = errno;
+    if (!error && rename(file->part, file->path)) error = errno;
+    if (error) (void)unlink(file->part);
+  }
+  PetscCall(ShareErrno(&error));
+  MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

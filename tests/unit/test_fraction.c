@@ -1,0 +1,66 @@
+/* Fractions: what is read, and that n delta is exact. */
+#include "check.h"
+
+static PetscErrorCode Reads(const char text[], PetscInt64 num, PetscInt64 den, PetscReal value)
+{
+  MpmFraction f;
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(text, &f, &ok));
+  CHECK(ok, "'%s' is refused", text);
+  CHECK(f.num == num && f.den == den, "'%s' is read as %lld/%lld", text, (long long)f.num, (long long)f.den);
+  CHECK_NEAR(f.value, value, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Multiple(const char text[], PetscInt64 n, PetscInt64 whole, PetscReal part)
+{
+  MpmFraction f;
+  PetscBool   ok;
+  PetscInt64  w;
+  PetscReal   p;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(text, &f, &ok));
+  MpmFractionMultiple(&f, n, &w, &p);
+  CHECK(w == whole, "%lld times %s has whole part %lld", (long long)n, text, (long long)w);
+  CHECK_NEAR(p, part, f.den ? 0 : 2e-11); /* the double nearest to a long decimal is 1e-17 off */
+  CHECK(p >= 0 && p < 1, "part %.17g", p);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  const char *const bad[] = {"",    "a",     "1/",   "/8", "1/0", "1/-8",  "1//8", "nan",
+                             "inf", "1e999", "0x10", " 1", "1 ",  "1/2/3", "1e"};
+  MpmFraction       f;
+  PetscBool         ok;
+
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  PetscCall(Reads("1/8", 1, 8, 0.125));
+  PetscCall(Reads("-2/16", -1, 8, -0.125));
+  PetscCall(Reads("0.3", 3, 10, 0.3));
+  PetscCall(Reads("-1.5e-1", -3, 20, -0.15));
+  PetscCall(Reads("2e2", 200, 1, 200));
+  PetscCall(Reads("0", 0, 1, 0));
+  PetscCall(Reads("1e-300", 0, 0, 1e-300));
+  PetscCall(Reads("0.1234567890123456789", 0, 0, 0.1234567890123456789));
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(bad); i++) {
+    PetscCall(MpmFractionParse(bad[i], &f, &ok));
+    CHECK(!ok, "'%s' is read as %g", bad[i], f.value);
+  }
+  PetscCall(Multiple("1/8", 17, 2, 0.125));
+  PetscCall(Multiple("-1/8", 1, -1, 0.875));
+  PetscCall(Multiple("-1/8", 8, -1, 0));
+  PetscCall(Multiple("1/3", 3000000000000, 1000000000000, 0));
+  PetscCall(Multiple("0.3", 10, 3, 0));
+  PetscCall(Multiple("-1e-300", 5, 0, 0)); /* its part rounds to 1, and 1 is a whole */
+  PetscCall(Multiple("0.14142135623730950488", 1000000, 141421,
+                     0.35623730950488)); /* a double, without accumulation */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)

@@ -1,0 +1,152 @@
+/*
+   Results by particle id on all ranks equal those on one, to rounding; no particle is lost; what the schemes
+   conserve is conserved. The one-rank run is made by every rank for itself.
+*/
+#include "gather.h"
+
+static PetscErrorCode EqualsOneRank(const MpmScene *scene, const MpmMarch *march, const char options[])
+{
+  MpmMarch *alone;
+
+  PetscFunctionBegin;
+  PetscCall(MarchScene(PETSC_COMM_SELF, scene, &alone));
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+    PetscReal *many, *one;
+
+    PetscCall(GatherField(march, scene->formulation->particle_fields[f], &many));
+    PetscCall(GatherField(alone, scene->formulation->particle_fields[f], &one));
+    CHECK(LargestNumber(scene->particles, one) > 0, "%s: nothing there", options);
+    CHECK(LargestDifference(scene->particles, many, one) <= 1e-12 * LargestNumber(scene->particles, one),
+          "%s: field %s differs by %g", options, scene->formulation->particle_fields[f],
+          LargestDifference(scene->particles, many, one));
+    PetscCall(PetscFree(many));
+    PetscCall(PetscFree(one));
+  }
+  PetscCall(MpmMarchDestroy(&alone));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every particle is on exactly one rank, in a cell that the rank may see, in order, and the nodes weigh them
+ * all. */
+static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
+{
+  const MpmParticles *particles = march->particles;
+  const PetscInt     *cell;
+  PetscReal          *inverse, mass = 0;
+  PetscInt64          total = particles->count;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  for (PetscInt p = 1; p < particles->count; p++)
+    CHECK(cell[p] >= cell[p - 1], "%s: particle %d out of order", options, p);
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse));
+  for (PetscInt i = 0; i < march->grid->count; i++) mass += inverse[i] > 0 ? 1 / inverse[i] : 0;
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
+  CHECK(total == march->scene->particles, "%s: %lld particles", options, (long long)total);
+  CHECK_NEAR(mass, (PetscReal)march->scene->particles, 1e-11 * march->scene->particles);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* With as many particles in each cell, sum_p GRAD telescopes and sum_p G2P LAP vanishes: the sums of gas u
+   and r and of the bar's w stay what they were, at rest. */
+static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *march, const char options[])
+{
+  MpmMarch *start;
+
+  PetscFunctionBegin;
+  if (MpmSceneDrifts(scene) || scene->jitter != 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &start));
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+    PetscReal *first, *last, before = 0, after = 0;
+
+    if (scene->formulation->staggered != MPM_NONE && scene->formulation->wave == &MpmWaveSecondOrder &&
+        f != scene->formulation->staggered)
+      continue; /* the bar's displacement moves with its momentum */
+    PetscCall(GatherField(start, scene->formulation->particle_fields[f], &first));
+    PetscCall(GatherField(march, scene->formulation->particle_fields[f], &last));
+    for (PetscInt64 p = 0; p < scene->particles; p++) {
+      before += first[p];
+      after += last[p];
+    }
+    CHECK(fabs(after - before) <= 1e-13 * scene->particles * LargestNumber(scene->particles, last),
+          "%s: field %s: sum %.17g became %.17g", options, scene->formulation->particle_fields[f], before,
+          after);
+    PetscCall(PetscFree(first));
+    PetscCall(PetscFree(last));
+  }
+  PetscCall(MpmMarchDestroy(&start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Holds(const char formulation[], const char rest[], PetscBool migrates)
+{
+  char        options[512];
+  MpmScene   *scene;
+  MpmMarch   *march;
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -initial random %s", formulation, rest));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
+  CHECK((march->migrations > 0) == migrates, "%s: %lld migrations", options, (long long)march->migrations);
+  PetscCall(EqualsOneRank(scene, march, options));
+  PetscCall(CheckPlaces(march, options));
+  PetscCall(CheckConservation(scene, march, options));
+  PetscCall(MpmMarchDestroy(&march));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rescaling by a power of two changes no digit of what follows. */
+static PetscErrorCode CheckRescale(void)
+{
+  MpmScene  *scene;
+  MpmMarch  *plain, *scaled;
+  PetscReal *a, *b;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-formulation elastic -initial random -cells 30 -steps 20 -drift 1/9", &scene));
+  PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &plain));
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &scaled));
+  for (PetscInt64 step = 0; step < scene->steps; step++) {
+    if (step % 3 == 1) PetscCall(MpmMarchRescale(scaled, step % 2 ? 37 : -90));
+    PetscCall(MpmMarchStep(scaled, PETSC_FALSE));
+  }
+  PetscCall(GatherField(plain, "u", &a));
+  PetscCall(GatherField(scaled, "u", &b));
+  CHECK(LargestDifference(scene->particles, a, b) == 0, "rescaling changed u by %g",
+        LargestDifference(scene->particles, a, b));
+  PetscCall(PetscFree(a));
+  PetscCall(PetscFree(b));
+  PetscCall(MpmMarchDestroy(&plain));
+  PetscCall(MpmMarchDestroy(&scaled));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    const char *name = MpmFormulations[f]->name;
+
+    PetscCall(Holds(name, "-cells 61 -steps 40", PETSC_FALSE));
+    PetscCall(Holds(name, "-cells 61 -steps 40 -jitter 0.9 -ppc 3", PETSC_FALSE));
+    PetscCall(Holds(name, "-cells 61 -steps 200 -drift 0.3 -courant 0.05", PETSC_TRUE));
+    PetscCall(Holds(name, "-cells 61 -steps 200 -drift -5/7 -courant 0.05 -jitter 0.6", PETSC_TRUE));
+    PetscCall(Holds(name, "-cells 61 -steps 40 -drift 55.5 -courant 0.05", PETSC_TRUE));
+    PetscCall(Holds(name, "-cells 61 -steps 40 -drift -1000000 -courant 0.05", PETSC_TRUE));
+    PetscCall(Holds(name, "-cells 61 -steps 40 -velocity 0.1 -courant 0.05", PETSC_FALSE));
+  }
+  PetscCall(CheckRescale());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
