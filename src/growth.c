@@ -6,9 +6,10 @@ const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NUL
 const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
 
 #define FEWEST_SAMPLES 8
-#define LARGEST_LINEAR_RISE 1.0 /* ln 2 when linear from the first step on; e leaves room for a slow start   \
-                                 */
-#define CLEARLY_BETTER 1.25     /* ratio of residuals below which two fits are not told apart */
+#define LARGEST_LINEAR_RISE                                                                                  \
+  1.0                       /* ln 2 when linear from the first step on; e leaves room for a slow start       \
+                             */
+#define CLEARLY_BETTER 1.25 /* ratio of residuals below which two fits are not told apart */
 
 PetscErrorCode MpmSeriesAppend(MpmSeries *s, PetscInt64 step, PetscReal log_norm, PetscReal log_energy)
 {

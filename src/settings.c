@@ -10,8 +10,9 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 
   PetscFunctionBegin;
   if (rival) {
-    MpmCheckInput(settings->source[other] != source, "%s and %s are both given%s%s; allowed: one of them",
-                  MpmOptions[option].name, rival, source == MPM_FROM_SCENE ? " in " : " on the command line",
+    MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
+                  MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
+                  source == MPM_FROM_SCENE ? "in " : "on the command line",
                   source == MPM_FROM_SCENE ? settings->scene : "");
     PetscCall(PetscFree(settings->text[other]));
     settings->source[other] = MPM_FROM_DEFAULT;
