@@ -53,6 +53,18 @@ static PetscErrorCode CreateVectors(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode RegisterEvents(MpmMarch *march)
+{
+  PetscClassId id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscClassIdRegister("MpmMarch", &id));
+  PetscCall(PetscLogEventRegister("MpmPass", id, &march->pass_event));
+  PetscCall(PetscLogEventRegister("MpmGridSum", id, &march->sum_event));
+  PetscCall(PetscLogEventRegister("MpmMigrate", id, &march->migrate_event));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march)
 {
   PetscInt  ghost;
@@ -67,7 +79,8 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscCall(MpmGridCreate(comm, scene->cells, ghost, &m->grid));
   PetscCall(MpmParticlesCreate(scene, m->grid, m->exponent, &m->particles));
   PetscCall(CreateVectors(m));
-  PetscCall(MpmMarchStart(m));
+  PetscCall(RegisterEvents(m));
+  PetscCall(MpmMarchRunPass(m, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,7 @@ typedef struct {
   PetscInt64      step, migrations;
   PetscInt        exponent;
   PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
+  PetscLogEvent   pass_event, sum_event, migrate_event;
 } MpmMarch;
 
 /*
@@ -30,8 +31,11 @@ typedef struct {
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 
-/* Collective. The sums that come before the first step; MpmMarchCreate ends with it. */
-PetscErrorCode MpmMarchStart(MpmMarch *march);
+/*
+   Collective. One pass over the particles with the halo sum and the node operations after it. Moving the
+   particles' step on and migration are the caller's.
+*/
+PetscErrorCode MpmMarchRunPass(MpmMarch *march, const MpmPass *pass, PetscBool sample);
 
 /* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
