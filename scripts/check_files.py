@@ -135,6 +135,22 @@ def check_csv(name, result):
     check(all(math.isclose(math.log10(float(r["norm"])), float(r["log10_norm"]), abs_tol=1e-9) for r in rows), "log10_norm")
 
 
+def check_scripts(name):
+    """The picture and the summary of this run, by what they say."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    for command in (["plot_growth.py", "-o", name + ".svg", name + ".json"], ["summary.py", name + ".json"]):
+        done = subprocess.run([sys.executable, os.path.join(here, command[0]), *command[1:]], capture_output=True,
+                              text=True, check=False)
+        check(done.returncode == 0, f"{command[0]}: {done.stderr}")
+    with open(name + ".svg") as file:
+        picture = file.read()
+    for text in ("gas2, k = 0.2, drift 0.142857", "time step", "square root of energy"):
+        check(text in picture, f"'{text}' is not on the picture")
+    lines = done.stdout.splitlines()
+    check(lines[-2].split()[:4] == ["scheme", "k", "published", "predicted"], f"summary: {lines}")
+    check(lines[-1].split()[:4] == ["gas2", "0.2", "-", "-"], f"summary: {lines}")
+
+
 def main(mpiexec, mpmstab):
     first_fields = first_error = None
     for ranks in (1, 2, 3):
@@ -150,6 +166,7 @@ def main(mpiexec, mpmstab):
             for norm, value in error.items():
                 check(math.isclose(value, first_error[field][norm], rel_tol=1e-10), f"error of {field} on {ranks} ranks")
     check_vtk(name)
+    check_scripts(name)
 
 
 if __name__ == "__main__":

@@ -6,10 +6,15 @@ cd "$(dirname "$0")/.."
 . ./scripts/mpi-env.sh
 
 mkdir -p results
-for scene in gas1-standing-wave gas2-standing-wave elastic-bar; do
-  mpirun -n 2 build/mpmstab run "examples/$scene/scene.yaml" -json "results/$scene.json" >"results/$scene.txt" ||
+for scene in gas1-standing-wave gas2-standing-wave gas2-drifting-gas elastic-bar; do
+  mpirun -n 2 build/mpmstab run "examples/$scene/scene.yaml" -json "results/$scene.json" \
+    -csv "results/$scene.csv" >"results/$scene.txt" ||
     { cat "results/$scene.txt"; exit 1; }
 done
-python3 scripts/summary.py results/gas1-standing-wave.json results/gas2-standing-wave.json results/elastic-bar.json
+set -- results/gas1-standing-wave.json results/gas2-standing-wave.json results/gas2-drifting-gas.json \
+  results/elastic-bar.json
+python=$(command -v /usr/bin/python3 || command -v python3) # Debian's has matplotlib
+"$python" scripts/plot_growth.py -o results/growth.png "$@"
+echo "picture: results/growth.png; full tables: results/*.txt; what to see: examples/*/README.md"
 echo
-echo "Full tables: results/*.txt. Another run: build/mpmstab run examples/gas2-drifting-gas/scene.yaml"
+"$python" scripts/summary.py "$@"
