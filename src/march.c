@@ -29,12 +29,12 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 {
   PetscFunctionBegin;
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
-  for (PetscInt p = 0; p < march->schedule.npasses; p++) {
+  for (PetscInt p = 0, n; p < march->schedule.npasses; p += n) {
     const MpmPass *pass = &march->schedule.pass[p];
 
-    PetscCall(MpmMarchRunPass(march, pass, sample));
-    if (pass->drifts) march->particles->step++;
-    if (pass->rebase) PetscCall(Migrate(march));
+    for (n = 1; p + n < march->schedule.npasses && pass[n].joined; n++) continue;
+    PetscCall(MpmMarchRunPasses(march, n, pass, sample));
+    if (pass[n - 1].rebase) PetscCall(Migrate(march));
   }
   march->step++;
   PetscCall(MigrateInTime(march));
@@ -55,6 +55,6 @@ PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
   view.nnodes   = 1;
   view.node[0]  = node;
   view.spare[0] = NULL;
-  PetscCall(MpmMarchRunPass(&view, &project, PETSC_FALSE));
+  PetscCall(MpmMarchRunPasses(&view, 1, &project, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

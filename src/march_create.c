@@ -50,6 +50,7 @@ static PetscErrorCode CreateVectors(MpmMarch *march)
     if (march->schedule.spare[f]) PetscCall(VecDuplicate(march->node[f], &march->spare[f]));
   }
   PetscCall(DMCreateLocalVector(march->grid->da, &march->inverse_mass));
+  if (march->schedule.spare_mass) PetscCall(VecDuplicate(march->inverse_mass, &march->spare_mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,7 +81,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscCall(MpmParticlesCreate(scene, m->grid, m->exponent, &m->particles));
   PetscCall(CreateVectors(m));
   PetscCall(RegisterEvents(m));
-  PetscCall(MpmMarchRunPass(m, &m->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -92,6 +93,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
     PetscCall(VecDestroy(&(*march)->spare[f]));
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
+  PetscCall(VecDestroy(&(*march)->spare_mass));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
   PetscCall(MpmGridDestroy(&(*march)->grid));
   PetscCall(PetscFree(*march));

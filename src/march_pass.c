@@ -1,175 +1,251 @@
 /*
-   One pass of the march: blocks of particles go through the pass's operations while they are in the
-   first-level cache.
+   Passes of the march: blocks of particles go through a pass's operations while they are in the first-level
+   cache.
 
    Particles are in the order of their places, so nodes come into reach and leave it in order too: they are
-   zeroed just ahead of the blocks and divided by their mass just behind, while they are in cache. Nodes that
-   other ranks share wait for the halo sum.
+   zeroed just ahead of the blocks and divided by their mass just behind, and a joined pass follows as soon as
+   the nodes that a block sees are complete, while its particles are in the second-level cache. Only the
+   blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
 */
 #include <mpmstab/march.h>
 
 #define BLOCK 512 /* particles: cell, xi and two fields of them fit 16 KiB */
 
-/* Arrays of a pass, resolved once so that the block loop follows pointers only. */
+/* What the passes of a group share. */
+typedef struct {
+  const MpmMarch *march;
+  PetscInt       *cell;
+  PetscReal      *xi, *particle[MPM_MAX_FIELDS];
+  PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass, *spare_mass;
+} Arrays;
+
+/*
+   One pass on its way, its arrays resolved so that the block loop follows pointers only. Particles [first,
+   next) have been through it, nodes [lo, hi) are complete.
+*/
 typedef struct {
   const MpmPass *pass;
+  const Arrays  *arrays;
   PetscBool      moving, sample;
   PetscInt       whole[2]; /* drift before and after DRIFT */
   PetscReal      part[2];
-  PetscInt      *cell;
-  PetscReal     *xi, *particle[MPM_MAX_FIELDS], *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *mass, *squares;
-  PetscInt       zeroed, completed; /* nodes before these are ready to be summed to, or are complete */
-} Resolved;
+  PetscReal     *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *mass, *squares;
+  PetscInt       first, next, zeroed, lo, hi;
+} Stage;
 
-static void RunBlock(const Resolved *r, PetscInt begin, PetscInt n)
+static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
 {
+  PetscFunctionBegin;
+  a->march = march;
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
+  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
+    PetscCall(
+        MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
+    if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
+  }
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &a->mass));
+  if (march->spare_mass) PetscCall(MpmGridGetArray(march->grid, march->spare_mass, &a->spare_mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SwapVec(Vec *a, Vec *b)
+{
+  const Vec kept = *a;
+
+  *a = *b;
+  *b = kept;
+}
+
+/* Fields that were summed into their spare array change places with it; last is the group's last stage. */
+static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *last)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    const PetscBool swap = last->node[f] != a->node[f] ? PETSC_TRUE : PETSC_FALSE;
+
+    PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
+    if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &a->spare[f]));
+    if (swap) SwapVec(&march->node[f], &march->spare[f]);
+  }
+  const PetscBool swap_mass = last->mass != a->mass ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
+  if (march->spare_mass) PetscCall(MpmGridRestoreArray(march->grid, march->spare_mass, &a->spare_mass));
+  if (swap_mass) SwapVec(&march->inverse_mass, &march->spare_mass);
+  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f],
+                                  &a->particle[f]));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was
+ * there. */
+static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const MpmPass *pass, PetscInt64 step,
+                                 Stage *s)
+{
+  const MpmMarch *march = a->march;
+
+  PetscFunctionBegin;
+  s->pass   = pass;
+  s->arrays = a;
+  s->moving = MpmSceneDrifts(march->scene);
+  if (s->moving) {
+    PetscCall(MpmParticlesWhere(march->particles, step, &s->whole[0], &s->part[0]));
+    PetscCall(MpmParticlesWhere(march->particles, step + 1, &s->whole[1], &s->part[1]));
+  }
+  for (PetscInt f = 0; f < march->nnodes; f++)
+    s->node[f] = !before ? a->node[f] : before->sum[f] ? before->sum[f] : before->node[f];
+  s->mass = before ? before->mass : a->mass;
+  for (PetscInt i = 0; i < pass->nsums; i++) {
+    const PetscInt f = pass->sum[i];
+
+    s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
+  }
+  if (pass->sums_mass && a->spare_mass) s->mass = a->spare_mass;
+  s->zeroed = -march->grid->ghost;
+  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->count);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
+{
+  const Arrays    *a = s->arrays;
   PetscInt         cell_now[BLOCK];
   PetscReal        xi_now[BLOCK];
-  const PetscInt  *cell = r->cell + begin;
-  const PetscReal *xi   = r->xi + begin;
+  const PetscInt  *cell = a->cell + begin;
+  const PetscReal *xi   = a->xi + begin;
 
-  if (r->moving) {
-    MpmPlaceBlock(n, r->cell + begin, r->xi + begin, r->whole[0], r->part[0], cell_now, xi_now);
+  if (s->moving) {
+    MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[0], s->part[0], cell_now, xi_now);
     cell = cell_now;
     xi   = xi_now;
   }
-  for (const MpmPassOp *op = r->pass->op; op < r->pass->op + r->pass->nops; op++) {
-    PetscReal *q = r->particle[op->particle] + begin;
+  for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
+    PetscReal *q = a->particle[op->particle] + begin;
 
     if (op->kind == MPM_PASS_MAP)
-      op->kernel(n, cell, xi, op->a, q, (op->to_nodes ? r->sum : r->node)[op->node]);
+      op->kernel(n, cell, xi, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
     else if (op->kind == MPM_PASS_MASS)
-      op->mass_kernel(n, cell, xi, q, r->sum[op->node], r->mass);
+      op->mass_kernel(n, cell, xi, q, s->sum[op->node], s->mass);
     else if (op->kind == MPM_PASS_DRIFT)
-      MpmPlaceBlock(n, r->cell + begin, r->xi + begin, r->whole[1], r->part[1], cell_now, xi_now);
-    else if (r->sample)
-      r->squares[op->particle] += MpmSumSquares(n, q);
+      MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[1], s->part[1], cell_now, xi_now);
+    else if (s->sample)
+      s->squares[op->particle] += MpmSumSquares(n, q);
   }
 }
 
-static PetscErrorCode GetArrays(MpmMarch *march, Resolved *r)
+static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &r->cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &r->xi));
-  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(
-        MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &r->particle[f]));
-  for (PetscInt f = 0; f < march->nnodes; f++)
-    PetscCall(MpmGridGetArray(march->grid, march->node[f], &r->node[f]));
-  for (PetscInt s = 0; s < r->pass->nsums; s++) {
-    const PetscInt f = r->pass->sum[s];
-
-    if (march->spare[f])
-      PetscCall(MpmGridGetArray(march->grid, march->spare[f], &r->sum[f]));
-    else
-      r->sum[f] = r->node[f];
-  }
-  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &r->mass));
-  r->zeroed    = -march->grid->ghost;
-  r->completed = PetscMin(march->grid->ghost, march->grid->count);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Fields summed into a spare array change places with it. */
-static PetscErrorCode RestoreArrays(MpmMarch *march, Resolved *r)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &r->mass));
-  for (PetscInt s = 0; s < r->pass->nsums; s++) {
-    const PetscInt f = r->pass->sum[s];
-
-    if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &r->sum[f]));
-  }
-  for (PetscInt f = 0; f < march->nnodes; f++)
-    PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &r->node[f]));
-  for (PetscInt s = 0; s < r->pass->nsums; s++) {
-    const PetscInt f     = r->pass->sum[s];
-    Vec            other = march->spare[f];
-
-    if (!other) continue;
-    march->spare[f] = march->node[f];
-    march->node[f]  = other;
-  }
-  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f],
-                                  &r->particle[f]));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &r->xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &r->cell));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ZeroTo(Resolved *r, PetscInt end)
-{
-  const PetscInt n = end - r->zeroed;
+  const PetscInt n = end - s->zeroed;
 
   PetscFunctionBegin;
   if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt s = 0; s < r->pass->nsums; s++)
-    PetscCall(PetscArrayzero(r->sum[r->pass->sum[s]] + r->zeroed, n));
-  if (r->pass->sums_mass) PetscCall(PetscArrayzero(r->mass + r->zeroed, n));
-  r->zeroed = end;
+  for (PetscInt i = 0; i < s->pass->nsums; i++)
+    PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed, n));
+  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->mass + s->zeroed, n));
+  s->zeroed = end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* g_i = sum / mass, 0 where there is no mass. */
-static void Complete(const Resolved *r, PetscInt lo, PetscInt hi)
+static void Complete(const Stage *s, PetscInt lo, PetscInt hi)
 {
-  if (r->pass->sums_mass)
-    for (PetscInt i = lo; i < hi; i++) r->mass[i] = r->mass[i] > 0 ? 1 / r->mass[i] : 0;
-  for (PetscInt s = 0; s < r->pass->nsums; s++) {
-    PetscReal *sum = r->sum[r->pass->sum[s]];
+  if (s->pass->sums_mass)
+    for (PetscInt i = lo; i < hi; i++) s->mass[i] = s->mass[i] > 0 ? 1 / s->mass[i] : 0;
+  for (PetscInt f = 0; f < s->pass->nsums; f++) {
+    PetscReal *sum = s->sum[s->pass->sum[f]];
 
-    for (PetscInt i = lo; i < hi; i++) sum[i] *= r->mass[i];
+    for (PetscInt i = lo; i < hi; i++) sum[i] *= s->mass[i];
   }
 }
 
-static PetscErrorCode RunBlocks(const MpmMarch *march, Resolved *r)
+/* Nodes that particle p may see in this pass: from the least, to and with the largest. */
+static PetscInt LeastNode(const Stage *s, PetscInt p)
 {
-  const MpmBasis *basis = march->scene->basis;
-  const MpmGrid  *grid  = march->grid;
-  const PetscInt  count = march->particles->count;
+  return s->arrays->cell[p] + PetscMin(s->whole[0], s->whole[1]) - s->arrays->march->scene->basis->reach_left;
+}
+
+static PetscInt LargestNode(const Stage *s, PetscInt p)
+{
+  const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
+
+  return s->arrays->cell[p] + PetscMax(s->whole[0], s->whole[1]) + carry +
+         s->arrays->march->scene->basis->reach_right;
+}
+
+/* The next block, and the nodes it leaves behind. */
+static PetscErrorCode Advance(Stage *s)
+{
+  const MpmGrid *grid = s->arrays->march->grid;
+  const PetscInt n = PetscMin(BLOCK, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
+  const PetscInt left = PetscMin(LeastNode(s, last), grid->count - grid->ghost);
 
   PetscFunctionBegin;
-  for (PetscInt begin = 0; begin < count; begin += BLOCK) {
-    const PetscInt n    = PetscMin(BLOCK, count - begin);
-    const PetscInt last = r->cell[begin + n - 1];
-    const PetscInt sees =
-        last + PetscMax(r->whole[0], r->whole[1]) + 1 + basis->reach_right; /* 1: a part of a cell on */
-    const PetscInt left =
-        PetscMin(last + PetscMin(r->whole[0], r->whole[1]) - basis->reach_left, grid->count - grid->ghost);
-
-    PetscCall(ZeroTo(r, PetscMin(sees + 1, grid->count + grid->ghost)));
-    RunBlock(r, begin, n);
-    Complete(r, r->completed, left);
-    r->completed = PetscMax(r->completed, left);
-  }
-  PetscCall(ZeroTo(r, grid->count + grid->ghost));
+  PetscCall(ZeroTo(s, PetscMin(LargestNode(s, last) + 1, grid->count + grid->ghost)));
+  RunBlock(s, s->next, n);
+  Complete(s, s->hi, left);
+  s->hi = PetscMax(s->hi, left);
+  s->next += n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Shared nodes: sum over ranks, complete, and give ghosts their owners' values. */
-static PetscErrorCode CompleteShared(const MpmMarch *march, const Resolved *r)
+/* Lets a joined stage follow the one before it as far as that has completed nodes. */
+static PetscErrorCode Follow(const Stage *before, Stage *s)
 {
-  const MpmPass *pass = r->pass;
+  const PetscInt count = s->arrays->march->particles->count;
+
+  PetscFunctionBegin;
+  while (s->next < count) {
+    const PetscInt last = PetscMin(s->next + BLOCK, count) - 1;
+
+    if (LargestNode(s, last) >= before->hi) break;
+    if (LeastNode(s, s->next) < before->lo) { /* sees shared nodes: comes after the halo sum */
+      s->first = s->next = last + 1;
+      s->lo = s->hi = PetscMax(s->hi, LargestNode(s, last) + 1);
+      continue;
+    }
+    PetscCall(Advance(s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts.
+ */
+static PetscErrorCode FinishStage(Stage *s)
+{
+  const MpmGrid *grid  = s->arrays->march->grid;
+  const PetscInt count = s->arrays->march->particles->count, hi = s->hi;
   PetscReal     *sums[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
-  for (PetscInt s = 0; s < pass->nsums; s++) sums[s] = r->sum[pass->sum[s]];
-  sums[pass->nsums] = r->mass;
-  PetscCall(MpmGridSum(march->grid, pass->nsums + (pass->sums_mass ? 1 : 0), sums));
-  Complete(r, 0, PetscMin(march->grid->ghost, march->grid->count));
-  Complete(r, r->completed, march->grid->count);
-  PetscCall(MpmGridSpread(march->grid, pass->nsums, sums));
+  PetscCall(ZeroTo(s, grid->count + grid->ghost));
+  for (PetscInt begin = 0; begin < s->first; begin += BLOCK)
+    RunBlock(s, begin, PetscMin(BLOCK, s->first - begin));
+  for (; s->next < count; s->next += BLOCK) RunBlock(s, s->next, PetscMin(BLOCK, count - s->next));
+  PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
+  for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
+  sums[s->pass->nsums] = s->mass;
+  PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
+  Complete(s, 0, PetscMin(s->lo, grid->count));
+  Complete(s, PetscMin(hi, grid->count), grid->count);
+  PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
+  PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void RunNodeOps(const MpmMarch *march, const Resolved *r)
+static void RunNodeOps(const Stage *s)
 {
-  for (const MpmNodeOp *op = r->pass->node_op; op < r->pass->node_op + r->pass->nnode_ops; op++) {
-    const PetscInt beyond = march->grid->ghost - op->depth, lo = -beyond, hi = march->grid->count + beyond;
-    PetscReal     *dst = r->sum[op->dst] ? r->sum[op->dst] : r->node[op->dst];
-    PetscReal     *src = r->sum[op->src] ? r->sum[op->src] : r->node[op->src];
+  const MpmGrid *grid = s->arrays->march->grid;
+
+  for (const MpmNodeOp *op = s->pass->node_op; op < s->pass->node_op + s->pass->nnode_ops; op++) {
+    const PetscInt beyond = grid->ghost - op->depth, lo = -beyond, hi = grid->count + beyond;
+    PetscReal     *dst = s->sum[op->dst] ? s->sum[op->dst] : s->node[op->dst];
+    PetscReal     *src = s->sum[op->src] ? s->sum[op->src] : s->node[op->src];
 
     if (op->kind == MPM_LAP)
       MpmNodeLaplacian(lo, hi, op->a, src, dst);
@@ -178,25 +254,32 @@ static void RunNodeOps(const MpmMarch *march, const Resolved *r)
   }
 }
 
-PetscErrorCode MpmMarchRunPass(MpmMarch *march, const MpmPass *pass, PetscBool sample)
+PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
 {
-  const MpmParticles *particles = march->particles;
-  Resolved            r         = {
-                         .pass = pass, .moving = MpmSceneDrifts(march->scene), .sample = sample, .squares = march->squares};
+  const PetscInt count                     = march->particles->count;
+  PetscInt64     step                      = march->particles->step;
+  Arrays         arrays                    = {0};
+  Stage          stage[MPM_MAX_PASSES + 1] = {0};
 
   PetscFunctionBegin;
-  if (r.moving) {
-    PetscCall(MpmParticlesWhere(particles, particles->step, &r.whole[0], &r.part[0]));
-    PetscCall(MpmParticlesWhere(particles, particles->step + 1, &r.whole[1], &r.part[1]));
+  PetscCall(GetArrays(march, &arrays));
+  for (PetscInt g = 0; g < n; g++) {
+    stage[g].sample  = sample;
+    stage[g].squares = march->squares;
+    PetscCall(BeginStage(&arrays, g ? &stage[g - 1] : NULL, &passes[g], step, &stage[g]));
+    if (passes[g].drifts) step++;
   }
-  PetscCall(GetArrays(march, &r));
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
-  PetscCall(RunBlocks(march, &r));
+  while (stage[0].next < count) {
+    PetscCall(Advance(&stage[0]));
+    for (PetscInt g = 1; g < n; g++) PetscCall(Follow(&stage[g - 1], &stage[g]));
+  }
+  for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  PetscCall(PetscLogEventBegin(march->sum_event, 0, 0, 0, 0));
-  PetscCall(CompleteShared(march, &r));
-  PetscCall(PetscLogEventEnd(march->sum_event, 0, 0, 0, 0));
-  RunNodeOps(march, &r);
-  PetscCall(RestoreArrays(march, &r));
+  RunNodeOps(&stage[n - 1]);
+  for (PetscInt f = 0; f < march->nnodes; f++)
+    if (stage[n - 1].sum[f]) stage[n - 1].node[f] = stage[n - 1].sum[f];
+  PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
+  march->particles->step = step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

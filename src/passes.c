@@ -65,7 +65,6 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
     c->mass_due     = PETSC_FALSE;
   }
   if (to_nodes) {
-    if (Reads(pass, node)) c->schedule->spare[node] = PETSC_TRUE;
     pass->sum[pass->nsums++] = node;
     c->depth[node]           = 0;
   }
@@ -153,6 +152,31 @@ static PetscErrorCode InsertSamples(const MpmFormulation *f, MpmSchedule *schedu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   A pass joins the one before it when nothing comes between them and no field is summed twice. Whatever a
+   group of joined passes sums while an earlier one of them, or itself, still reads or divides by it needs a
+   second array.
+*/
+static void JoinPasses(MpmSchedule *schedule)
+{
+  PetscInt first = 0; /* of the group */
+
+  for (PetscInt p = 0; p < schedule->npasses; p++) {
+    MpmPass *pass = &schedule->pass[p];
+
+    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase ? PETSC_TRUE : PETSC_FALSE;
+    for (PetscInt q = first; q < p; q++)
+      for (PetscInt s = 0; s < pass->nsums; s++)
+        if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
+    if (!pass->joined) first = p;
+    for (PetscInt q = first; q <= p; q++) {
+      for (PetscInt s = 0; s < pass->nsums; s++)
+        if (Reads(&schedule->pass[q], pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
+      if (pass->sums_mass && q < p && schedule->pass[q].nsums) schedule->spare_mass = PETSC_TRUE;
+    }
+  }
+}
+
 PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant,
                                   PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
 {
@@ -181,6 +205,7 @@ PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis
     }
     PetscCall(CompileOp(&c, pass, op));
   }
+  JoinPasses(schedule);
   PetscCall(InsertSamples(f, schedule));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -16,7 +16,7 @@ typedef struct {
   MpmParticles   *particles;
   MpmSchedule     schedule;
   PetscInt        nnodes, slack;
-  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
+  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass, spare_mass; /* local vectors */
   PetscInt64      step, migrations;
   PetscInt        exponent;
   PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
@@ -32,10 +32,10 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 
 /*
-   Collective. One pass over the particles with the halo sum and the node operations after it. Moving the
-   particles' step on and migration are the caller's.
+   Collective. A pass and those joined to it, with halo sums and the last one's node operations. The
+   particles' step moves on with DRIFT; migration is the caller's.
 */
-PetscErrorCode MpmMarchRunPass(MpmMarch *march, const MpmPass *pass, PetscBool sample);
+PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample);
 
 /* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);

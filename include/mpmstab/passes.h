@@ -23,7 +23,7 @@
 E*/
 typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
 
-/* to_nodes: the map writes the node field, into its spare when the pass also reads it. */
+/* to_nodes: the map writes the node field. */
 typedef struct {
   MpmPassOpKind kind;
   MpmKernel     kernel;
@@ -48,19 +48,19 @@ typedef struct {
   MpmPassOp op[MPM_MAX_PASS_OPS];
   PetscInt  sum[MPM_MAX_FIELDS];
   MpmNodeOp node_op[MPM_MAX_PASS_OPS];
-  PetscBool sums_mass, drifts, rebase;
+  PetscBool sums_mass, drifts, rebase, joined;
 } MpmPass;
 
 /*S
    MpmSchedule - the passes of a step, and the one that comes before the first step.
 
-   spare[n]: node field n is read and summed in one pass, so it needs a second array. halo: ghosts used up by
-node operations.
+   spare[n]: node field n is summed while its old values are still read, so it needs a second array;
+spare_mass: so do the masses. halo: ghosts used up by node operations.
 S*/
 typedef struct {
   MpmPass   start, pass[MPM_MAX_PASSES];
   PetscInt  npasses, halo;
-  PetscBool spare[MPM_MAX_FIELDS];
+  PetscBool spare[MPM_MAX_FIELDS], spare_mass;
 } MpmSchedule;
 
 /*

@@ -145,7 +145,10 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 40 -steps 60 -drift -1/7 -courant 0.1 -jitter 0.8", /* to the left */
       "-cells 64 -steps 90 -drift 0.83 -courant 0.05 -ppc 1",     /* migrates every few steps */
       "-cells 18 -steps 12 -drift 7.3 -courant 0.05",             /* migrates in every step */
-      "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5",        /* no room for ghosts beyond the first */
+      "-cells 3000 -steps 5 -ppc 3 -jitter 0.9", /* blocks, and passes that follow one another */
+      "-cells 3000 -steps 40 -drift 0.7 -courant 0.05",
+      "-cells 3000 -steps 40 -drift -13.1 -courant 0.05 -jitter 0.5",
+      "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5", /* no room for ghosts beyond the first */
   };
 
   PetscFunctionBegin;
