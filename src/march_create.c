@@ -75,7 +75,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscCall(PetscNew(march));
   m           = *march;
   m->scene    = scene;
-  m->exponent = ilogb(scene->amplitude);
+  m->exponent = MpmSceneExponent(scene);
   PetscCall(ChooseGhosts(comm, scene, m, &ghost));
   PetscCall(MpmGridCreate(comm, scene->cells, ghost, &m->grid));
   PetscCall(MpmParticlesCreate(scene, m->grid, m->exponent, &m->particles));
@@ -148,7 +148,6 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *
 {
   const MpmScene       *scene       = march->scene;
   const MpmFormulation *formulation = scene->formulation;
-  const MpmProfile      profile     = MpmSceneProfile(scene, 1);
   const PetscReal       volume      = scene->cell_width / scene->ppc; /* of a particle */
   PetscReal             sums[2]     = {0, 0}, squares;
 
@@ -169,6 +168,6 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM,
                              PetscObjectComm((PetscObject)march->grid->da)));
   *norm   = sqrt(sums[0]);
-  *energy = sums[1] / 2 * formulation->wave->energy_unit(&profile);
+  *energy = sums[1] / 2;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -61,6 +61,16 @@ static PetscErrorCode WriteCsvRow(const Loop *loop, PetscReal log_norm, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The energy in the scene's units; NaN when it is out of the range of doubles. */
+static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
+{
+  const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
+  const PetscReal  velocity = sqrt(energy) * march->scene->formulation->wave->velocity_unit(&profile);
+  const PetscReal  value    = PetscSqr(scalbn(velocity, (int)march->exponent));
+
+  return isnormal(value) || energy == 0 ? value : NAN;
+}
+
 /* Records norm and energy of a sampled step and rescales the state. follow: whether the run can go on. */
 static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 {
@@ -74,7 +84,7 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   *follow = isfinite(norm) && isfinite(energy) ? PETSC_TRUE : PETSC_FALSE;
   if (run->blew_up_at_step == MPM_NEVER && !(log(norm) + ln2 <= log(PETSC_MAX_REAL)))
     run->blew_up_at_step = march->step;
-  true_energy = scalbn(energy, 2 * (int)march->exponent);
+  true_energy = TrueEnergy(march, energy);
   if (march->step == 0) run->energy_initial = true_energy;
   run->energy_final = true_energy;
   if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);

@@ -166,6 +166,20 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses units in which the exact solution itself has no size. */
+static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *scene)
+{
+  const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
+    if (!isnormal(scene->formulation->wave->amplitude(&profile, f)))
+      PetscCall(MpmSettingsRefuse(
+          settings, "wave_speed",
+          "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene)
 {
   MpmSettings *settings;
@@ -178,6 +192,7 @@ PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene)
   PetscCall(ReadGrid(settings, *scene));
   PetscCall(ReadTime(settings, *scene));
   PetscCall(ReadInitial(settings, *scene));
+  PetscCall(CheckSizes(settings, *scene));
   PetscCall(ReadOutputs(settings, *scene));
   PetscCall(ReadExpect(settings, *scene, &(*scene)->expect));
   PetscCall(MpmSettingsDestroy(&settings));
@@ -199,4 +214,15 @@ MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude)
                       .cell_width = scene->cell_width,
                       .amplitude  = amplitude,
                       .wavenumber = 2 * PETSC_PI * scene->mode / scene->length};
+}
+
+PetscInt MpmSceneExponent(const MpmScene *scene)
+{
+  const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
+  PetscReal        largest = 0;
+
+  if (scene->initial == MPM_INITIAL_RANDOM) return ilogb(scene->amplitude);
+  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
+    largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
+  return ilogb(largest);
 }

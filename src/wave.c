@@ -49,7 +49,7 @@ static PetscReal FirstOrderAmplitude(const MpmProfile *p, PetscInt field)
   return p->amplitude;
 }
 
-static PetscReal FirstOrderEnergyUnit(const MpmProfile *p)
+static PetscReal FirstOrderVelocityUnit(const MpmProfile *p)
 {
   (void)p;
   return 1;
@@ -72,17 +72,17 @@ static PetscReal SecondOrderAmplitude(const MpmProfile *p, PetscInt field)
   return p->amplitude * (field ? p->cell_width / p->wave_speed : 1 / (p->wavenumber * p->wave_speed));
 }
 
-/* v = w c / h and u_x = difference / h, so both squares carry (c/h)^2. */
-static PetscReal SecondOrderEnergyUnit(const MpmProfile *p)
+/* v = w c / h, and c u_x = difference c / h. */
+static PetscReal SecondOrderVelocityUnit(const MpmProfile *p)
 {
-  return PetscSqr(p->wave_speed / p->cell_width);
+  return p->wave_speed / p->cell_width;
 }
 
-const MpmWave MpmWaveFirstOrder  = {.equations   = "u_t = c r_x, r_t = c u_x",
-                                    .value       = FirstOrderValue,
-                                    .amplitude   = FirstOrderAmplitude,
-                                    .energy_unit = FirstOrderEnergyUnit};
-const MpmWave MpmWaveSecondOrder = {.equations   = "u_t = (c/h) w, w_t = h c u_xx",
-                                    .value       = SecondOrderValue,
-                                    .amplitude   = SecondOrderAmplitude,
-                                    .energy_unit = SecondOrderEnergyUnit};
+const MpmWave MpmWaveFirstOrder  = {.equations     = "u_t = c r_x, r_t = c u_x",
+                                    .value         = FirstOrderValue,
+                                    .amplitude     = FirstOrderAmplitude,
+                                    .velocity_unit = FirstOrderVelocityUnit};
+const MpmWave MpmWaveSecondOrder = {.equations     = "u_t = (c/h) w, w_t = h c u_xx",
+                                    .value         = SecondOrderValue,
+                                    .amplitude     = SecondOrderAmplitude,
+                                    .velocity_unit = SecondOrderVelocityUnit};

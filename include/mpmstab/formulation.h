@@ -61,7 +61,7 @@ typedef struct {
 
 /*
    The energy 1/2 int (...) dx as a sum of squares: of a particle field, or of a node field's difference over
-   a cell. Both are in the units of the particle fields; energy_scale of MpmWave turns the sum into energy.
+   a cell. Both are in the units of the particle fields; velocity_unit of MpmWave makes velocities of them.
 */
 typedef struct {
   MpmPlace place;

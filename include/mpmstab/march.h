@@ -44,7 +44,7 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
    MpmMarchNorms - norm of the state and energy, both in units of 2^exponent (energy: of its square).
 
    Collective. Valid after a sampled step, and before the first. norm^2 is the integral of the sum of squares
-   of all particle fields; energy is the formulation's.
+   of all particle fields; energy is the formulation's, without the velocity_unit of its wave.
 */
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *energy);
 

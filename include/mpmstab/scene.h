@@ -50,3 +50,9 @@ static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
 
 /* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);
+
+/*
+   Not collective. The power of two that the state is divided by at the start, so that its largest field is of
+   order 1 whatever the scene's units are. Values and errors take it back.
+*/
+PetscInt MpmSceneExponent(const MpmScene *scene);

@@ -24,13 +24,14 @@ typedef struct {
    MpmWave - a continuous problem: the exact value of field f at (X, t), and the amplitude errors are relative
 to.
 
-   energy_unit(profile) turns the sum of squares of a formulation's energy terms into energy per density.
+   velocity_unit(profile) turns the fields of a formulation's energy terms into velocities, so that half their
+squares is energy per density.
 S*/
 typedef struct {
   const char *equations;
   PetscReal (*value)(const MpmProfile *profile, PetscInt field, PetscReal X, PetscReal t);
   PetscReal (*amplitude)(const MpmProfile *profile, PetscInt field);
-  PetscReal (*energy_unit)(const MpmProfile *profile);
+  PetscReal (*velocity_unit)(const MpmProfile *profile);
 } MpmWave;
 
 extern const MpmWave MpmWaveFirstOrder;  /* u_t = c r_x, r_t = c u_x: gas; velocity and stress */
