@@ -129,6 +129,28 @@ static PetscErrorCode CheckRescale(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A gas has no displacement rate, a bar no density: only the fields that the table names are registered. */
+static PetscErrorCode CheckFields(const char formulation[], const char other[])
+{
+  char           options[64];
+  MpmScene      *scene;
+  MpmMarch      *march;
+  void          *field;
+  PetscErrorCode found;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s", formulation));
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  found = DMSwarmGetField(march->particles->swarm, other, NULL, NULL, &field);
+  PetscCall(PetscPopErrorHandler());
+  CHECK(found, "%s has a field %s", formulation, other);
+  PetscCall(MpmMarchDestroy(&march));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -146,6 +168,9 @@ static PetscErrorCode Test(int argc, char **argv)
     PetscCall(Holds(name, "-cells 61 -steps 40 -velocity 0.1 -courant 0.05", PETSC_FALSE));
   }
   PetscCall(CheckRescale());
+  PetscCall(CheckFields("gas1", "w"));
+  PetscCall(CheckFields("gas2", "w"));
+  PetscCall(CheckFields("elastic", "r"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
