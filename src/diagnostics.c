@@ -1,17 +1,16 @@
-/* l1, l2, linf of particle field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t.
- */
+/* l1, l2, linf of particle field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
 #include <mpmstab/diagnostics.h>
 #include <math.h>
 
 /* Sums over this rank: of abs(e), of e^2, and the largest abs(e). */
-static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const MpmProfile *profile,
-                                PetscReal scale, PetscReal sums[3])
+static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const MpmProfile *profile, PetscReal scale,
+                                PetscReal sums[3])
 {
   const MpmScene     *scene     = march->scene;
   const MpmParticles *particles = march->particles;
   const char         *name      = scene->formulation->particle_fields[field];
-  const PetscReal     lag = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
-  const PetscReal     t   = march->step * scene->dt - lag;
+  const PetscReal     lag       = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
+  const PetscReal     t         = march->step * scene->dt - lag;
   const PetscReal    *xi, *q;
   const PetscInt     *cell;
 

@@ -2,8 +2,7 @@
 #include <mpmstab/errors.h>
 
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
-                                     PetscErrorCode code, PetscErrorType kind, const char *message,
-                                     void *context)
+                                     PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
   PetscMPIInt rank = 0;
 

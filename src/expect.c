@@ -5,14 +5,12 @@
 static PetscErrorCode Miss(const char what[], const char found[], const char expected[], PetscInt *missed)
 {
   PetscFunctionBegin;
-  PetscCall(
-      PetscFPrintf(PETSC_COMM_WORLD, stderr, "mpmstab: expected %s %s, found %s\n", what, expected, found));
+  PetscCall(PetscFPrintf(PETSC_COMM_WORLD, stderr, "mpmstab: expected %s %s, found %s\n", what, expected, found));
   (*missed)++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CheckRange(const char what[], PetscReal value, const PetscReal range[2],
-                                 PetscInt *missed)
+static PetscErrorCode CheckRange(const char what[], PetscReal value, const PetscReal range[2], PetscInt *missed)
 {
   char expected[80], found[40];
 
@@ -43,10 +41,8 @@ PetscErrorCode MpmRunCheckExpectations(const MpmRun *run, PetscInt *missed)
   if (expect->has_growth)
     PetscCall(CheckRange("growth", growth->measured ? growth->per_step : NAN, expect->growth, missed));
   if (expect->has_energy)
-    PetscCall(CheckRange("final / initial energy", run->energy_final / run->energy_initial, expect->energy,
-                         missed));
-  for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++)
-    worst = PetscMax(worst, run->error[f].l2);
+    PetscCall(CheckRange("final / initial energy", run->energy_final / run->energy_initial, expect->energy, missed));
+  for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++) worst = PetscMax(worst, run->error[f].l2);
   if (expect->has_error) PetscCall(CheckRange("largest l2 error", worst, expect->error, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

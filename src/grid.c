@@ -22,8 +22,7 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
     roots[g].index = cell - grid->starts[roots[g].rank] + grid->ghost;
   }
   PetscCall(PetscSFCreate(PetscObjectComm((PetscObject)grid->da), &grid->halo));
-  PetscCall(
-      PetscSFSetGraph(grid->halo, grid->count + n, n, leaves, PETSC_OWN_POINTER, roots, PETSC_OWN_POINTER));
+  PetscCall(PetscSFSetGraph(grid->halo, grid->count + n, n, leaves, PETSC_OWN_POINTER, roots, PETSC_OWN_POINTER));
   PetscCall(PetscSFSetUp(grid->halo));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -36,8 +35,7 @@ PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt cells, PetscInt ghost, MpmG
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCheck(MpmGridSmallestCount(cells, size) >= ghost, comm, PETSC_ERR_PLIB,
-             "ghost layer wider than a rank's part");
+  PetscCheck(MpmGridSmallestCount(cells, size) >= ghost, comm, PETSC_ERR_PLIB, "ghost layer wider than a rank's part");
   PetscCall(PetscNew(grid));
   g        = *grid;
   g->cells = cells;

@@ -1,4 +1,4 @@
-/* Least squares on the late half of a run: constant, a + b t, or exp(lambda t)? */
+/* Least squares on the late half of a run: constant, algebraic (a + b t, or t^p), or exp(lambda t)? */
 #include <mpmstab/growth.h>
 #include <math.h>
 
@@ -6,23 +6,23 @@ const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NUL
 const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
 
 #define FEWEST_SAMPLES 8
-#define LARGEST_LINEAR_RISE                                                                                  \
-  1.0                       /* ln 2 when linear from the first step on; e leaves room for a slow start       \
-                             */
-#define CLEARLY_BETTER 1.25 /* ratio of residuals below which two fits are not told apart */
+#define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
 
-PetscErrorCode MpmSeriesAppend(MpmSeries *s, PetscInt64 step, PetscReal log_norm, PetscReal log_energy)
+/* Linear growth from the first step on rises by ln 2 over the second half; e leaves room for a slow start. */
+#define LARGEST_LINEAR_RISE 1.0
+
+PetscErrorCode MpmSeriesAppend(MpmSeries *s, PetscInt64 step, PetscReal log_state, PetscReal log_grid)
 {
   PetscFunctionBegin;
   if (s->n == s->room) {
     s->room = PetscMax(512, 2 * s->room);
     PetscCall(PetscRealloc(sizeof(*s->step) * (size_t)s->room, &s->step));
-    PetscCall(PetscRealloc(sizeof(*s->log_norm) * (size_t)s->room, &s->log_norm));
-    PetscCall(PetscRealloc(sizeof(*s->log_energy) * (size_t)s->room, &s->log_energy));
+    PetscCall(PetscRealloc(sizeof(*s->log_state) * (size_t)s->room, &s->log_state));
+    PetscCall(PetscRealloc(sizeof(*s->log_grid) * (size_t)s->room, &s->log_grid));
   }
-  s->step[s->n]       = step;
-  s->log_norm[s->n]   = log_norm;
-  s->log_energy[s->n] = log_energy;
+  s->step[s->n]      = step;
+  s->log_state[s->n] = log_state;
+  s->log_grid[s->n]  = log_grid;
   s->n++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -31,46 +31,41 @@ PetscErrorCode MpmSeriesDestroy(MpmSeries *s)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree(s->step));
-  PetscCall(PetscFree(s->log_norm));
-  PetscCall(PetscFree(s->log_energy));
+  PetscCall(PetscFree(s->log_state));
+  PetscCall(PetscFree(s->log_grid));
   s->n = s->room = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 typedef struct {
-  PetscReal slope, rise, scatter, linear_scatter;
+  PetscReal slope, rise, scatter, linear_scatter; /* of the exponential; of the better algebraic fit */
 } Fit;
 
-/* y = c + slope t: slope, rise over the window, and root mean square of what remains. */
-static void FitExponential(PetscInt n, const PetscInt64 step[], const PetscReal y[], Fit *fit)
+/* y = c + slope x: returns the slope, and the root mean square of what remains. */
+static PetscReal FitLine(PetscInt n, const PetscReal x[], const PetscReal y[], PetscReal *scatter)
 {
-  PetscReal mean_t = 0, mean_y = 0, tt = 0, ty = 0, rest = 0;
+  PetscReal mean_x = 0, mean_y = 0, xx = 0, xy = 0, rest = 0;
 
   for (PetscInt i = 0; i < n; i++) {
-    mean_t += (PetscReal)(step[i] - step[0]) / n;
+    mean_x += x[i] / n;
     mean_y += y[i] / n;
   }
   for (PetscInt i = 0; i < n; i++) {
-    const PetscReal t = (PetscReal)(step[i] - step[0]) - mean_t;
-
-    tt += t * t;
-    ty += t * (y[i] - mean_y);
+    xx += PetscSqr(x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
   }
-  fit->slope = ty / tt;
-  fit->rise  = fit->slope * (PetscReal)(step[n - 1] - step[0]);
-  for (PetscInt i = 0; i < n; i++)
-    rest += PetscSqr(y[i] - mean_y - fit->slope * ((PetscReal)(step[i] - step[0]) - mean_t));
-  fit->scatter = sqrt(rest / n);
+  for (PetscInt i = 0; i < n; i++) rest += PetscSqr(y[i] - mean_y - xy / xx * (x[i] - mean_x));
+  *scatter = sqrt(rest / n);
+  return xy / xx;
 }
 
 /* N = exp(y) = a + b t with relative weights 1/N: minimises sum ((a + b t) / N - 1)^2. */
-static void FitLinear(PetscInt n, const PetscInt64 step[], const PetscReal y[], Fit *fit)
+static PetscReal LinearScatter(PetscInt n, const PetscReal x[], const PetscReal y[])
 {
   PetscReal aa = 0, ab = 0, bb = 0, ra = 0, rb = 0, rest = 0, a, b, det;
 
   for (PetscInt i = 0; i < n; i++) {
-    const PetscReal w = exp(y[0] - y[i]),
-                    t = (PetscReal)(step[i] - step[0]) / (PetscReal)(step[n - 1] - step[0]);
+    const PetscReal w = exp(y[0] - y[i]), t = (x[i] - x[0]) / (x[n - 1] - x[0]);
 
     aa += w * w;
     ab += w * w * t;
@@ -82,18 +77,27 @@ static void FitLinear(PetscInt n, const PetscInt64 step[], const PetscReal y[], 
   a   = (ra * bb - rb * ab) / det;
   b   = (rb * aa - ra * ab) / det;
   for (PetscInt i = 0; i < n; i++) {
-    const PetscReal t = (PetscReal)(step[i] - step[0]) / (PetscReal)(step[n - 1] - step[0]);
+    const PetscReal t = (x[i] - x[0]) / (x[n - 1] - x[0]);
+
     rest += PetscSqr((a + b * t) * exp(y[0] - y[i]) - 1);
   }
-  fit->linear_scatter = sqrt(rest / n);
+  return sqrt(rest / n);
 }
 
-static Fit FitLate(PetscInt n, const PetscInt64 step[], const PetscReal y[])
+/*
+   x: steps and their logarithms, 2 n numbers. A defective eigenvalue 1 makes the norm grow like t in the end,
+   but more slowly while eigenvalues close to 1 are still indistinguishable from it: hence t^p beside a + b t.
+*/
+static Fit FitLate(PetscInt n, const PetscReal x[], const PetscReal y[])
 {
-  Fit fit;
+  Fit       fit;
+  PetscReal power_scatter;
 
-  FitExponential(n, step, y, &fit);
-  FitLinear(n, step, y, &fit);
+  fit.slope          = FitLine(n, x, y, &fit.scatter);
+  fit.rise           = fit.slope * (x[n - 1] - x[0]);
+  fit.linear_scatter = LinearScatter(n, x, y);
+  (void)FitLine(n, x + n, y, &power_scatter);
+  fit.linear_scatter = PetscMin(fit.linear_scatter, power_scatter);
   return fit;
 }
 
@@ -107,33 +111,47 @@ static PetscBool IsLinear(const Fit *fit)
   return fit->rise <= LARGEST_LINEAR_RISE && fit->linear_scatter < fit->scatter ? PETSC_TRUE : PETSC_FALSE;
 }
 
-MpmGrowth MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool watch_norm)
+/* The first sample of the late half, or n when too few follow or they are not finite (the state vanished). */
+static PetscInt FirstLate(const MpmSeries *s)
 {
-  MpmGrowth growth = {.measured = PETSC_FALSE, .decided = PETSC_TRUE, .kind = MPM_BOUNDED};
-  PetscInt  late   = 0, n;
-  Fit       energy, norm;
+  PetscInt late = 0;
 
   while (late < s->n && 2 * s->step[late] < s->step[s->n - 1]) late++;
-  n = s->n - late;
-  if (n < FEWEST_SAMPLES) return growth;
+  if (s->n - late < FEWEST_SAMPLES) return s->n;
   for (PetscInt i = late; i < s->n; i++)
-    if (!isfinite(s->log_energy[i]) || !isfinite(s->log_norm[i])) return growth;
-  energy          = FitLate(n, s->step + late, s->log_energy + late);
-  norm            = FitLate(n, s->step + late, s->log_norm + late);
-  growth.measured = PETSC_TRUE;
-  growth.per_step = exp(energy.slope);
-  growth.from     = s->step[late];
-  growth.to       = s->step[s->n - 1];
-  if (Grows(&energy, tolerance)) {
-    const PetscReal worse  = PetscMax(energy.scatter, energy.linear_scatter),
-                    better = PetscMin(energy.scatter, energy.linear_scatter);
+    if (!isfinite(s->log_grid[i]) || !isfinite(s->log_state[i])) return s->n;
+  return late;
+}
 
-    growth.kind = IsLinear(&energy) ? MPM_LINEAR : MPM_EXPONENTIAL;
-    growth.decided =
-        energy.rise > LARGEST_LINEAR_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
-  } else if (watch_norm && Grows(&norm, tolerance) && IsLinear(&norm))
-    growth.kind = MPM_LINEAR;
-  return growth;
+PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool watch_state, MpmGrowth *growth)
+{
+  const PetscInt late = FirstLate(s), n = s->n - late;
+  PetscReal     *x, worse, better;
+  Fit            grid, state;
+
+  PetscFunctionBegin;
+  *growth = (MpmGrowth){.measured = PETSC_FALSE, .decided = PETSC_TRUE, .kind = MPM_BOUNDED};
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(2 * n, &x));
+  for (PetscInt i = 0; i < n; i++) {
+    x[i]     = (PetscReal)s->step[late + i];
+    x[n + i] = log(x[i]);
+  }
+  grid             = FitLate(n, x, s->log_grid + late);
+  state            = FitLate(n, x, s->log_state + late);
+  growth->measured = PETSC_TRUE;
+  growth->per_step = exp(grid.slope);
+  growth->from     = s->step[late];
+  growth->to       = s->step[s->n - 1];
+  if (Grows(&grid, tolerance)) {
+    worse           = PetscMax(grid.scatter, grid.linear_scatter);
+    better          = PetscMin(grid.scatter, grid.linear_scatter);
+    growth->kind    = IsLinear(&grid) ? MPM_LINEAR : MPM_EXPONENTIAL;
+    growth->decided = grid.rise > LARGEST_LINEAR_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
+  } else if (watch_state && Grows(&state, tolerance))
+    growth->kind = MPM_LINEAR;
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 MpmVerdict MpmGrowthVerdict(const MpmGrowth *growth, PetscReal tolerance)

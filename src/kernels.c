@@ -104,8 +104,7 @@ PetscReal MpmSumSquares(PetscInt n, const PetscReal *restrict q)
   return sum;
 }
 
-void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f,
-                      PetscReal *restrict out)
+void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
 {
   for (PetscInt i = lo; i < hi; i++) out[i] = a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
 }

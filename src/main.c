@@ -22,8 +22,8 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   near = MpmSuggest(argv[1], n, names);
-  MpmRefuse("unknown task '%s'%s%s%s; 'mpmstab' alone shows what there is", argv[1],
-            near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+  MpmRefuse("unknown task '%s'%s%s%s; 'mpmstab' alone shows what there is", argv[1], near ? "; did you mean '" : "",
+            near ? near : "", near ? "'?" : "");
 }
 
 int main(int argc, char **argv)

@@ -43,13 +43,11 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
 {
-  MpmPass  project = {.nops  = 1,
-                      .nsums = 1,
-                      .op    = {{.kind     = MPM_PASS_MAP,
-                                 .kernel   = march->scene->basis->p2g,
-                                 .particle = field,
-                                 .to_nodes = PETSC_TRUE}}};
-  MpmMarch view    = *march;
+  MpmPass project = {
+      .nops  = 1,
+      .nsums = 1,
+      .op    = {{.kind = MPM_PASS_MAP, .kernel = march->scene->basis->p2g, .particle = field, .to_nodes = PETSC_TRUE}}};
+  MpmMarch view = *march;
 
   PetscFunctionBegin;
   view.nnodes   = 1;

@@ -21,13 +21,11 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmScene *scene, MpmMarc
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, drifts, PETSC_TRUE,
-                               &march->schedule));
+  PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, drifts, PETSC_TRUE, &march->schedule));
   need  = reach + march->schedule.halo;
   spare = PetscMin(MpmGridSmallestCount(scene->cells, size) - need, PetscMax(MOST_SLACK, stride));
   if (spare < 0 && need > scene->cells)
-    MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT
-              " with formulation %s and basis %s",
+    MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT " with formulation %s and basis %s",
               scene->cells, need, scene->formulation->name, scene->basis->name);
   MpmCheckInput(spare >= 0,
                 "cells %" PetscInt_FMT " on %d ranks: a rank needs %" PetscInt_FMT
@@ -114,60 +112,5 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
   }
   for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(VecScale(march->node[f], factor));
   march->exponent += shift;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Before the first step nothing has been sampled in passing. */
-static PetscErrorCode FieldSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
-{
-  const char *name = march->scene->formulation->particle_fields[field];
-  PetscReal  *q;
-
-  PetscFunctionBegin;
-  *sum = march->squares[field];
-  if (march->step > 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGet(march->particles, name, &q));
-  *sum = MpmSumSquares(march->particles->count, q);
-  PetscCall(MpmParticlesRestore(march->particles, name, &q));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode DifferenceSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
-{
-  PetscReal *f;
-
-  PetscFunctionBegin;
-  *sum = 0;
-  PetscCall(MpmGridGetArray(march->grid, march->node[field], &f));
-  for (PetscInt i = 0; i < march->grid->count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
-  PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *energy)
-{
-  const MpmScene       *scene       = march->scene;
-  const MpmFormulation *formulation = scene->formulation;
-  const PetscReal       volume      = scene->cell_width / scene->ppc; /* of a particle */
-  PetscReal             sums[2]     = {0, 0}, squares;
-
-  PetscFunctionBegin;
-  for (PetscInt f = 0; formulation->particle_fields[f]; f++) {
-    PetscCall(FieldSquares(march, f, &squares));
-    sums[0] += volume * squares;
-  }
-  for (PetscInt t = 0; t < formulation->nenergy; t++) {
-    const MpmEnergyTerm *term = &formulation->energy[t];
-
-    if (term->place == MPM_ON_PARTICLES)
-      PetscCall(FieldSquares(march, term->field, &squares));
-    else
-      PetscCall(DifferenceSquares(march, term->field, &squares));
-    sums[1] += (term->place == MPM_ON_PARTICLES ? volume : scene->cell_width) * squares;
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM,
-                             PetscObjectComm((PetscObject)march->grid->da)));
-  *norm   = sqrt(sums[0]);
-  *energy = sums[1] / 2;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,8 +40,7 @@ static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
   for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(
-        MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
+    PetscCall(MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
   for (PetscInt f = 0; f < march->nnodes; f++) {
     PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
     if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
@@ -76,8 +75,7 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
   if (march->spare_mass) PetscCall(MpmGridRestoreArray(march->grid, march->spare_mass, &a->spare_mass));
   if (swap_mass) SwapVec(&march->inverse_mass, &march->spare_mass);
   for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f],
-                                  &a->particle[f]));
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -85,8 +83,7 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
 
 /* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was
  * there. */
-static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const MpmPass *pass, PetscInt64 step,
-                                 Stage *s)
+static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const MpmPass *pass, PetscInt64 step, Stage *s)
 {
   const MpmMarch *march = a->march;
 
@@ -145,8 +142,7 @@ static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
 
   PetscFunctionBegin;
   if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < s->pass->nsums; i++)
-    PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed, n));
+  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed, n));
   if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->mass + s->zeroed, n));
   s->zeroed = end;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -174,8 +170,7 @@ static PetscInt LargestNode(const Stage *s, PetscInt p)
 {
   const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
 
-  return s->arrays->cell[p] + PetscMax(s->whole[0], s->whole[1]) + carry +
-         s->arrays->march->scene->basis->reach_right;
+  return s->arrays->cell[p] + PetscMax(s->whole[0], s->whole[1]) + carry + s->arrays->march->scene->basis->reach_right;
 }
 
 /* The next block, and the nodes it leaves behind. */
@@ -214,8 +209,7 @@ static PetscErrorCode Follow(const Stage *before, Stage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts.
- */
+/* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
 static PetscErrorCode FinishStage(Stage *s)
 {
   const MpmGrid *grid  = s->arrays->march->grid;
@@ -224,8 +218,7 @@ static PetscErrorCode FinishStage(Stage *s)
 
   PetscFunctionBegin;
   PetscCall(ZeroTo(s, grid->count + grid->ghost));
-  for (PetscInt begin = 0; begin < s->first; begin += BLOCK)
-    RunBlock(s, begin, PetscMin(BLOCK, s->first - begin));
+  for (PetscInt begin = 0; begin < s->first; begin += BLOCK) RunBlock(s, begin, PetscMin(BLOCK, s->first - begin));
   for (; s->next < count; s->next += BLOCK) RunBlock(s, s->next, PetscMin(BLOCK, count - s->next));
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];

@@ -5,8 +5,7 @@
 */
 #include <mpmstab/particles.h>
 
-/* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived.
- */
+/* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived. */
 static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt whole, PetscReal part,
                                 PetscInt64 *leaving)
 {
@@ -161,8 +160,7 @@ PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
     PetscCall(DMSwarmGetLocalSize(particles->swarm, &particles->count));
     PetscCall(DMSwarmGetSize(particles->swarm, &size));
     PetscCheck(size == particles->total, comm, PETSC_ERR_PLIB,
-               "%" PetscInt_FMT " particles after migration, %" PetscInt64_FMT " before", size,
-               particles->total);
+               "%" PetscInt_FMT " particles after migration, %" PetscInt64_FMT " before", size, particles->total);
   }
   PetscCall(SetRestingCells(particles, grid, part));
   particles->rebased += whole;

@@ -167,15 +167,14 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
 }
 
 /* One attribute of a particle or node grid, stored in the HDF5 file. */
-static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[],
-                          const char name[], const char dimensions[])
+static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[], const char name[],
+                          const char dimensions[])
 {
-  fprintf(
-      xmf,
-      "<Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">"
-      "<DataItem Dimensions=\"%s\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">%s:%s/%s/%s</DataItem>"
-      "</Attribute>\n",
-      name, dimensions, file, group, place, name);
+  fprintf(xmf,
+          "<Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">"
+          "<DataItem Dimensions=\"%s\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">%s:%s/%s/%s</DataItem>"
+          "</Attribute>\n",
+          name, dimensions, file, group, place, name);
 }
 
 static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[], PetscReal time)
@@ -195,13 +194,12 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
           time, particles, particles, file, group);
   for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
     DescribeField(xmf, file, group, "particles", s->formulation->particle_fields[f], particles);
-  fprintf(
-      xmf,
-      "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
-      "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
-      "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
-      "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
-      nodes, s->cell_width);
+  fprintf(xmf,
+          "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
+          "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
+          "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
+          "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
+          nodes, s->cell_width);
   for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
     DescribeField(xmf, file, group, "nodes", s->formulation->particle_fields[f], nodes);
   fprintf(xmf, "</Grid>\n</Grid>\n");

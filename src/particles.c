@@ -4,8 +4,7 @@
 
 const char MpmFieldCell[] = "cell", MpmFieldXi[] = "xi";
 
-PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole,
-                                 PetscReal *part)
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part)
 {
   PetscInt64 cells;
 
@@ -44,8 +43,8 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
   for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->formulation->particle_fields[f], 1,
-                                                PETSC_REAL));
+    PetscCall(
+        DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->formulation->particle_fields[f], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,8 +53,7 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
    Visits, in the order of their places, the particles whose cell this rank owns; jitter may take a particle
    into a neighbour of its own cell. With arrays it stores them, without it only counts.
 */
-static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[],
-                         PetscReal xi[])
+static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
 {
   PetscInt n = 0;
 
@@ -109,8 +107,7 @@ static PetscInt64 FieldSeed(const MpmScene *scene, PetscInt field)
   return (PetscInt64)(0x1p52 * MpmHash(scene->seed + 1, -2 - field));
 }
 
-static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
-                           MpmParticles *particles)
+static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
 {
   const PetscReal   amplitude = scalbn(scene->amplitude, -(int)exponent);
   const MpmProfile  profile   = MpmSceneProfile(scene, amplitude);

@@ -20,8 +20,7 @@ static PetscBool Sums(const MpmPass *pass, PetscInt node)
 static PetscBool Reads(const MpmPass *pass, PetscInt node)
 {
   for (PetscInt o = 0; o < pass->nops; o++)
-    if (pass->op[o].kind == MPM_PASS_MAP && !pass->op[o].to_nodes && pass->op[o].node == node)
-      return PETSC_TRUE;
+    if (pass->op[o].kind == MPM_PASS_MAP && !pass->op[o].to_nodes && pass->op[o].node == node) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -177,8 +176,8 @@ static void JoinPasses(MpmSchedule *schedule)
   }
 }
 
-PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant,
-                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
+PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
+                                  PetscBool fused, MpmSchedule *schedule)
 {
   const PetscInt head = HeadLength(f);
   Compiler       c    = {.formulation = f,

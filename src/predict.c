@@ -40,8 +40,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
     predictions->corrected = fmax(predictions->corrected, f->corrected(&cell, scene->courant, beta));
   }
   if (scene->initial == MPM_INITIAL_MODE)
-    predictions->corrected_mode =
-        f->corrected(&cell, scene->courant, 2 * PETSC_PI * scene->mode / scene->cells);
+    predictions->corrected_mode = f->corrected(&cell, scene->courant, 2 * PETSC_PI * scene->mode / scene->cells);
   PetscCall(PetscFree(xi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

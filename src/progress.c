@@ -11,8 +11,7 @@ PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  progress->enabled =
-      scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
+  progress->enabled = scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
   if (rank) progress->enabled = PETSC_FALSE;
   progress->shown   = PETSC_FALSE;
   progress->started = MPI_Wtime();

@@ -20,8 +20,8 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   const MpmScene *s = run->scene;
 
   PetscFunctionBegin;
-  Print("mpmstab %s run: %s, %s basis, %s transfer, %s\n", MPMSTAB_VERSION, s->formulation->name,
-        s->basis->name, s->transfer, s->boundary);
+  Print("mpmstab %s run: %s, %s basis, %s transfer, %s\n", MPMSTAB_VERSION, s->formulation->name, s->basis->name,
+        s->transfer, s->boundary);
   Print("%" PetscInt_FMT " cells x %" PetscInt_FMT
         " particles (%s, offset %.6g, jitter %.6g), Courant number %.6g, drift ",
         s->cells, s->ppc, s->layout, s->offset.value, s->jitter, s->courant);
@@ -56,11 +56,11 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
   PetscCall(PrintPrediction("published", run->predictions.published, s->formulation->published_text));
   PetscCall(PrintPrediction("corrected", run->predictions.corrected, s->formulation->corrected_text));
   if (s->initial == MPM_INITIAL_MODE)
-    PetscCall(PrintPrediction("  this mode", run->predictions.corrected_mode,
-                              "corrected, at beta = 2 pi mode / cells"));
+    PetscCall(
+        PrintPrediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
   if (run->growth.measured)
-    Print("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT "\n\n", "measured",
-          run->growth.per_step, MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
+    Print("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT "\n\n", "measured", run->growth.per_step,
+          MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
   else
     Print("  %-11s %-13s too few steps, or nothing left to measure\n\n", "measured", "-");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -87,8 +87,7 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   PetscCall(PrintNumber(run->energy_final));
   Print(" last\n");
   if (run->blew_up_at_step != MPM_NEVER)
-    Print("the state left the range of double precision by step %" PetscInt64_FMT "%s\n",
-          run->blew_up_at_step,
+    Print("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
           run->steps < run->scene->steps ? "; the run stopped there" : "; it was followed by rescaling");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -108,11 +107,10 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
   else if (run->verdict == MPM_UNSTABLE)
     Print(", the state grows exponentially\n");
   else if (growth->kind == MPM_LINEAR)
-    Print(", the state grows, but linearly (a defective eigenvalue 1)\n");
+    Print(", the state grows no faster than linearly (a defective eigenvalue 1)\n");
   else
-    Print(", the state stays bounded%s\n", run->scene->initial == MPM_INITIAL_RANDOM
-                                               ? ""
-                                               : " (from smooth data; random data excite every mode)");
+    Print(", the state stays bounded%s\n",
+          run->scene->initial == MPM_INITIAL_RANDOM ? "" : " (from smooth data; random data excite every mode)");
   Print("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
         1e9 * run->loop_s / ((PetscReal)run->steps * (PetscReal)run->scene->particles), run->wall_s);
   PetscFunctionReturn(PETSC_SUCCESS);

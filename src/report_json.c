@@ -21,11 +21,11 @@ static json_t *Scene(const MpmRun *run)
 {
   const MpmScene *s = run->scene;
 
-  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version",
-                   MPMSTAB_VERSION, "task", "run", "formulation", s->formulation->name, "basis",
-                   s->basis->name, "transfer", s->transfer, "dim", (int)s->dim, "cells", (int)s->cells, "ppc",
-                   (int)s->ppc, "particles", (json_int_t)s->particles, "courant", s->courant, "drift",
-                   s->drift.value, "ranks", (int)run->ranks, "wall_s", run->wall_s);
+  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
+                   "task", "run", "formulation", s->formulation->name, "basis", s->basis->name, "transfer", s->transfer,
+                   "dim", (int)s->dim, "cells", (int)s->cells, "ppc", (int)s->ppc, "particles",
+                   (json_int_t)s->particles, "courant", s->courant, "drift", s->drift.value, "ranks", (int)run->ranks,
+                   "wall_s", run->wall_s);
 }
 
 static json_t *Predicted(const MpmRun *run)
@@ -90,8 +90,7 @@ PetscErrorCode MpmRunWriteJson(const MpmRun *run)
     if (run->growth.measured) SetReal(object, "growth", run->growth.per_step);
     json_object_set_new(object, "predicted", Predicted(run));
     json_object_set_new(object, "run", Run(run));
-    if (json_dumpf(object, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) ||
-        fputc('\n', file.stream) == EOF)
+    if (json_dumpf(object, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) || fputc('\n', file.stream) == EOF)
       PetscCall(PetscInfo(NULL, "writing %s failed; closing it says why\n", run->scene->json));
     json_decref(object);
   }

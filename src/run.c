@@ -77,20 +77,21 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   MpmMarch       *march = loop->march;
   MpmRun         *run   = loop->run;
   const PetscReal ln2   = M_LN2 * march->exponent;
-  PetscReal       norm, energy, true_energy;
+  PetscReal       log_state;
+  MpmNorms        norms;
 
   PetscFunctionBegin;
-  PetscCall(MpmMarchNorms(march, &norm, &energy));
-  *follow = isfinite(norm) && isfinite(energy) ? PETSC_TRUE : PETSC_FALSE;
-  if (run->blew_up_at_step == MPM_NEVER && !(log(norm) + ln2 <= log(PETSC_MAX_REAL)))
-    run->blew_up_at_step = march->step;
-  true_energy = TrueEnergy(march, energy);
-  if (march->step == 0) run->energy_initial = true_energy;
-  run->energy_final = true_energy;
+  PetscCall(MpmMarchNorms(march, &norms));
+  *follow   = isfinite(norms.state) && isfinite(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  log_state = log(norms.state) + ln2;
+  if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
+  run->energy_final = TrueEnergy(march, norms.energy);
+  if (march->step == 0) run->energy_initial = run->energy_final;
   if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSeriesAppend(&run->series, march->step, log(norm) + ln2, log(energy) / 2 + ln2));
-  PetscCall(WriteCsvRow(loop, log(norm) + ln2, true_energy));
-  if (norm > 0 && PetscAbsInt(ilogb(norm)) > RESCALE_AT) PetscCall(MpmMarchRescale(march, ilogb(norm)));
+  PetscCall(MpmSeriesAppend(&run->series, march->step, log_state, log(norms.grid) + ln2));
+  PetscCall(WriteCsvRow(loop, log_state, run->energy_final));
+  if (norms.state > 0 && PetscAbsInt(ilogb(norms.state)) > RESCALE_AT)
+    PetscCall(MpmMarchRescale(march, ilogb(norms.state)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,8 +123,7 @@ static PetscErrorCode March(Loop *loop)
 
     PetscCall(MpmMarchStep(loop->march, sample));
     if (sample) PetscCall(Sample(loop, &follow));
-    if (loop->output && (step % scene->output_every == 0 || step == scene->steps))
-      PetscCall(WriteOutput(loop));
+    if (loop->output && (step % scene->output_every == 0 || step == scene->steps)) PetscCall(WriteOutput(loop));
     PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
   }
   loop->run->loop_s = MPI_Wtime() - begin - loop->aside_s;
@@ -171,7 +171,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   r->steps      = loop.march->step;
   r->migrations = loop.march->migrations;
   PetscCall(MpmMarchDestroy(&loop.march));
-  r->growth  = MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE);
+  PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
   r->verdict = r->steps < scene->steps ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
   r->wall_s  = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);

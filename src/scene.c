@@ -57,14 +57,12 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsReal(settings, "dt", &scene->dt));
     scene->courant = scene->wave_speed * scene->dt / scene->cell_width;
     if (!isnormal(scene->courant))
-      PetscCall(
-          MpmSettingsRefuse(settings, "dt", "c dt / h is out of range; allowed: a finite Courant number"));
+      PetscCall(MpmSettingsRefuse(settings, "dt", "c dt / h is out of range; allowed: a finite Courant number"));
   } else {
     PetscCall(MpmSettingsReal(settings, "courant", &scene->courant));
     scene->dt = scene->courant * scene->cell_width / scene->wave_speed;
     if (!isnormal(scene->dt))
-      PetscCall(MpmSettingsRefuse(settings, "courant",
-                                  "dt = k h / c is out of range; allowed: a finite time step"));
+      PetscCall(MpmSettingsRefuse(settings, "courant", "dt = k h / c is out of range; allowed: a finite time step"));
   }
   if (MpmSettingsGiven(settings, "velocity")) {
     PetscCall(MpmSettingsReal(settings, "velocity", &value));
@@ -99,12 +97,11 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
   PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
   if (scene->stagger && scene->formulation->staggered == MPM_NONE)
-    PetscCall(MpmSettingsRefuse(
-        settings, "stagger",
-        "this formulation updates its fields at once; allowed: with two-stage formulations"));
-  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM)
     PetscCall(MpmSettingsRefuse(settings, "stagger",
-                                "random data have no half step; allowed: with initial mode or pulse"));
+                                "this formulation updates its fields at once; allowed: with two-stage formulations"));
+  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM)
+    PetscCall(
+        MpmSettingsRefuse(settings, "stagger", "random data have no half step; allowed: with initial mode or pulse"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,8 +125,7 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
   scene->output_every = scene->steps;
   if (MpmSettingsGiven(settings, "output_every")) {
     PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
-    if (!scene->output[0])
-      PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
+    if (!scene->output[0]) PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
   }
   scene->has_progress = MpmSettingsGiven(settings, "progress");
   if (scene->has_progress) PetscCall(MpmSettingsSwitch(settings, "progress", &scene->progress));
@@ -174,9 +170,9 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionBegin;
   for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
     if (!isnormal(scene->formulation->wave->amplitude(&profile, f)))
-      PetscCall(MpmSettingsRefuse(
-          settings, "wave_speed",
-          "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
+      PetscCall(
+          MpmSettingsRefuse(settings, "wave_speed",
+                            "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

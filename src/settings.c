@@ -2,8 +2,7 @@
 #include <mpmstab/settings.h>
 #include <string.h>
 
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source,
-                              int line)
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
 {
   const char    *rival = MpmOptions[option].rival;
   const PetscInt other = rival ? MpmOptionIndex(rival) : MPM_NOT_AN_OPTION;
@@ -102,8 +101,7 @@ PetscErrorCode MpmSettingsCheckCommandLine(int argc, char **argv, int first)
 {
   PetscFunctionBegin;
   for (int i = first; i < argc; i++) {
-    MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...",
-                  argv[i]);
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
     if (MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION && !IsLibraryOption(argv[i] + 1))
       PetscCall(RefuseUnknown(argv[i] + 1));
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
@@ -120,8 +118,7 @@ PetscErrorCode MpmSettingsCheckUnused(void)
   PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
   for (PetscInt i = 0; i < n; i++) {
     /* PETSc reads these when it ends */
-    if (!strncmp(names[i], "options_", 8) || !strncmp(names[i], "objects_", 8) ||
-        !strncmp(names[i], "malloc", 6))
+    if (!strncmp(names[i], "options_", 8) || !strncmp(names[i], "objects_", 8) || !strncmp(names[i], "malloc", 6))
       continue;
     PetscCall(RefuseUnknown(names[i]));
   }

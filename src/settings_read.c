@@ -159,8 +159,8 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
     if (ParseReal(first, &range[0]) && ParseReal(comma + 1, &range[1]) && range[0] <= range[1])
       PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmSettingsRefuse(settings, name,
-                              "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
+  PetscCall(
+      MpmSettingsRefuse(settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,8 +27,7 @@ static PetscErrorCode ReadBytes(const char path[], char **bytes, PetscInt *size)
   }
   PetscCallMPI(MPI_Bcast(answer, 2, MPI_INT, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!answer[1], "scene %s: %s; allowed: a YAML file", path, strerror(answer[1]));
-  MpmCheckInput(answer[0] <= LARGEST_SCENE, "scene %s: larger than 1 MiB; allowed: a YAML file of options",
-                path);
+  MpmCheckInput(answer[0] <= LARGEST_SCENE, "scene %s: larger than 1 MiB; allowed: a YAML file of options", path);
   *size = answer[0];
   PetscCallMPI(MPI_Bcast(*bytes, *size, MPI_CHAR, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -55,11 +54,10 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const cha
     for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
     near = MpmSuggest(key, n, names);
     if (near) MpmRefuse("%s:%d: unknown key '%s'; did you mean '%s'?", settings->scene, line, key, near);
-    MpmRefuse("%s:%d: unknown key '%s'; 'mpmstab list options' shows those there are", settings->scene, line,
-              key);
+    MpmRefuse("%s:%d: unknown key '%s'; 'mpmstab list options' shows those there are", settings->scene, line, key);
   }
-  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time",
-                settings->scene, line, key);
+  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time", settings->scene,
+                line, key);
   MpmCheckInput(*text, "%s:%d: key '%s' has no value", settings->scene, line, key);
   PetscCall(MpmSettingsSet(settings, option, text, MPM_FROM_SCENE, line));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -77,11 +75,10 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
 
     if (value->data.sequence.items.top - item == 2)
       for (int i = 0; i < 2; i++) parts[i] = Scalar(yaml_document_get_node(document, item[i]));
-    MpmCheckInput(parts[0] && parts[1], "%s:%d: key '%s': allowed: one value, or two numbers [lo, hi]",
-                  settings->scene, Line(value), key);
+    MpmCheckInput(parts[0] && parts[1], "%s:%d: key '%s': allowed: one value, or two numbers [lo, hi]", settings->scene,
+                  Line(value), key);
   }
-  MpmCheckInput(parts[0], "%s:%d: key '%s' holds a block; allowed: a value", settings->scene, Line(value),
-                key);
+  MpmCheckInput(parts[0], "%s:%d: key '%s' holds a block; allowed: a value", settings->scene, Line(value), key);
   MpmCheckInput(strlen(parts[0]) + (parts[1] ? strlen(parts[1]) : 0) + 2 < size,
                 "%s:%d: key '%s': its value is too long", settings->scene, Line(value), key);
   PetscCall(PetscSNPrintf(text, size, "%s%s%s", parts[0], parts[1] ? "," : "", parts[1] ? parts[1] : ""));
@@ -89,8 +86,8 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
 }
 
 /* Keys of the 'expect' block become expect_KEY; 'verdict' is the option expect itself. */
-static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *document,
-                                  const yaml_node_t *mapping, PetscBool inside_expect)
+static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *mapping,
+                                  PetscBool inside_expect)
 {
   const yaml_node_pair_t *end = mapping->data.mapping.pairs.top;
 
@@ -113,8 +110,8 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     else
       PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
     MpmCheckInput(!inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
-                  "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, error or energy",
-                  settings->scene, Line(node), key);
+                  "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, error or energy", settings->scene,
+                  Line(node), key);
     PetscCall(SetOnce(settings, name, text, Line(node)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,9 +123,8 @@ static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
   const yaml_node_t *root;
 
   PetscFunctionBegin;
-  MpmCheckInput(yaml_parser_load(parser, &document),
-                "%s:%d: not YAML: %s; allowed: lines of the form key: value", settings->scene,
-                (int)parser->problem_mark.line + 1, parser->problem ? parser->problem : "unreadable");
+  MpmCheckInput(yaml_parser_load(parser, &document), "%s:%d: not YAML: %s; allowed: lines of the form key: value",
+                settings->scene, (int)parser->problem_mark.line + 1, parser->problem ? parser->problem : "unreadable");
   root = yaml_document_get_root_node(&document);
   MpmCheckInput(root && root->type == YAML_MAPPING_NODE, "scene %s: allowed: lines of the form key: value",
                 settings->scene);
@@ -146,8 +142,7 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
   PetscCall(ReadBytes(path, &bytes, &size));
-  PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM,
-             "no memory for the YAML parser");
+  PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the YAML parser");
   yaml_parser_set_input_string(&parser, (const unsigned char *)bytes, (size_t)size);
   PetscCall(ReadDocument(settings, &parser));
   yaml_parser_delete(&parser);

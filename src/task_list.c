@@ -9,8 +9,7 @@ static PetscErrorCode ListFormulations(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmFormulations[i]; i++)
-    Print("  %-10s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary,
-          MpmFormulations[i]->reference);
+    Print("  %-10s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -32,8 +31,7 @@ static PetscErrorCode ListTransfers(void)
 static PetscErrorCode ListLayouts(void)
 {
   PetscFunctionBegin;
-  Print("  %-10s equally spaced from offset, displaced by jitter (hashed from the particle's id)\n",
-        "uniform");
+  Print("  %-10s equally spaced from offset, displaced by jitter (hashed from the particle's id)\n", "uniform");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,12 +46,11 @@ static PetscErrorCode ListOptions(void)
 static const struct {
   const char *name, *title;
   PetscErrorCode (*list)(void);
-} lists[] = {
-    {"formulation", "formulations", ListFormulations},
-    {"basis", "bases", ListBases},
-    {"transfer", "transfers", ListTransfers},
-    {"layout", "layouts", ListLayouts},
-    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions}};
+} lists[] = {{"formulation", "formulations", ListFormulations},
+             {"basis", "bases", ListBases},
+             {"transfer", "transfers", ListTransfers},
+             {"layout", "layouts", ListLayouts},
+             {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions}};
 
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
 {
@@ -63,8 +60,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
-  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|layout|options]",
-                argv[1]);
+  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|layout|options]", argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
     if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;

@@ -39,8 +39,7 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
     }
   }
   PetscCall(ShareErrno(&error));
-  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path,
-                strerror(error));
+  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

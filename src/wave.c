@@ -67,8 +67,7 @@ static PetscReal SecondOrderValue(const MpmProfile *p, PetscInt field, PetscReal
 
 static PetscReal SecondOrderAmplitude(const MpmProfile *p, PetscInt field)
 {
-  if (p->initial == MPM_INITIAL_PULSE)
-    return p->amplitude * (field ? p->cell_width / (PulseWidth(p) * sqrt(M_E)) : 1);
+  if (p->initial == MPM_INITIAL_PULSE) return p->amplitude * (field ? p->cell_width / (PulseWidth(p) * sqrt(M_E)) : 1);
   return p->amplitude * (field ? p->cell_width / p->wave_speed : 1 / (p->wavenumber * p->wave_speed));
 }
 

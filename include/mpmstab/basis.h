@@ -6,7 +6,7 @@
    MpmBasis - a basis: its reach and its maps.
 
    A particle in cell i sees the nodes i - reach_left to i + reach_right. slope_sum bounds h sum_i
-abs(dphi_ip/dx).
+   abs(dphi_ip/dx).
 S*/
 typedef struct {
   const char   *name, *summary, *reference;

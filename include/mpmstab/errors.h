@@ -13,9 +13,9 @@ M*/
 #define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 
 /* Refuses unless the condition holds. */
-#define MpmCheckInput(condition, ...)                                                                        \
-  do {                                                                                                       \
-    if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                 \
+#define MpmCheckInput(condition, ...)                                                                                  \
+  do {                                                                                                                 \
+    if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                           \
   } while (0)
 
 /* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */

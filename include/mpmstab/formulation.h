@@ -17,9 +17,10 @@
 
    MPM_P2G   - node      = sum_p phi_ip m_p particle / sum_p phi_ip m_p
    MPM_G2P   - particle += a sum_i phi_ip node
-   MPM_GRAD  - particle += a h sum_i dphi_ip/dx node (hat basis: the node to the right minus the node to the
-left) MPM_LAP   - node      = a (f_{i+1} - 2 f_i + f_{i-1}) of another node field f MPM_ADD   - node     +=
-another node field MPM_DRIFT - x_p      += U0 dt
+   MPM_GRAD  - particle += a h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the left)
+   MPM_LAP   - node      = a (f_{i+1} - 2 f_i + f_{i-1}) of another node field f
+   MPM_ADD   - node     += another node field
+   MPM_DRIFT - x_p      += U0 dt
 E*/
 typedef enum { MPM_P2G, MPM_G2P, MPM_GRAD, MPM_LAP, MPM_ADD, MPM_DRIFT } MpmOpKind;
 
@@ -83,8 +84,8 @@ typedef struct {
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
-second-order start, or MPM_NONE. published and corrected give abs(G) at the phase beta; they return NaN where
-the formula says nothing.
+   second-order start, or MPM_NONE. published and corrected give abs(G) at the phase beta; they return NaN where
+   the formula says nothing.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;

@@ -1,5 +1,4 @@
-/* Exact fractions: drifts and offsets whose positions repeat, and ties at nodes, must not depend on rounding.
- */
+/* Exact fractions: drifts and offsets whose positions repeat, and ties at nodes, must not depend on rounding. */
 #pragma once
 #include <mpmstab/compat.h>
 

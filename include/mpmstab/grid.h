@@ -1,5 +1,4 @@
-/* Grid: nodes in DMDA vectors, one per cell, and the sum over ranks of what particles gave to shared nodes.
- */
+/* Grid: nodes in DMDA vectors, one per cell, and the sum over ranks of what particles gave to shared nodes. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <petscdmda.h>
@@ -9,8 +8,8 @@
    MpmGrid - a periodic grid of cells, distributed by DMDA.
 
    Local arrays have the owned nodes at indices [0, count) and ghosts at [-ghost, 0) and [count, count +
-ghost); node i is at the left of cell i, first is the global index of local node 0. starts[r] is the first
-node of rank r.
+   ghost); node i is at the left of cell i, first is the global index of local node 0. starts[r] is the first
+   node of rank r.
 S*/
 typedef struct {
   DM        da;

@@ -4,25 +4,26 @@
 #include <mpmstab/verdict.h>
 
 /*S
-   MpmSeries - natural logarithms of the state's norm and of the square root of the energy, at sampled steps.
+   MpmSeries - natural logarithms of the state's norm and of its size on the grid (MpmNorms), at sampled
+   steps.
 
    Logarithms, because an unstable run leaves the range of doubles long before its growth is known.
 */
 typedef struct {
   PetscInt    n, room;
   PetscInt64 *step;
-  PetscReal  *log_norm, *log_energy;
+  PetscReal  *log_state, *log_grid;
 } MpmSeries;
 
 /* Not collective. */
-PetscErrorCode MpmSeriesAppend(MpmSeries *series, PetscInt64 step, PetscReal log_norm, PetscReal log_energy);
+PetscErrorCode MpmSeriesAppend(MpmSeries *series, PetscInt64 step, PetscReal log_state, PetscReal log_grid);
 PetscErrorCode MpmSeriesDestroy(MpmSeries *series);
 
 /*S
    MpmGrowth - growth per step over the late half of a run.
 
    measured: false when there were too few samples to say anything, or the state vanished. per_step: exp of
-   the fitted slope of the logarithm of the square root of the energy. decided: false when the series fits
+   the fitted slope of the logarithm of the size on the grid. decided: false when the series fits
    linear and exponential growth about equally well.
 */
 typedef struct {
@@ -39,14 +40,15 @@ typedef struct {
 
    Input Parameters:
 +  tolerance - growth per step up to 1 + tolerance counts as bounded
--  watch_norm - whether growth of the norm that the energy does not see (rigid motion) is to be called linear;
-not for waves whose displacement swings anyway
+-  watch_state - whether growth of the state that the grid does not see (rigid motion, null space of P2G) is to be
+                 called linear; not for waves whose displacement swings anyway
 
-   Growth counts as such when it exceeds four times the scatter around the fit. Exponential growth is a
-straight line in the logarithm, linear growth in the norm itself; the better fit decides, and a rise of more
-than a factor e over the second half of a run cannot be linear.
+   Growth counts as such when it exceeds four times the scatter around the fit. Exponential growth is a straight line
+   in the logarithm, linear growth in the size itself (or a power of time, while eigenvalues near 1 still act as
+   defective ones); the better fit decides, and a rise of more than a factor e over the second half of a run cannot be
+   linear.
 */
-MpmGrowth MpmGrowthFit(const MpmSeries *series, PetscReal tolerance, PetscBool watch_norm);
+PetscErrorCode MpmGrowthFit(const MpmSeries *series, PetscReal tolerance, PetscBool watch_state, MpmGrowth *growth);
 
 /* Not collective. The verdict of a run. Linear growth (a defective eigenvalue 1) is not instability. */
 MpmVerdict MpmGrowthVerdict(const MpmGrowth *growth, PetscReal tolerance);

@@ -11,16 +11,16 @@
 /*
    Every map between particles and nodes has this shape:
 
-     P2G    node[]     += sum over particles of phi_ip particle[p]          (a is not used; not yet divided by
-   mass) G2P    particle[] += a sum_i phi_ip node[i] GRAD   particle[] += a h sum_i dphi_ip/dx node[i]
+     P2G    node[]     += sum over particles of phi_ip particle[p]    (a is not used; not yet divided by mass)
+     G2P    particle[] += a sum_i phi_ip node[i]
+     GRAD   particle[] += a h sum_i dphi_ip/dx node[i]
 */
-typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a,
-                          PetscReal particle[], PetscReal node[]);
+typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
+                          PetscReal node[]);
 
-/* P2G and the nodal masses in one go, for particles that have moved: mass[] += sum over particles of phi_ip.
- */
-typedef void (*MpmMassKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[],
-                              const PetscReal particle[], PetscReal node[], PetscReal mass[]);
+/* P2G and the nodal masses in one go, for particles that have moved: mass[] += sum over particles of phi_ip. */
+typedef void (*MpmMassKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], const PetscReal particle[],
+                              PetscReal node[], PetscReal mass[]);
 
 void MpmHatP2G(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
                PetscReal node[]);

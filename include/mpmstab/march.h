@@ -40,13 +40,20 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
 /* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
 
-/*
-   MpmMarchNorms - norm of the state and energy, both in units of 2^exponent (energy: of its square).
+/*S
+   MpmNorms - sizes of the state, in units of 2^exponent (energy: of its square).
 
-   Collective. Valid after a sampled step, and before the first. norm^2 is the integral of the sum of squares
-   of all particle fields; energy is the formulation's, without the velocity_unit of its wave.
-*/
-PetscErrorCode MpmMarchNorms(const MpmMarch *march, PetscReal *norm, PetscReal *energy);
+   state: square root of the integral of the squares of all particle fields. energy: the formulation's,
+   without the velocity_unit of its wave. grid: square root of the energy that the grid sees, the energy's terms
+   taken on the node fields. What no node sees changes nothing, so whatever grows exponentially grows there;
+   growth by rigid motion or in the null space of P2G, which is linear, does not show there.
+S*/
+typedef struct {
+  PetscReal state, energy, grid;
+} MpmNorms;
+
+/* Collective. Valid after a sampled step, and before the first. */
+PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms);
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);

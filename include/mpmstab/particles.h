@@ -8,9 +8,9 @@
    MpmParticles - the particles of this rank, in the order of their places.
 
    A particle's place at step n is cell + xi + n delta. The swarm keeps (cell, xi) of the resting particle:
-cell as a local index of the grid, moved on by the rebased whole cells that drift has carried it; the rest of
-n delta is common to all particles and is formed exactly, so that nothing accumulates and moving costs no
-memory traffic. DMSwarm's own pid field is the global id.
+   cell as a local index of the grid, moved on by the rebased whole cells that drift has carried it; the rest of
+   n delta is common to all particles and is formed exactly, so that nothing accumulates and moving costs no
+   memory traffic. DMSwarm's own pid field is the global id.
 S*/
 typedef struct {
   DM                    swarm;
@@ -36,16 +36,15 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
 /* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in
  * [0,1) on. */
-PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole,
-                                 PetscReal *part);
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);
 
 /* Not collective. Access to a swarm field by name; every Get needs its Restore. */
 PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array);
 PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array);
 
 /* Not collective. The Lagrangian coordinate X / h of a particle, in [0, cells), from its swarm fields. */
-static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, const MpmGrid *grid,
-                                               PetscInt cell, PetscReal xi)
+static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, const MpmGrid *grid, PetscInt cell,
+                                               PetscReal xi)
 {
   PetscInt64 home = (grid->first + cell - particles->rebased) % grid->cells;
 

@@ -30,8 +30,8 @@ typedef struct {
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress;
   char                  path[PETSC_MAX_PATH_LEN];
-  char      output[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN]; /* "": none */
-  MpmExpect expect;
+  char                  output[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN]; /* "": none */
+  MpmExpect             expect;
 } MpmScene;
 
 /*

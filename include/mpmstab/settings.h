@@ -13,7 +13,7 @@ typedef enum { MPM_WORD, MPM_INTEGER, MPM_REAL, MPM_FRACTION, MPM_SWITCH, MPM_PA
    MpmOption - one option: a scene key and the command-line option of the same name.
 
    lo and hi bound numbers (lo itself is out when lo_open); word(i) lists the words allowed; rival names an
-option that says the same thing in another way, so that both given is an error.
+   option that says the same thing in another way, so that both given is an error.
 S*/
 typedef struct {
   const char   *name;
@@ -39,8 +39,7 @@ typedef struct {
   char      scene[PETSC_MAX_PATH_LEN];
 } MpmSettings;
 
-/* Collective. Reads the scene (NULL: none), then the command line; refuses unknown and doubly given options.
- */
+/* Collective. Reads the scene (NULL: none), then the command line; refuses unknown and doubly given options. */
 PetscErrorCode MpmSettingsCreate(const char scene[], MpmSettings **settings);
 PetscErrorCode MpmSettingsDestroy(MpmSettings **settings);
 
@@ -56,8 +55,7 @@ PetscErrorCode MpmSettingsCheckUnused(void);
 
 /* Collective. Reads a YAML scene's keys into the settings. */
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source,
-                              int line);
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
 /* Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be. */
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[]);

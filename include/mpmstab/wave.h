@@ -22,10 +22,10 @@ typedef struct {
 
 /*S
    MpmWave - a continuous problem: the exact value of field f at (X, t), and the amplitude errors are relative
-to.
+   to.
 
    velocity_unit(profile) turns the fields of a formulation's energy terms into velocities, so that half their
-squares is energy per density.
+   squares is energy per density.
 S*/
 typedef struct {
   const char *equations;

@@ -31,8 +31,7 @@ int main(int argc, char **argv)
   if (argc != 5) return 2;
   const long   np = atol(argv[1]), ppc = atol(argv[2]), steps = atol(argv[3]), nc = np / ppc;
   const double drift = atof(argv[4]), k = 0.5;
-  double      *x = Array(np), *u = Array(np), *r = Array(np), *ui = Array(nc + 1), *ri = Array(nc + 1),
-         *m = Array(nc + 1);
+  double *x = Array(np), *u = Array(np), *r = Array(np), *ui = Array(nc + 1), *ri = Array(nc + 1), *m = Array(nc + 1);
 
   for (long p = 0; p < np; p++) {
     x[p] = (double)(p / ppc) + ((double)(p % ppc) + 0.5) / (double)ppc;
@@ -105,7 +104,6 @@ int main(int argc, char **argv)
   double       energy  = 0;
 
   for (long p = 0; p < np; p++) energy += (u[p] * u[p] + r[p] * r[p]) / (double)(2 * np);
-  printf("{\"ns_per_particle_step\": %.6g, \"energy\": %.17g}\n", 1e9 * seconds / (double)np / (double)steps,
-         energy);
+  printf("{\"ns_per_particle_step\": %.6g, \"energy\": %.17g}\n", 1e9 * seconds / (double)np / (double)steps, energy);
   return 0;
 }

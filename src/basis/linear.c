@@ -1,5 +1,4 @@
-/* The hat function: phi = 1 - abs(x - x_i) / h. Source: the classical MPM (Sulsky, Chen and Schreyer 1994).
- */
+/* The hat function: phi = 1 - abs(x - x_i) / h. Source: the classical MPM (Sulsky, Chen and Schreyer 1994). */
 #include <mpmstab/basis.h>
 
 const MpmBasis MpmLinear = {.name        = "linear",

@@ -55,8 +55,7 @@ const MpmFormulation MpmElastic = {.name            = "elastic",
                                    .energy          = energy,
                                    .wave            = &MpmWaveSecondOrder,
                                    .published_text  = "G^2 - 2 (1 - 2 k^2 sin^2(beta/2)) G + 1 = 0",
-                                   .corrected_text =
-                                       "tr = 2 - 4 k^2 alpha s, det = 1 - 4 k^2 alpha (1 - alpha) s, "
-                                       "s = sin^2(beta/2)",
-                                   .published = Published,
-                                   .corrected = Corrected};
+                                   .corrected_text  = "tr = 2 - 4 k^2 alpha s, det = 1 - 4 k^2 alpha (1 - alpha) s, "
+                                                      "s = sin^2(beta/2)",
+                                   .published       = Published,
+                                   .corrected       = Corrected};

@@ -35,9 +35,9 @@ static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal be
   return fmax(cabs(1 + k * mu), cabs(1 - k * mu));
 }
 
-const MpmFormulation MpmGas1 = {.name      = "gas1",
-                                .summary   = "gas, Formulation 1: velocity and density from old nodal values",
-                                .reference = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
+const MpmFormulation MpmGas1 = {.name            = "gas1",
+                                .summary         = "gas, Formulation 1: velocity and density from old nodal values",
+                                .reference       = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
                                 .particle_fields = {"u", "r"},
                                 .node_fields     = {"u_i", "r_i"},
                                 .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),

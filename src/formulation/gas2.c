@@ -47,7 +47,6 @@ const MpmFormulation MpmGas2 = {.name            = "gas2",
                                 .energy          = energy,
                                 .wave            = &MpmWaveFirstOrder,
                                 .published_text  = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
-                                .corrected_text =
-                                    "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
-                                .published = Published,
-                                .corrected = Corrected};
+                                .corrected_text  = "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
+                                .published       = Published,
+                                .corrected       = Corrected};

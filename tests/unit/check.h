@@ -7,19 +7,19 @@
 
 static int check_failures;
 
-#define CHECK(condition, ...)                                                                                \
-  do {                                                                                                       \
-    if (!(condition)) {                                                                                      \
-      fprintf(stderr, "%s:%d: %s: ", __FILE__, __LINE__, #condition);                                        \
-      fprintf(stderr, __VA_ARGS__);                                                                          \
-      fprintf(stderr, "\n");                                                                                 \
-      check_failures++;                                                                                      \
-    }                                                                                                        \
+#define CHECK(condition, ...)                                                                                          \
+  do {                                                                                                                 \
+    if (!(condition)) {                                                                                                \
+      fprintf(stderr, "%s:%d: %s: ", __FILE__, __LINE__, #condition);                                                  \
+      fprintf(stderr, __VA_ARGS__);                                                                                    \
+      fprintf(stderr, "\n");                                                                                           \
+      check_failures++;                                                                                                \
+    }                                                                                                                  \
   } while (0)
 
-#define CHECK_NEAR(a, b, tolerance)                                                                          \
-  CHECK(fabs((a) - (b)) <= (tolerance), "%.17g and %.17g differ by %.3g, allowed %.3g", (double)(a),         \
-        (double)(b), fabs((double)((a) - (b))), (double)(tolerance))
+#define CHECK_NEAR(a, b, tolerance)                                                                                    \
+  CHECK(fabs((a) - (b)) <= (tolerance), "%.17g and %.17g differ by %.3g, allowed %.3g", (double)(a), (double)(b),      \
+        fabs((double)((a) - (b))), (double)(tolerance))
 
 /* A scene from options such as "-cells 8 -drift 1/8", read as the program reads them. */
 static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
@@ -32,11 +32,11 @@ static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define CHECK_MAIN(body)                                                                                     \
-  int main(int argc, char **argv)                                                                            \
-  {                                                                                                          \
-    if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;                                                 \
-    if (MpmErrorsInstall() || body(argc, argv)) MPI_Abort(PETSC_COMM_WORLD, 1);                              \
-    if (PetscFinalize()) return 1;                                                                           \
-    return check_failures ? 1 : 0;                                                                           \
+#define CHECK_MAIN(body)                                                                                               \
+  int main(int argc, char **argv)                                                                                      \
+  {                                                                                                                    \
+    if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;                                                           \
+    if (MpmErrorsInstall() || body(argc, argv)) MPI_Abort(PETSC_COMM_WORLD, 1);                                        \
+    if (PetscFinalize()) return 1;                                                                                     \
+    return check_failures ? 1 : 0;                                                                                     \
   }

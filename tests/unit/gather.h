@@ -14,8 +14,7 @@ static inline PetscErrorCode GatherField(const MpmMarch *march, const char name[
   PetscCall(PetscCalloc1(march->particles->total, values));
   PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(march->particles, name, &q));
-  for (PetscInt p = 0; p < march->particles->count; p++)
-    (*values)[id[p]] += scalbn(q[p], (int)march->exponent);
+  for (PetscInt p = 0; p < march->particles->count; p++) (*values)[id[p]] += scalbn(q[p], (int)march->exponent);
   PetscCall(MpmParticlesRestore(march->particles, name, &q));
   PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, *values, (PetscMPIInt)march->particles->total, MPIU_REAL, MPI_SUM,

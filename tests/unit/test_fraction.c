@@ -58,8 +58,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Multiple("1/3", 3000000000000, 1000000000000, 0));
   PetscCall(Multiple("0.3", 10, 3, 0));
   PetscCall(Multiple("-1e-300", 5, 0, 0)); /* its part rounds to 1, and 1 is a whole */
-  PetscCall(Multiple("0.14142135623730950488", 1000000, 141421,
-                     0.35623730950488)); /* a double, without accumulation */
+  PetscCall(Multiple("0.14142135623730950488", 1000000, 141421, 0.35623730950488)); /* a double, without accumulation */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -108,8 +108,7 @@ static void CheckNodes(void)
   PetscReal       out[5] = {7, 7, 7, 7, 7};
 
   MpmNodeLaplacian(1, 4, 0.5, f, out);
-  CHECK(out[0] == 7 && out[1] == 1 && out[2] == 1 && out[3] == 1.5 && out[4] == 7, "%g %g %g", out[1], out[2],
-        out[3]);
+  CHECK(out[0] == 7 && out[1] == 1 && out[2] == 1 && out[3] == 1.5 && out[4] == 7, "%g %g %g", out[1], out[2], out[3]);
   MpmNodeAdd(0, 2, f, out);
   CHECK(out[0] == 8 && out[1] == 5 && out[2] == 1, "%g %g %g", out[0], out[1], out[2]);
   CHECK_NEAR(MpmSumSquares(4, f), 1 + 16 + 81 + 256, 0);

@@ -41,23 +41,22 @@ static PetscErrorCode OrderInSpace(const char options[], PetscReal order, PetscR
   PetscCall(ErrorOf(options, 128, &coarse));
   PetscCall(ErrorOf(options, 256, &fine));
   observed = log2(coarse / fine);
-  CHECK(fabs(observed - order) <= tolerance, "%s: order %.3f, stated %.1f (errors %g, %g)", options, observed,
-        order, coarse, fine);
+  CHECK(fabs(observed - order) <= tolerance, "%s: order %.3f, stated %.1f (errors %g, %g)", options, observed, order,
+        coarse, fine);
   CHECK(fine < 0.1, "%s: error %g", options, fine);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The field that does not lag, at the time 0.3, after n steps of 0.3/n. */
-static PetscErrorCode AtTime(const char options[], const char field[], PetscInt steps, PetscReal **q,
-                             PetscInt64 *n)
+static PetscErrorCode AtTime(const char options[], const char field[], PetscInt steps, PetscReal **q, PetscInt64 *n)
 {
   char      all[512];
   MpmScene *scene;
   MpmMarch *march;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(all, sizeof all, "%s -cells 32 -dt %.17g -steps %" PetscInt_FMT, options,
-                          0.3 / steps, steps));
+  PetscCall(
+      PetscSNPrintf(all, sizeof all, "%s -cells 32 -dt %.17g -steps %" PetscInt_FMT, options, 0.3 / steps, steps));
   PetscCall(CheckScene(all, &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
   PetscCall(GatherField(march, field, q));
@@ -95,8 +94,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(OrderInSpace("-formulation gas1 -courant 0.2 -time 0.3", 1, 0.15));
   PetscCall(OrderInSpace("-formulation gas2 -stagger -time 0.3", 1, 0.1));
   PetscCall(OrderInSpace("-formulation gas2 -stagger -ppc 1 -time 0.3", 2, 0.1));
-  PetscCall(
-      OrderInSpace("-formulation gas2 -stagger -ppc 1 -initial pulse -courant 0.25 -time 0.25", 2, 0.2));
+  PetscCall(OrderInSpace("-formulation gas2 -stagger -ppc 1 -initial pulse -courant 0.25 -time 0.25", 2, 0.2));
   PetscCall(OrderInSpace("-formulation elastic -stagger -time 0.3", 2, 0.1));
   PetscCall(OrderInSpace("-formulation elastic -stagger -ppc 1 -offset 0 -time 0.3", 2, 0.1));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -21,8 +21,7 @@ static PetscErrorCode Compiles(const char name[], PetscInt passes, PetscInt spar
   PetscCall(MpmScheduleCompile(f, MpmBases[0], 0.5, PETSC_FALSE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s at rest: %d passes", name, s.npasses);
   CHECK(s.halo == halo, "%s: halo %d", name, s.halo);
-  CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs",
-        name);
+  CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs", name);
   CHECK(s.start.sums_mass, "%s: masses are never summed", name);
   CHECK(CountKind(&s, MPM_PASS_SAMPLE) == MpmFormulationParticleFields(f), "%s: fields sampled", name);
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) spare += s.spare[n];

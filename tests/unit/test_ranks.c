@@ -72,8 +72,7 @@ static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *m
       after += last[p];
     }
     CHECK(fabs(after - before) <= 1e-13 * scene->particles * LargestNumber(scene->particles, last),
-          "%s: field %s: sum %.17g became %.17g", options, scene->formulation->particle_fields[f], before,
-          after);
+          "%s: field %s: sum %.17g became %.17g", options, scene->formulation->particle_fields[f], before, after);
     PetscCall(PetscFree(first));
     PetscCall(PetscFree(last));
   }

@@ -19,8 +19,8 @@ static PetscErrorCode PlainCreate(const MpmMarch *start, Plain *s)
   s->n     = (PetscInt)scene->particles;
   PetscCall(GatherField(start, scene->formulation->particle_fields[0], &s->a));
   PetscCall(GatherField(start, scene->formulation->particle_fields[1], &s->b));
-  PetscCall(PetscMalloc6(s->n, &s->x, s->n, &s->rest, s->cells, &s->ai, s->cells, &s->bi, s->cells, &s->ci,
-                         s->cells, &s->mass));
+  PetscCall(PetscMalloc6(s->n, &s->x, s->n, &s->rest, s->cells, &s->ai, s->cells, &s->bi, s->cells, &s->ci, s->cells,
+                         &s->mass));
   for (PetscInt p = 0; p < s->n; p++) {
     PetscInt  cell;
     PetscReal xi;
@@ -96,8 +96,7 @@ static void PlainDrift(const MpmScene *scene, PetscInt64 n, const Plain *s)
   for (PetscInt p = 0; p < s->n; p++) {
     const long double x = fmodl(s->rest[p] + moved, s->cells), turned = x < 0 ? x + s->cells : x;
 
-    s->x[p] =
-        roundl(turned) - turned < 1e-15L && roundl(turned) > turned ? fmod(roundl(turned), s->cells) : turned;
+    s->x[p] = roundl(turned) - turned < 1e-15L && roundl(turned) > turned ? fmod(roundl(turned), s->cells) : turned;
   }
 }
 
@@ -145,7 +144,7 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 40 -steps 60 -drift -1/7 -courant 0.1 -jitter 0.8", /* to the left */
       "-cells 64 -steps 90 -drift 0.83 -courant 0.05 -ppc 1",     /* migrates every few steps */
       "-cells 18 -steps 12 -drift 7.3 -courant 0.05",             /* migrates in every step */
-      "-cells 3000 -steps 5 -ppc 3 -jitter 0.9", /* blocks, and passes that follow one another */
+      "-cells 3000 -steps 5 -ppc 3 -jitter 0.9",                  /* blocks, and passes that follow one another */
       "-cells 3000 -steps 40 -drift 0.7 -courant 0.05",
       "-cells 3000 -steps 40 -drift -13.1 -courant 0.05 -jitter 0.5",
       "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5", /* no room for ghosts beyond the first */
@@ -155,8 +154,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   (void)argv;
   for (PetscInt f = 0; MpmFormulations[f]; f++)
-    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++)
-      PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
+    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,8 +23,7 @@ static void CheckEquations(const MpmWave *wave, MpmInitial initial, PetscBool se
       for (PetscInt j = 0; j < 500; j++)
         largest[f] = PetscMax(largest[f], fabs(wave->value(&p, f, 0.004 * j, 0.004 * i)));
     }
-    dxx = (wave->value(&p, 0, X + d, t) - 2 * wave->value(&p, 0, X, t) + wave->value(&p, 0, X - d, t)) /
-          (d * d);
+    dxx = (wave->value(&p, 0, X + d, t) - 2 * wave->value(&p, 0, X, t) + wave->value(&p, 0, X - d, t)) / (d * d);
     if (second_order) {
       CHECK_NEAR(dt[0], c / h * wave->value(&p, 1, X, t), 1e-4);
       CHECK_NEAR(dt[1], h * c * dxx, 1e-4);

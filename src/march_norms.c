@@ -1,0 +1,74 @@
+/* Norms of the state: of all particle fields, the formulation's energy, and what of it the grid sees. */
+#include <mpmstab/march.h>
+#include <math.h>
+
+/* Before the first step nothing has been sampled in passing. */
+static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
+{
+  const char *name = march->scene->formulation->particle_fields[field];
+  PetscReal  *q;
+
+  PetscFunctionBegin;
+  *sum = march->squares[field];
+  if (march->step > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGet(march->particles, name, &q));
+  *sum = MpmSumSquares(march->particles->count, q);
+  PetscCall(MpmParticlesRestore(march->particles, name, &q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of a node field, or of its differences over cells. */
+static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBool differences, PetscReal *sum)
+{
+  PetscReal *f;
+
+  PetscFunctionBegin;
+  *sum = 0;
+  PetscCall(MpmGridGetArray(march->grid, march->node[field], &f));
+  if (differences)
+    for (PetscInt i = 0; i < march->grid->count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
+  else
+    *sum = MpmSumSquares(march->grid->count, f);
+  PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The node field that the table sums from a particle field. */
+static PetscInt NodeFieldOf(const MpmFormulation *formulation, PetscInt field)
+{
+  for (PetscInt o = 0; o < formulation->nops; o++)
+    if (formulation->ops[o].kind == MPM_P2G && formulation->ops[o].src == field) return formulation->ops[o].dst;
+  return MPM_NONE;
+}
+
+PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
+{
+  const MpmScene       *scene       = march->scene;
+  const MpmFormulation *formulation = scene->formulation;
+  const PetscReal       h           = scene->cell_width;
+  PetscReal             sums[3]     = {0, 0, 0}, squares;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; formulation->particle_fields[f]; f++) {
+    PetscCall(ParticleSquares(march, f, &squares));
+    sums[0] += h / scene->ppc * squares;
+  }
+  for (PetscInt t = 0; t < formulation->nenergy; t++) {
+    const MpmEnergyTerm *term         = &formulation->energy[t];
+    const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+    const PetscInt       node         = on_particles ? NodeFieldOf(formulation, term->field) : term->field;
+
+    PetscCall(NodeSquares(march, node, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
+    sums[2] += h * squares;
+    if (on_particles) {
+      PetscCall(ParticleSquares(march, term->field, &squares));
+      squares /= scene->ppc;
+    }
+    sums[1] += h * squares;
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  norms->state  = sqrt(sums[0]);
+  norms->energy = sums[1] / 2;
+  norms->grid   = sqrt(sums[2] / 2);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
