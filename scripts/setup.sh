@@ -25,5 +25,5 @@ fi
 mkdir -p build
 log=build/setup.log
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release >"$log" 2>&1 || { cat "$log"; exit 1; }
-cmake --build build --parallel 2 >"$log" 2>&1 || { cat "$log"; exit 1; }
+cmake --build build --parallel 2 >>"$log" 2>&1 || { cat "$log"; exit 1; }
 grep -i 'warning' "$log" || true

@@ -8,6 +8,11 @@ def number(value, form):
     return "-" if value is None else format(value, form)
 
 
+def ratio(energy):
+    first, last = energy.get("initial"), energy.get("final")
+    return f"{last / first:.3g}" if first and last is not None else "-"
+
+
 def row(path):
     with open(path) as file:
         result = json.load(file)
@@ -20,7 +25,7 @@ def row(path):
         number(predicted.get("corrected_mode", predicted["corrected"]), ".6f"),
         number(run.get("growth_measured"), ".6f"),
         run.get("growth_kind", "-"),
-        f"{run['energy']['final'] / run['energy']['initial']:.3g}",
+        ratio(run["energy"]),
         errors or "-",
         result["verdict"],
     ]

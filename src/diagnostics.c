@@ -25,7 +25,7 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
 
     sums[0] += e;
     sums[1] += e * e;
-    sums[2] = PetscMax(sums[2], e);
+    if (!(e <= sums[2])) sums[2] = e; /* NaN is the largest */
   }
   PetscCall(MpmParticlesRestore(particles, name, &q));
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));

@@ -10,7 +10,10 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
     return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
   if (kind == PETSC_ERROR_INITIAL) {
     MPI_Comm_rank(comm, &rank);
-    if (rank == 0) fprintf(stderr, "mpmstab: %s\n", message);
+    if (rank == 0) {
+      fflush(stdout); /* so that the two do not mix where both go to one place */
+      fprintf(stderr, "mpmstab: %s\n", message);
+    }
   }
   return code;
 }

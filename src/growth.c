@@ -101,9 +101,26 @@ static Fit FitLate(PetscInt n, const PetscReal x[], const PetscReal y[])
   return fit;
 }
 
+static PetscBool StandsOut(const Fit *fit)
+{
+  return fit->rise > 4 * fit->scatter ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Growth that has just emerged does not follow a line yet, but a rise this large is no scatter either. */
 static PetscBool Grows(const Fit *fit, PetscReal tolerance)
 {
-  return fit->slope > log1p(tolerance) && fit->rise > 4 * fit->scatter ? PETSC_TRUE : PETSC_FALSE;
+  if (fit->slope <= log1p(tolerance)) return PETSC_FALSE;
+  return StandsOut(fit) || fit->rise > LARGEST_LINEAR_RISE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Whether the better of the two fits is better beyond doubt. */
+static PetscBool IsDecided(const Fit *fit)
+{
+  const PetscReal worse  = PetscMax(fit->scatter, fit->linear_scatter),
+                  better = PetscMin(fit->scatter, fit->linear_scatter);
+
+  if (!StandsOut(fit)) return PETSC_FALSE;
+  return fit->rise > LARGEST_LINEAR_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool IsLinear(const Fit *fit)
@@ -126,7 +143,7 @@ static PetscInt FirstLate(const MpmSeries *s)
 PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool watch_state, MpmGrowth *growth)
 {
   const PetscInt late = FirstLate(s), n = s->n - late;
-  PetscReal     *x, worse, better;
+  PetscReal     *x;
   Fit            grid, state;
 
   PetscFunctionBegin;
@@ -144,10 +161,8 @@ PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool w
   growth->from     = s->step[late];
   growth->to       = s->step[s->n - 1];
   if (Grows(&grid, tolerance)) {
-    worse           = PetscMax(grid.scatter, grid.linear_scatter);
-    better          = PetscMin(grid.scatter, grid.linear_scatter);
     growth->kind    = IsLinear(&grid) ? MPM_LINEAR : MPM_EXPONENTIAL;
-    growth->decided = grid.rise > LARGEST_LINEAR_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
+    growth->decided = IsDecided(&grid);
   } else if (watch_state && Grows(&state, tolerance))
     growth->kind = MPM_LINEAR;
   PetscCall(PetscFree(x));

@@ -48,6 +48,7 @@ int main(int argc, char **argv)
     status = MPM_EXIT_REFUSED;
   else if (ierr)
     MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
+  (void)PetscPopErrorHandler();
   ierr = PetscFinalize();
   return ierr ? MPM_EXIT_FAILED : status;
 }

@@ -48,7 +48,6 @@ static PetscErrorCode CreateVectors(MpmMarch *march)
     if (march->schedule.spare[f]) PetscCall(VecDuplicate(march->node[f], &march->spare[f]));
   }
   PetscCall(DMCreateLocalVector(march->grid->da, &march->inverse_mass));
-  if (march->schedule.spare_mass) PetscCall(VecDuplicate(march->inverse_mass, &march->spare_mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,7 +90,6 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
     PetscCall(VecDestroy(&(*march)->spare[f]));
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
-  PetscCall(VecDestroy(&(*march)->spare_mass));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
   PetscCall(MpmGridDestroy(&(*march)->grid));
   PetscCall(PetscFree(*march));

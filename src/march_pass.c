@@ -9,14 +9,14 @@
 */
 #include <mpmstab/march.h>
 
-#define BLOCK 512 /* particles: cell, xi and two fields of them fit 16 KiB */
+#define BLOCK 128 /* particles: larger blocks are slower here, though they would fit the cache */
 
 /* What the passes of a group share. */
 typedef struct {
   const MpmMarch *march;
   PetscInt       *cell;
   PetscReal      *xi, *particle[MPM_MAX_FIELDS];
-  PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass, *spare_mass;
+  PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
 } Arrays;
 
 /*
@@ -29,7 +29,7 @@ typedef struct {
   PetscBool      moving, sample;
   PetscInt       whole[2]; /* drift before and after DRIFT */
   PetscReal      part[2];
-  PetscReal     *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *mass, *squares;
+  PetscReal     *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *squares;
   PetscInt       first, next, zeroed, lo, hi;
 } Stage;
 
@@ -46,7 +46,6 @@ static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
     if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
   }
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &a->mass));
-  if (march->spare_mass) PetscCall(MpmGridGetArray(march->grid, march->spare_mass, &a->spare_mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,11 +68,7 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
     if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &a->spare[f]));
     if (swap) SwapVec(&march->node[f], &march->spare[f]);
   }
-  const PetscBool swap_mass = last->mass != a->mass ? PETSC_TRUE : PETSC_FALSE;
-
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
-  if (march->spare_mass) PetscCall(MpmGridRestoreArray(march->grid, march->spare_mass, &a->spare_mass));
-  if (swap_mass) SwapVec(&march->inverse_mass, &march->spare_mass);
   for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
     PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
@@ -97,13 +92,11 @@ static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const Mpm
   }
   for (PetscInt f = 0; f < march->nnodes; f++)
     s->node[f] = !before ? a->node[f] : before->sum[f] ? before->sum[f] : before->node[f];
-  s->mass = before ? before->mass : a->mass;
   for (PetscInt i = 0; i < pass->nsums; i++) {
     const PetscInt f = pass->sum[i];
 
     s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
   }
-  if (pass->sums_mass && a->spare_mass) s->mass = a->spare_mass;
   s->zeroed = -march->grid->ghost;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->count);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -128,7 +121,7 @@ static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
     if (op->kind == MPM_PASS_MAP)
       op->kernel(n, cell, xi, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
     else if (op->kind == MPM_PASS_MASS)
-      op->mass_kernel(n, cell, xi, q, s->sum[op->node], s->mass);
+      op->mass_kernel(n, cell, xi, q, s->sum[op->node], s->arrays->mass);
     else if (op->kind == MPM_PASS_DRIFT)
       MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[1], s->part[1], cell_now, xi_now);
     else if (s->sample)
@@ -143,7 +136,7 @@ static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
   PetscFunctionBegin;
   if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed, n));
-  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->mass + s->zeroed, n));
+  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + s->zeroed, n));
   s->zeroed = end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -152,11 +145,11 @@ static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
 static void Complete(const Stage *s, PetscInt lo, PetscInt hi)
 {
   if (s->pass->sums_mass)
-    for (PetscInt i = lo; i < hi; i++) s->mass[i] = s->mass[i] > 0 ? 1 / s->mass[i] : 0;
+    for (PetscInt i = lo; i < hi; i++) s->arrays->mass[i] = s->arrays->mass[i] > 0 ? 1 / s->arrays->mass[i] : 0;
   for (PetscInt f = 0; f < s->pass->nsums; f++) {
     PetscReal *sum = s->sum[s->pass->sum[f]];
 
-    for (PetscInt i = lo; i < hi; i++) sum[i] *= s->mass[i];
+    for (PetscInt i = lo; i < hi; i++) sum[i] *= s->arrays->mass[i];
   }
 }
 
@@ -222,7 +215,7 @@ static PetscErrorCode FinishStage(Stage *s)
   for (; s->next < count; s->next += BLOCK) RunBlock(s, s->next, PetscMin(BLOCK, count - s->next));
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
-  sums[s->pass->nsums] = s->mass;
+  sums[s->pass->nsums] = s->arrays->mass;
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
   Complete(s, 0, PetscMin(s->lo, grid->count));
   Complete(s, PetscMin(hi, grid->count), grid->count);

@@ -57,7 +57,7 @@ const MpmOption MpmOptions[] = {
   {"length",       MPM_REAL,     "1",        "length L of the domain", ABOVE(0)},
   {"ppc",          MPM_INTEGER,  "2",        "particles per cell", BETWEEN(1, 1000000)},
   {"layout",       MPM_WORD,     "uniform",  "where particles start", .word = LayoutWord},
-  {"offset",       MPM_FRACTION, "0.5",      "start of the first particle, in particle spacings", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON)},
+  {"offset",       MPM_FRACTION, "0.5",      "start of the first particle, in particle spacings", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2)},
   {"jitter",       MPM_REAL,     "0",        "random displacement, in particle spacings", BETWEEN(0, 1)},
   {"seed",         MPM_INTEGER,  "1",        "seed of jitter and random data", BETWEEN(0, 9007199254740992)},
   {"boundary",     MPM_WORD,     "periodic", "the ends of the domain", .word = BoundaryWord},

@@ -15,26 +15,62 @@ struct MpmOutput_ {
   char            path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 };
 
+static PetscErrorCode WriteText(PetscViewer viewer, const char name[], const char text[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", name, PETSC_STRING, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteNumber(PetscViewer viewer, const char name[], PetscReal value)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", name, PETSC_REAL, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* As text too, which keeps 1/7 what it is. */
+static PetscErrorCode WriteFraction(PetscViewer viewer, const char name[], const MpmFraction *f)
+{
+  char exact[64], text[64];
+
+  PetscFunctionBegin;
+  PetscCall(WriteNumber(viewer, name, f->value));
+  if (!f->den) PetscFunctionReturn(PETSC_SUCCESS);
+  snprintf(exact, sizeof exact, "%s_exact", name);
+  snprintf(text, sizeof text, "%" PetscInt64_FMT "/%" PetscInt64_FMT, f->num, f->den);
+  PetscCall(WriteText(viewer, exact, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode WriteSceneAttributes(const MpmOutput *output, PetscViewer viewer)
 {
   const MpmScene *s = output->scene;
 
   PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "version", PETSC_STRING, MPMSTAB_VERSION));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "formulation", PETSC_STRING, s->formulation->name));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "basis", PETSC_STRING, s->basis->name));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "transfer", PETSC_STRING, s->transfer));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "initial", PETSC_STRING, MpmInitialNames[s->initial]));
+  PetscCall(WriteText(viewer, "version", MPMSTAB_VERSION));
+  PetscCall(WriteText(viewer, "formulation", s->formulation->name));
+  PetscCall(WriteText(viewer, "basis", s->basis->name));
+  PetscCall(WriteText(viewer, "transfer", s->transfer));
+  PetscCall(WriteText(viewer, "layout", s->layout));
+  PetscCall(WriteText(viewer, "boundary", s->boundary));
+  PetscCall(WriteText(viewer, "initial", MpmInitialNames[s->initial]));
+  PetscCall(WriteText(viewer, "stagger", s->stagger ? "true" : "false"));
+  PetscCall(WriteFraction(viewer, "drift", &s->drift));
+  PetscCall(WriteFraction(viewer, "offset", &s->offset));
   PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "dim", PETSC_INT, &s->dim));
   PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "cells", PETSC_INT, &s->cells));
   PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "ppc", PETSC_INT, &s->ppc));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "length", PETSC_REAL, &s->length));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "wave_speed", PETSC_REAL, &s->wave_speed));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "courant", PETSC_REAL, &s->courant));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "drift", PETSC_REAL, &s->drift.value));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "offset", PETSC_REAL, &s->offset.value));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "jitter", PETSC_REAL, &s->jitter));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "amplitude", PETSC_REAL, &s->amplitude));
+  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "mode", PETSC_INT, &s->mode));
+  PetscCall(WriteNumber(viewer, "seed", (PetscReal)s->seed));
+  PetscCall(WriteNumber(viewer, "steps", (PetscReal)s->steps));
+  PetscCall(WriteNumber(viewer, "length", s->length));
+  PetscCall(WriteNumber(viewer, "wave_speed", s->wave_speed));
+  PetscCall(WriteNumber(viewer, "courant", s->courant));
+  PetscCall(WriteNumber(viewer, "dt", s->dt));
+  PetscCall(WriteNumber(viewer, "jitter", s->jitter));
+  PetscCall(WriteNumber(viewer, "amplitude", s->amplitude));
+  PetscCall(WriteNumber(viewer, "tolerance", s->tolerance));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -42,8 +78,6 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
   const PetscInt n    = (PetscInt)march->scene->particles;
-  char           xmf[PETSC_MAX_PATH_LEN];
-  size_t         length;
   MpmOutput     *o;
 
   PetscFunctionBegin;
@@ -59,10 +93,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
   PetscCall(VecCreateMPI(comm, march->grid->count, march->grid->cells, &o->global));
-  PetscCall(PetscStrlen(o->path, &length));
-  if (length > 3 && !strcmp(o->path + length - 3, ".h5")) length -= 3;
-  PetscCall(PetscSNPrintf(xmf, sizeof xmf, "%.*s.xmf", (int)length, o->path));
-  PetscCall(MpmTextFileOpen(xmf, &o->xmf));
+  PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
                            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
@@ -231,7 +262,11 @@ PetscErrorCode MpmOutputDestroy(MpmOutput **output)
   PetscFunctionBegin;
   PetscCall(PetscViewerDestroy(&o->viewer));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && rename(o->part, o->path)) error = errno;
+  if (rank == 0 && rename(o->part, o->path)) {
+    error = errno;
+    (void)unlink(o->part);
+    (void)unlink(o->xmf.part);
+  }
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!error, "%s: cannot be written: %s", o->path, strerror(error));
   if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");

@@ -2,12 +2,11 @@
 #include <mpmstab/passes.h>
 
 typedef struct {
-  const MpmFormulation *formulation;
-  const MpmBasis       *basis;
-  PetscReal             courant;
-  PetscBool             drifts, fused, mass_due;
-  PetscInt              depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
-  MpmSchedule          *schedule;
+  const MpmBasis *basis;
+  PetscReal       courant;
+  PetscBool       fused, mass_due;
+  PetscInt        depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
+  MpmSchedule    *schedule;
 } Compiler;
 
 static PetscBool Sums(const MpmPass *pass, PetscInt node)
@@ -163,16 +162,14 @@ static void JoinPasses(MpmSchedule *schedule)
   for (PetscInt p = 0; p < schedule->npasses; p++) {
     MpmPass *pass = &schedule->pass[p];
 
-    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase ? PETSC_TRUE : PETSC_FALSE;
+    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && !pass->sums_mass ? PETSC_TRUE : PETSC_FALSE;
     for (PetscInt q = first; q < p; q++)
       for (PetscInt s = 0; s < pass->nsums; s++)
         if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
     if (!pass->joined) first = p;
-    for (PetscInt q = first; q <= p; q++) {
+    for (PetscInt q = first; q <= p; q++)
       for (PetscInt s = 0; s < pass->nsums; s++)
         if (Reads(&schedule->pass[q], pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
-      if (pass->sums_mass && q < p && schedule->pass[q].nsums) schedule->spare_mass = PETSC_TRUE;
-    }
   }
 }
 
@@ -180,13 +177,7 @@ PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis
                                   PetscBool fused, MpmSchedule *schedule)
 {
   const PetscInt head = HeadLength(f);
-  Compiler       c    = {.formulation = f,
-                         .basis       = basis,
-                         .courant     = courant,
-                         .drifts      = drifts,
-                         .fused       = fused,
-                         .mass_due    = PETSC_TRUE,
-                         .schedule    = schedule};
+  Compiler       c = {.basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
   MpmPass       *pass;
 
   PetscFunctionBegin;

@@ -42,6 +42,8 @@ static PetscErrorCode PrintPrediction(const char name[], PetscReal growth, const
   PetscFunctionBegin;
   if (isnan(growth))
     Print("  %-11s %-13s the formula does not cover this scene\n", name, "-");
+  else if (isinf(growth))
+    Print("  %-11s %-13s %s\n", name, "off range", formula);
   else
     Print("  %-11s %-13.9g %s\n", name, growth, formula);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -88,7 +90,7 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   Print(" last\n");
   if (run->blew_up_at_step != MPM_NEVER)
     Print("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
-          run->steps < run->scene->steps ? "; the run stopped there" : "; it was followed by rescaling");
+          run->lost ? "; the run stopped there" : "; it was followed by rescaling");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -98,12 +100,12 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
 
   PetscFunctionBegin;
   Print("\nverdict: %s", MpmVerdictNames[run->verdict]);
-  if (run->steps < run->scene->steps)
-    Print(", one step was enough to leave the range of double precision\n");
+  if (run->lost)
+    Print(", one step takes the state beyond the range of double precision\n");
   else if (!growth->measured)
     Print(", the growth could not be measured\n");
   else if (!growth->decided)
-    Print(", linear and exponential growth fit alike; run more steps\n");
+    Print(", the growth has not settled into a kind; run more steps\n");
   else if (run->verdict == MPM_UNSTABLE)
     Print(", the state grows exponentially\n");
   else if (growth->kind == MPM_LINEAR)

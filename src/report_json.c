@@ -12,9 +12,12 @@ static void SetReal(json_t *object, const char key[], PetscReal value)
 }
 
 /* null: the formula does not cover the scene. */
-static json_t *RealOrNull(PetscReal value)
+static void SetPrediction(json_t *object, const char key[], PetscReal growth)
 {
-  return isfinite(value) ? json_real(value) : json_null();
+  if (isnan(growth))
+    json_object_set_new(object, key, json_null());
+  else
+    SetReal(object, key, growth);
 }
 
 static json_t *Scene(const MpmRun *run)
@@ -32,10 +35,10 @@ static json_t *Predicted(const MpmRun *run)
 {
   json_t *predicted = json_object();
 
-  json_object_set_new(predicted, "published", RealOrNull(run->predictions.published));
-  json_object_set_new(predicted, "corrected", RealOrNull(run->predictions.corrected));
+  SetPrediction(predicted, "published", run->predictions.published);
+  SetPrediction(predicted, "corrected", run->predictions.corrected);
   if (run->scene->initial == MPM_INITIAL_MODE)
-    json_object_set_new(predicted, "corrected_mode", RealOrNull(run->predictions.corrected_mode));
+    SetPrediction(predicted, "corrected_mode", run->predictions.corrected_mode);
   return predicted;
 }
 

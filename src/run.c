@@ -18,7 +18,7 @@ typedef struct {
   MpmOutput  *output; /* NULL: none asked */
   MpmTextFile csv;
   PetscInt64  gap; /* steps between samples */
-  PetscReal   aside_s;
+  PetscReal   aside_s, log_energy_first;
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between
@@ -44,20 +44,35 @@ static PetscErrorCode WriteCsvHeader(const Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteCsvRow(const Loop *loop, PetscReal log_norm, PetscReal energy)
+/* A value out of range is an empty cell. */
+static void WriteCell(FILE *csv, PetscReal value)
+{
+  if (isfinite(value))
+    fprintf(csv, ",%.17g", value);
+  else
+    fprintf(csv, ",");
+}
+
+static PetscErrorCode WriteCsvRow(Loop *loop, PetscReal log_norm, PetscReal energy)
 {
   const MpmScene *scene = loop->run->scene;
+  const PetscReal begin = MPI_Wtime();
   MpmError        error[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
   if (!scene->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (loop->run->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, error));
-  if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
-  fprintf(loop->csv.stream, "%" PetscInt64_FMT ",%.17g,%.17g,%.17g,%.17g", loop->march->step,
-          loop->march->step * scene->dt, exp(log_norm), energy, log_norm / M_LN10);
-  for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
-    fprintf(loop->csv.stream, ",%.17g", error[f].l2);
-  fprintf(loop->csv.stream, "\n");
+  if (loop->csv.stream) {
+    fprintf(loop->csv.stream, "%" PetscInt64_FMT, loop->march->step);
+    WriteCell(loop->csv.stream, loop->march->step * scene->dt);
+    WriteCell(loop->csv.stream, exp(log_norm));
+    WriteCell(loop->csv.stream, energy);
+    WriteCell(loop->csv.stream, log_norm / M_LN10);
+    for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
+      WriteCell(loop->csv.stream, error[f].l2);
+    fprintf(loop->csv.stream, "\n");
+  }
+  loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -86,7 +101,12 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);
-  if (march->step == 0) run->energy_initial = run->energy_final;
+  if (march->step == 0) {
+    run->energy_initial    = run->energy_final;
+    loop->log_energy_first = log(norms.energy) + 2 * ln2;
+  }
+  run->energy_ratio = exp(log(norms.energy) + 2 * ln2 - loop->log_energy_first);
+  run->lost         = *follow ? PETSC_FALSE : PETSC_TRUE;
   if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSeriesAppend(&run->series, march->step, log_state, log(norms.grid) + ln2));
   PetscCall(WriteCsvRow(loop, log_state, run->energy_final));
@@ -131,15 +151,12 @@ static PetscErrorCode March(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every file is tried before the work begins, and has its name only when the work is done. */
+/* Every file was tried when the scene was read, and has its name only when the work is done. */
 static PetscErrorCode OpenFiles(Loop *loop)
 {
   const MpmScene *scene = loop->run->scene;
 
   PetscFunctionBegin;
-  if (scene->json[0]) PetscCall(MpmFileCheck("json", scene->json));
-  if (scene->csv[0]) PetscCall(MpmFileCheck("csv", scene->csv));
-  if (scene->output[0]) PetscCall(MpmFileCheck("output", scene->output));
   if (scene->output[0]) PetscCall(MpmOutputCreate(loop->march, &loop->output));
   if (scene->csv[0]) {
     PetscCall(MpmTextFileOpen(scene->csv, &loop->csv));
@@ -168,11 +185,10 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   if (loop.output) PetscCall(MpmOutputDestroy(&loop.output));
   if (scene->csv[0]) PetscCall(MpmTextFileClose(&loop.csv));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
-  r->steps      = loop.march->step;
-  r->migrations = loop.march->migrations;
+  r->steps = loop.march->step;
   PetscCall(MpmMarchDestroy(&loop.march));
   PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
-  r->verdict = r->steps < scene->steps ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
+  r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
   r->wall_s  = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,6 +79,33 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
     scene->steps = PetscMax((PetscInt64)value, 1);
   } else
     PetscCall(MpmSettingsInteger(settings, "steps", &scene->steps));
+  if (!isfinite((PetscReal)scene->steps * scene->dt))
+    PetscCall(MpmSettingsRefuse(settings, "length", "steps times dt is out of range; allowed: a smaller length"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a key of the scene has lost its sense because the command line changed another. */
+static PetscBool Overruled(const MpmSettings *settings, const char key[], const char by[])
+{
+  return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
+  if (scene->stagger && scene->formulation->staggered == MPM_NONE) {
+    scene->stagger = PETSC_FALSE;
+    if (!Overruled(settings, "stagger", "formulation"))
+      PetscCall(MpmSettingsRefuse(settings, "stagger",
+                                  "this formulation updates its fields at once; allowed: with two-stage formulations"));
+  }
+  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM) {
+    scene->stagger = PETSC_FALSE;
+    if (!Overruled(settings, "stagger", "initial"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "stagger", "random data have no half step; allowed: with initial mode or pulse"));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -92,26 +119,10 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   if (scene->initial == MPM_INITIAL_MODE && scene->mode > PetscMax(1, scene->cells / 2))
     PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: a whole number from 1 to cells / 2"));
   if (scene->initial != MPM_INITIAL_MODE && MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT &&
-      MpmSettingsSource(settings, "mode") >= MpmSettingsSource(settings, "initial"))
+      !Overruled(settings, "mode", "initial"))
     PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode"));
   PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
-  PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
-  if (scene->stagger && scene->formulation->staggered == MPM_NONE)
-    PetscCall(MpmSettingsRefuse(settings, "stagger",
-                                "this formulation updates its fields at once; allowed: with two-stage formulations"));
-  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM)
-    PetscCall(
-        MpmSettingsRefuse(settings, "stagger", "random data have no half step; allowed: with initial mode or pulse"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], char path[])
-{
-  const char *text;
-
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsPath(settings, name, &text));
-  if (text) PetscCall(PetscStrncpy(path, text, PETSC_MAX_PATH_LEN - 16)); /* room for '.part' and '.xmf' */
+  PetscCall(ReadStagger(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,14 +130,14 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
   PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
-  PetscCall(ReadPath(settings, "output", scene->output));
-  PetscCall(ReadPath(settings, "json", scene->json));
-  PetscCall(ReadPath(settings, "csv", scene->csv));
+  PetscCall(MpmSettingsFiles(settings, scene));
   scene->output_every = scene->steps;
   if (MpmSettingsGiven(settings, "output_every")) {
     PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
     if (!scene->output[0]) PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
   }
+  if (scene->output[0] && scene->particles > PETSC_MAX_INT / 3)
+    PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
   scene->has_progress = MpmSettingsGiven(settings, "progress");
   if (scene->has_progress) PetscCall(MpmSettingsSwitch(settings, "progress", &scene->progress));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -152,13 +163,13 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   }
   if (expect->has_growth) PetscCall(MpmSettingsRange(settings, "expect_growth", expect->growth));
   if (expect->has_energy) PetscCall(MpmSettingsRange(settings, "expect_energy", expect->energy));
-  if (expect->has_error) {
-    PetscCall(MpmSettingsRange(settings, "expect_error", expect->error));
-    if (scene->initial == MPM_INITIAL_RANDOM)
+  if (expect->has_error && scene->initial == MPM_INITIAL_RANDOM) {
+    if (!Overruled(settings, "expect_error", "initial"))
       PetscCall(MpmSettingsRefuse(settings, "expect_error",
-                                  "random data have no exact solution; allowed: with initial "
-                                  "mode or pulse"));
+                                  "random data have no exact solution; allowed: with initial mode or pulse"));
+    expect->has_error = PETSC_FALSE;
   }
+  if (expect->has_error) PetscCall(MpmSettingsRange(settings, "expect_error", expect->error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,7 +194,6 @@ PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene)
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
   PetscCall(MpmSettingsCreate(path, &settings));
-  PetscCall(PetscStrncpy((*scene)->path, path ? path : "", sizeof(*scene)->path));
   PetscCall(ReadWords(settings, *scene));
   PetscCall(ReadGrid(settings, *scene));
   PetscCall(ReadTime(settings, *scene));

@@ -64,13 +64,10 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
  * before. */
 static PetscBool IsLibraryOption(const char name[])
 {
-  static const char *const families[] = {
-      "log_",    "malloc",    "objects_",       "options_", "on_error_", "info",   "dm_",
-      "da_",     "vec_",      "mat_",           "sf_",      "viewer_",   "mpi_",   "memory_",
-      "fp_trap", "debugger",  "start_in_debug", "saws",     "no_",       "nox",    "version",
-      "check_",  "get_total", "petsc",          "xml",      "python",    "error_", "use_gpu",
-      "device_", "cuda_",     "hip_",           "blas_",    "process_",  "q",      "display",
-      "tmp"};
+  static const char *const families[] = {"log_",     "malloc",   "objects_", "options_", "on_error_",
+                                         "info",     "dm_",      "da_",      "vec_",     "mat_",
+                                         "sf_",      "viewer_",  "mpi_",     "memory_",  "fp_trap",
+                                         "debugger", "start_in", "saws",     "version",  "check_pointer"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(families); i++)
     if (!strncmp(name, families[i], strlen(families[i]))) return PETSC_TRUE;

@@ -99,7 +99,8 @@ PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[
 
 PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
 {
-  static const char *const yes[] = {"", "true", "yes", "on", "1"}, *const no[] = {"false", "no", "off", "0"};
+  static const char *const yes[] = {"", "true", "True", "yes", "on", "1"}, *const no[] = {"false", "False", "no", "off",
+                                                                                          "0"};
   const char *const text = settings->text[MpmOptionIndex(name)];
 
   PetscFunctionBegin;

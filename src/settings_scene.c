@@ -58,7 +58,8 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const cha
   }
   MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time", settings->scene,
                 line, key);
-  MpmCheckInput(*text, "%s:%d: key '%s' has no value", settings->scene, line, key);
+  MpmCheckInput(*text && strcmp(text, "~") && strcmp(text, "null"), "%s:%d: key '%s' has no value", settings->scene,
+                line, key);
   PetscCall(MpmSettingsSet(settings, option, text, MPM_FROM_SCENE, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,6 +102,8 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     MpmCheckInput(key && strlen(key) < 100, "%s:%d: allowed: lines of the form key: value", settings->scene,
                   Line(node));
     if (!inside_expect && !strcmp(key, "expect") && value->type == YAML_MAPPING_NODE) {
+      MpmCheckInput(value->data.mapping.pairs.top > value->data.mapping.pairs.start, "%s:%d: key 'expect' has no value",
+                    settings->scene, Line(node));
       PetscCall(ReadMapping(settings, document, value, PETSC_TRUE));
       continue;
     }
@@ -129,6 +132,9 @@ static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
   MpmCheckInput(root && root->type == YAML_MAPPING_NODE, "scene %s: allowed: lines of the form key: value",
                 settings->scene);
   PetscCall(ReadMapping(settings, &document, root, PETSC_FALSE));
+  yaml_document_delete(&document);
+  MpmCheckInput(yaml_parser_load(parser, &document) && !yaml_document_get_root_node(&document),
+                "scene %s: something follows the scene; allowed: one YAML document", settings->scene);
   yaml_document_delete(&document);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 #include <mpmstab/output.h>
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Rank 0's errno on all ranks, so that they refuse together. */
@@ -29,9 +30,12 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof part, "%s.part", path));
   if (IsFirst()) {
-    FILE *file = fopen(part, "wb");
+    struct stat is;
+    FILE       *file = NULL;
 
-    if (!file)
+    if (!stat(path, &is) && S_ISDIR(is.st_mode))
+      error = EISDIR;
+    else if (!(file = fopen(part, "ab")))
       error = errno;
     else {
       fclose(file);

@@ -1,7 +1,12 @@
 #!/bin/sh
-# status.sh EXPECTED COMMAND...: the command must end with this status.
+# status.sh EXPECTED MESSAGE COMMAND...: the command must end with this status and say the message once.
 expected=$1
-shift
-"$@"
+message=$2
+shift 2
+said=$("$@" 2>&1)
 status=$?
-[ "$status" -eq "$expected" ] || { echo "status $status, expected $expected"; exit 1; }
+times=$(printf '%s\n' "$said" | grep -cF -- "$message")
+[ "$status" -eq "$expected" ] && [ "$times" -eq 1 ] && exit 0
+printf '%s\n' "$said"
+echo "status $status (expected $expected), message $times times (expected once): $message"
+exit 1

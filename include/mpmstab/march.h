@@ -16,7 +16,7 @@ typedef struct {
   MpmParticles   *particles;
   MpmSchedule     schedule;
   PetscInt        nnodes, slack;
-  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass, spare_mass; /* local vectors */
+  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   PetscInt64      step, migrations;
   PetscInt        exponent;
   PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */

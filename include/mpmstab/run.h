@@ -7,18 +7,17 @@
 /*S
    MpmRun - the result of the task run.
 
-   energy is NaN or infinite when out of range. blew_up_at_step is the first sampled step at which the norm of
-   the state left the range of doubles, or MPM_NEVER; steps may then be fewer than asked when it could not be
-   followed.
-*/
+   Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
+   of the state left the range of doubles, or MPM_NEVER. lost: one step enlarged the state beyond what rescaling can
+   follow, and the run stopped there.
+S*/
 #define MPM_NEVER -1
 typedef struct {
   const MpmScene *scene;
   PetscMPIInt     ranks;
   PetscInt64      steps, blew_up_at_step;
-  PetscInt        migrations;
-  PetscReal       loop_s, wall_s, energy_initial, energy_final;
-  PetscBool       has_errors;
+  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio;
+  PetscBool       has_errors, lost;
   MpmError        error[MPM_MAX_FIELDS];
   MpmSeries       series;
   MpmGrowth       growth;

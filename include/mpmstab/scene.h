@@ -29,8 +29,8 @@ typedef struct {
   MpmFraction           offset, drift;
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress;
-  char                  path[PETSC_MAX_PATH_LEN];
-  char                  output[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN]; /* "": none */
+  char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
+  char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN];
   MpmExpect             expect;
 } MpmScene;
 
@@ -41,6 +41,9 @@ typedef struct {
 */
 PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene);
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
+
+/* Collective. The files a scene writes: each can be written, and no two are the same. Called by MpmSceneCreate. */
+PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 
 /* Not collective. Whether particles move against the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
