@@ -23,6 +23,7 @@ def read(path):
         result = json.load(file)
     with open(path[: -len(".json")] + ".csv") as file:
         rows = list(csv.DictReader(file))
+    rows = [r for r in rows if r["energy"]]  # empty: out of the range of doubles
     return result, [int(r["step"]) for r in rows], [float(r["energy"]) for r in rows]
 
 

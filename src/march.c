@@ -11,8 +11,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles may run into the ghost layer; before the next step would take them beyond it they go to their
- * owners. */
+/* Particles may run into the ghost layer; before the next step would take them beyond it they go to their owners. */
 static PetscErrorCode MigrateInTime(MpmMarch *march)
 {
   PetscInt  whole;

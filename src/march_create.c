@@ -2,8 +2,7 @@
 #include <mpmstab/march.h>
 #include <math.h>
 
-/* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more
- * ghosts. */
+/* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more ghosts. */
 #define MOST_SLACK 16
 
 /*

@@ -76,8 +76,7 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was
- * there. */
+/* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was there. */
 static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const MpmPass *pass, PetscInt64 step, Stage *s)
 {
   const MpmMarch *march = a->march;

@@ -38,8 +38,7 @@ static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Back from the cell a particle is in now to the local cell it rests in; the part of drift below a cell stays
- * out. */
+/* Back from the cell a particle is in now to the local cell it rests in; the part of drift below a cell stays out. */
 static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *grid, PetscReal part)
 {
   const PetscReal *xi;
@@ -62,7 +61,7 @@ static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *gr
 }
 
 /* order[i] is the particle that comes i-th by (cell, xi, id): a counting sort by cell, then insertion within
- * a cell. */
+   a cell. */
 static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
 {
   const PetscInt64 *id;

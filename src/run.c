@@ -7,8 +7,7 @@
 
 #define MOST_SAMPLES 256 /* equally spaced, unless growth asks for more */
 
-/* Rescaling keeps the state within 2^+-100; between two samples it may grow to 2^480, and its squares fit a
- * double. */
+/* Rescaling keeps the state within 2^+-100; between two samples it may grow to 2^480, and its squares fit a double. */
 #define RESCALE_AT 100
 #define ROOM 380
 
@@ -21,8 +20,7 @@ typedef struct {
   PetscReal   aside_s, log_energy_first;
 } Loop;
 
-/* A step enlarges the state by at most a bound known from the table, so that no run overflows between
- * samples. */
+/* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
 static PetscInt64 SampleGap(const MpmScene *scene)
 {
   const PetscReal bound = MpmScheduleBound(scene->formulation, scene->basis, scene->courant);

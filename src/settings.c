@@ -60,8 +60,7 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options of the libraries below us: they read theirs while the task runs, so only the family can be known
- * before. */
+/* Options of the libraries below us: they read theirs while the task runs, so only the family can be known before. */
 static PetscBool IsLibraryOption(const char name[])
 {
   static const char *const families[] = {"log_",     "malloc",   "objects_", "options_", "on_error_",

@@ -34,8 +34,7 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
                                   MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
-/* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in
- * [0,1) on. */
+/* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in [0,1) on. */
 PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);
 
 /* Not collective. Access to a swarm field by name; every Get needs its Restore. */

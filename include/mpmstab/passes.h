@@ -33,16 +33,14 @@ typedef struct {
   PetscBool     to_nodes;
 } MpmPassOp;
 
-/* A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid
- * has. */
+/* A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. */
 typedef struct {
   MpmOpKind kind;
   PetscReal a;
   PetscInt  dst, src, depth;
 } MpmNodeOp;
 
-/* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then
- * migrate. */
+/* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then migrate. */
 typedef struct {
   PetscInt  nops, nsums, nnode_ops;
   MpmPassOp op[MPM_MAX_PASS_OPS];

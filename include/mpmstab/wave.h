@@ -5,8 +5,7 @@
 #pragma once
 #include <mpmstab/compat.h>
 
-/* Initial data: a Fourier mode, a travelling pulse, or numbers hashed from the particle's id (no exact
- * solution). */
+/* Initial data: a Fourier mode, a travelling pulse, or numbers hashed from the particle's id (no exact solution). */
 typedef enum { MPM_INITIAL_MODE, MPM_INITIAL_RANDOM, MPM_INITIAL_PULSE } MpmInitial;
 extern const char *const MpmInitialNames[];
 

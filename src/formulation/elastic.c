@@ -31,8 +31,7 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return MpmQuadraticRadius(2 - 4 * PetscSqr(k * sin(beta / 2)), 1);
 }
 
-/* P2G G2P is not the identity; its symbol for the hat is alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 -
- * xi). */
+/* P2G G2P is not the identity; its symbol for the hat is alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi). */
 static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal beta)
 {
   PetscReal       q = 0, alpha;

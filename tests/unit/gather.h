@@ -3,8 +3,7 @@
 #include "check.h"
 #include <mpmstab/march.h>
 
-/* Collective. values[id] for all particles of the march, in true size (2^exponent applied); free with
- * PetscFree. */
+/* Collective. values[id] for all particles of the march, in true size (2^exponent applied); free with PetscFree. */
 static inline PetscErrorCode GatherField(const MpmMarch *march, const char name[], PetscReal **values)
 {
   const PetscInt64 *id;

@@ -26,8 +26,7 @@ static PetscErrorCode EqualsOneRank(const MpmScene *scene, const MpmMarch *march
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every particle is on exactly one rank, in a cell that the rank may see, in order, and the nodes weigh them
- * all. */
+/* Every particle is on exactly one rank, in a cell that the rank may see, in order, and the nodes weigh them all. */
 static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
 {
   const MpmParticles *particles = march->particles;
