@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/settings.h>
 #include <mpmstab/task.h>
+#include <signal.h>
 #include <string.h>
 
 static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *status)
@@ -41,6 +42,7 @@ int main(int argc, char **argv)
     }
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_FAILED;
+  (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);
