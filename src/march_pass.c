@@ -30,7 +30,7 @@ typedef struct {
   PetscInt       whole[2]; /* drift before and after DRIFT */
   PetscReal      part[2];
   PetscReal     *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *squares;
-  PetscInt       first, next, zeroed, lo, hi;
+  PetscInt       first, next, lo, hi, zeroed[2]; /* nodes [zeroed[0], zeroed[1]) are ready to be summed to */
 } Stage;
 
 static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
@@ -96,7 +96,7 @@ static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const Mpm
 
     s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
   }
-  s->zeroed = -march->grid->ghost;
+  s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->count);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -130,13 +130,13 @@ static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
 
 static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
 {
-  const PetscInt n = end - s->zeroed;
+  const PetscInt n = end - s->zeroed[1];
 
   PetscFunctionBegin;
   if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed, n));
-  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + s->zeroed, n));
-  s->zeroed = end;
+  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed[1], n));
+  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + s->zeroed[1], n));
+  s->zeroed[1] = end;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,7 +181,10 @@ static PetscErrorCode Advance(Stage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lets a joined stage follow the one before it as far as that has completed nodes. */
+/*
+   Lets a joined stage follow the one before it as far as that has completed nodes. It stays inside [lo, hi) of the one
+   before, which neither reads those nodes again nor divides by their masses, so it may overwrite both.
+*/
 static PetscErrorCode Follow(const Stage *before, Stage *s)
 {
   const PetscInt count = s->arrays->march->particles->count;
@@ -196,6 +199,7 @@ static PetscErrorCode Follow(const Stage *before, Stage *s)
       s->lo = s->hi = PetscMax(s->hi, LargestNode(s, last) + 1);
       continue;
     }
+    if (s->next == s->first) s->zeroed[0] = s->zeroed[1] = LeastNode(s, s->next);
     PetscCall(Advance(s));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -206,10 +210,14 @@ static PetscErrorCode FinishStage(Stage *s)
 {
   const MpmGrid *grid  = s->arrays->march->grid;
   const PetscInt count = s->arrays->march->particles->count, hi = s->hi;
+  PetscInt       end;
   PetscReal     *sums[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
   PetscCall(ZeroTo(s, grid->count + grid->ghost));
+  end          = s->zeroed[0];
+  s->zeroed[1] = -grid->ghost;
+  PetscCall(ZeroTo(s, end));
   for (PetscInt begin = 0; begin < s->first; begin += BLOCK) RunBlock(s, begin, PetscMin(BLOCK, s->first - begin));
   for (; s->next < count; s->next += BLOCK) RunBlock(s, s->next, PetscMin(BLOCK, count - s->next));
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));

@@ -151,9 +151,8 @@ static PetscErrorCode InsertSamples(const MpmFormulation *f, MpmSchedule *schedu
 }
 
 /*
-   A pass joins the one before it when nothing comes between them and no field is summed twice. Whatever a
-   group of joined passes sums while an earlier one of them, or itself, still reads or divides by it needs a
-   second array.
+   A pass joins the one before it when nothing comes between them and no field is summed twice. Only a field that a pass
+   both reads and sums needs a second array: a joined pass stays behind the nodes that the pass before it is done with.
 */
 static void JoinPasses(MpmSchedule *schedule)
 {
@@ -162,14 +161,13 @@ static void JoinPasses(MpmSchedule *schedule)
   for (PetscInt p = 0; p < schedule->npasses; p++) {
     MpmPass *pass = &schedule->pass[p];
 
-    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && !pass->sums_mass ? PETSC_TRUE : PETSC_FALSE;
-    for (PetscInt q = first; q < p; q++)
-      for (PetscInt s = 0; s < pass->nsums; s++)
+    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase ? PETSC_TRUE : PETSC_FALSE;
+    for (PetscInt s = 0; s < pass->nsums; s++) {
+      for (PetscInt q = first; q < p; q++)
         if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
+      if (Reads(pass, pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
+    }
     if (!pass->joined) first = p;
-    for (PetscInt q = first; q <= p; q++)
-      for (PetscInt s = 0; s < pass->nsums; s++)
-        if (Reads(&schedule->pass[q], pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
   }
 }
 

@@ -52,7 +52,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   (void)argv;
   PetscCall(Compiles("gas1", 1, 2, 0));
-  PetscCall(Compiles("gas2", 2, 1, 0));
+  PetscCall(Compiles("gas2", 2, 0, 0));
   PetscCall(Compiles("elastic", 1, 1, 1));
   CheckBounds();
   PetscFunctionReturn(PETSC_SUCCESS);
