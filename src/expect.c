@@ -1,5 +1,5 @@
 /* A scene with an expect block is a test: what is missed is said, and the program fails. */
-#include <mpmstab/run.h>
+#include <mpmstab/expect.h>
 #include <math.h>
 
 static PetscErrorCode Miss(const char what[], const char found[], const char expected[], PetscInt *missed)
@@ -26,7 +26,7 @@ static PetscErrorCode CheckRange(const char what[], PetscReal value, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCheckExpectations(const MpmRun *run, PetscInt *missed)
+PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed)
 {
   const MpmExpect *expect = &run->scene->expect;
   const MpmGrowth *growth = &run->growth;
@@ -45,5 +45,15 @@ PetscErrorCode MpmRunCheckExpectations(const MpmRun *run, PetscInt *missed)
   for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++)
     if (!(run->error[f].l2 <= worst)) worst = run->error[f].l2; /* NaN is the worst */
   if (expect->has_error) PetscCall(CheckRange("largest l2 error", worst, expect->error, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  *missed = 0;
+  if (expect->has_verdict && expect->verdict != finding->verdict)
+    PetscCall(Miss("verdict", MpmVerdictNames[finding->verdict], MpmVerdictNames[expect->verdict], missed));
+  if (expect->has_spectrum) PetscCall(CheckRange("growth of the spectrum", finding->growth, expect->spectrum, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,9 +2,6 @@
 #include <mpmstab/growth.h>
 #include <math.h>
 
-const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NULL};
-const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
-
 #define FEWEST_SAMPLES 8
 #define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
 

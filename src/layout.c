@@ -2,9 +2,12 @@
    Uniform layout: particle j of cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed
    from the global id g = n ppc + j.
 */
+#include <mpmstab/kernels.h>
 #include <mpmstab/layout.h>
 #include <math.h>
 #include <stdint.h>
+
+#define LONGEST_PERIOD 10000 /* steps, each an operator to multiply with */
 
 PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
 {
@@ -37,4 +40,26 @@ void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscR
     shift++;
   }
   *cell = n + shift;
+}
+
+void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, PetscInt *cell, PetscReal *xi)
+{
+  PetscInt   home;
+  PetscInt64 whole;
+  PetscReal  rest, part;
+
+  MpmLayoutPlace(scene, id, &home, &rest);
+  MpmFractionMultiple(&scene->drift, step, &whole, &part);
+  MpmPlaceBlock(1, &home, &rest, 0, part, cell, xi);
+}
+
+PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period)
+{
+  PetscFunctionBegin;
+  MpmCheckInput(scene->drift.den > 0 && scene->drift.den <= LONGEST_PERIOD,
+                "drift %.17g: particles are not back in their places within %d steps; allowed: a fraction such as 1/8 "
+                "with a denominator of at most %d ('mpmstab run' takes any drift)",
+                scene->drift.value, LONGEST_PERIOD, LONGEST_PERIOD);
+  *period = (PetscInt)scene->drift.den;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

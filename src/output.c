@@ -1,78 +1,16 @@
 /* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
-#include <mpmstab/errors.h>
+#include <mpmstab/datafile.h>
 #include <mpmstab/output.h>
 #include <petscviewerhdf5.h>
-#include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 struct MpmOutput_ {
   const MpmScene *scene;
-  PetscViewer     viewer;
+  MpmDataFile     file;
   Vec             by_id, coordinates, local, global;
   MpmTextFile     xmf;
-  char            path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 };
-
-static PetscErrorCode WriteText(PetscViewer viewer, const char name[], const char text[])
-{
-  PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", name, PETSC_STRING, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteNumber(PetscViewer viewer, const char name[], PetscReal value)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", name, PETSC_REAL, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* As text too, which keeps 1/7 what it is. */
-static PetscErrorCode WriteFraction(PetscViewer viewer, const char name[], const MpmFraction *f)
-{
-  char exact[64], text[64];
-
-  PetscFunctionBegin;
-  PetscCall(WriteNumber(viewer, name, f->value));
-  if (!f->den) PetscFunctionReturn(PETSC_SUCCESS);
-  snprintf(exact, sizeof exact, "%s_exact", name);
-  snprintf(text, sizeof text, "%" PetscInt64_FMT "/%" PetscInt64_FMT, f->num, f->den);
-  PetscCall(WriteText(viewer, exact, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteSceneAttributes(const MpmOutput *output, PetscViewer viewer)
-{
-  const MpmScene *s = output->scene;
-
-  PetscFunctionBegin;
-  PetscCall(WriteText(viewer, "version", MPMSTAB_VERSION));
-  PetscCall(WriteText(viewer, "formulation", s->formulation->name));
-  PetscCall(WriteText(viewer, "basis", s->basis->name));
-  PetscCall(WriteText(viewer, "transfer", s->transfer));
-  PetscCall(WriteText(viewer, "layout", s->layout));
-  PetscCall(WriteText(viewer, "boundary", s->boundary));
-  PetscCall(WriteText(viewer, "initial", MpmInitialNames[s->initial]));
-  PetscCall(WriteText(viewer, "stagger", s->stagger ? "true" : "false"));
-  PetscCall(WriteFraction(viewer, "drift", &s->drift));
-  PetscCall(WriteFraction(viewer, "offset", &s->offset));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "dim", PETSC_INT, &s->dim));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "cells", PETSC_INT, &s->cells));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "ppc", PETSC_INT, &s->ppc));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "mode", PETSC_INT, &s->mode));
-  PetscCall(WriteNumber(viewer, "seed", (PetscReal)s->seed));
-  PetscCall(WriteNumber(viewer, "steps", (PetscReal)s->steps));
-  PetscCall(WriteNumber(viewer, "length", s->length));
-  PetscCall(WriteNumber(viewer, "wave_speed", s->wave_speed));
-  PetscCall(WriteNumber(viewer, "courant", s->courant));
-  PetscCall(WriteNumber(viewer, "dt", s->dt));
-  PetscCall(WriteNumber(viewer, "jitter", s->jitter));
-  PetscCall(WriteNumber(viewer, "amplitude", s->amplitude));
-  PetscCall(WriteNumber(viewer, "tolerance", s->tolerance));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
 {
@@ -84,8 +22,6 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(PetscNew(output));
   o        = *output;
   o->scene = march->scene;
-  PetscCall(PetscStrncpy(o->path, march->scene->output, sizeof o->path));
-  PetscCall(PetscSNPrintf(o->part, sizeof o->part, "%s.part", o->path));
   PetscCall(VecCreateMPI(comm, PETSC_DECIDE, n, &o->by_id));
   PetscCall(VecCreate(comm, &o->coordinates));
   PetscCall(VecSetBlockSize(o->coordinates, 3));
@@ -97,8 +33,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
                            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
-  PetscCall(PetscViewerHDF5Open(comm, o->part, FILE_MODE_WRITE, &o->viewer));
-  PetscCall(WriteSceneAttributes(o, o->viewer));
+  PetscCall(MpmDataFileOpen(comm, o->scene, &o->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,14 +90,14 @@ static PetscErrorCode WriteCoordinates(const MpmOutput *output, const MpmMarch *
   PetscCall(PetscFree(x));
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(ViewAs(output->coordinates, "coordinates", output->viewer));
+  PetscCall(ViewAs(output->coordinates, "coordinates", output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *march)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5PushGroup(output->viewer, "particles"));
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "particles"));
   PetscCall(WriteCoordinates(output, march));
   for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
     const char      *name = output->scene->formulation->particle_fields[f];
@@ -172,16 +107,16 @@ static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *ma
     PetscCall(SetById(march, 1, q, output->by_id));
     PetscCall(MpmParticlesRestore(march->particles, name, &q));
     PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
-    PetscCall(ViewAs(output->by_id, name, output->viewer));
+    PetscCall(ViewAs(output->by_id, name, output->file.viewer));
   }
-  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
 {
   PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5PushGroup(output->viewer, "nodes"));
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "nodes"));
   for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
     PetscReal *from, *to;
 
@@ -191,9 +126,9 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
     for (PetscInt i = 0; i < march->grid->count; i++) to[i] = scalbn(from[i], (int)march->exponent);
     PetscCall(VecRestoreArray(output->global, &to));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
-    PetscCall(ViewAs(output->global, output->scene->formulation->particle_fields[f], output->viewer));
+    PetscCall(ViewAs(output->global, output->scene->formulation->particle_fields[f], output->file.viewer));
   }
-  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,7 +146,7 @@ static void DescribeField(FILE *xmf, const char file[], const char group[], cons
 static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[], PetscReal time)
 {
   const MpmScene *s     = output->scene;
-  const char     *slash = strrchr(output->path, '/'), *file = slash ? slash + 1 : output->path;
+  const char     *slash = strrchr(output->file.path, '/'), *file = slash ? slash + 1 : output->file.path;
   char            particles[32], nodes[32];
 
   snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->particles);
@@ -243,32 +178,22 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(group, sizeof group, "/step_%010" PetscInt64_FMT, march->step));
-  PetscCall(PetscViewerHDF5PushGroup(output->viewer, group));
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, group));
   PetscCall(WriteParticles(output, march));
   PetscCall(WriteNodes(output, march));
-  PetscCall(PetscViewerHDF5PopGroup(output->viewer));
-  PetscCall(PetscViewerHDF5WriteAttribute(output->viewer, group, "time", PETSC_REAL, &time));
-  PetscCall(PetscViewerHDF5WriteAttribute(output->viewer, group, "step", PETSC_REAL, &step));
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "time", PETSC_REAL, &time));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "step", PETSC_REAL, &step));
   if (output->xmf.stream) DescribeStep(output, output->xmf.stream, group, time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmOutputDestroy(MpmOutput **output)
 {
-  MpmOutput  *o = *output;
-  PetscMPIInt rank;
-  int         error = 0;
+  MpmOutput *o = *output;
 
   PetscFunctionBegin;
-  PetscCall(PetscViewerDestroy(&o->viewer));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && rename(o->part, o->path)) {
-    error = errno;
-    (void)unlink(o->part);
-    (void)unlink(o->xmf.part);
-  }
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-  MpmCheckInput(!error, "%s: cannot be written: %s", o->path, strerror(error));
+  PetscCall(MpmDataFileClose(&o->file, o->xmf.part));
   if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
   PetscCall(MpmTextFileClose(&o->xmf));
   PetscCall(VecDestroy(&o->by_id));

@@ -1,4 +1,5 @@
 /* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
+#include <mpmstab/mode_file.h>
 #include <mpmstab/particles.h>
 #include <math.h>
 
@@ -151,7 +152,10 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
   (*particles)->total       = scene->particles;
   PetscCall(CreateSwarm(scene, grid, *particles));
   PetscCall(Place(scene, grid, *particles));
-  PetscCall(Fill(scene, grid, exponent, *particles));
+  if (scene->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmModeFileFill(scene, exponent, *particles));
+  else
+    PetscCall(Fill(scene, grid, exponent, *particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -23,20 +23,6 @@ static PetscBool Reads(const MpmPass *pass, PetscInt node)
   return PETSC_FALSE;
 }
 
-static MpmKernel KernelOf(const MpmBasis *basis, MpmOpKind kind)
-{
-  switch (kind) {
-  case MPM_P2G:
-    return basis->p2g;
-  case MPM_G2P:
-    return basis->g2p;
-  case MPM_GRAD:
-    return basis->grad;
-  default:
-    return NULL;
-  }
-}
-
 static PetscErrorCode Append(MpmPass *pass, MpmPassOp op)
 {
   PetscFunctionBegin;
@@ -52,7 +38,7 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
 
   PetscFunctionBegin;
   PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                     .kernel      = KernelOf(c->basis, op->kind),
+                                     .kernel      = MpmMapKernel(c->basis, op->kind),
                                      .mass_kernel = c->basis->p2g_mass,
                                      .a           = MpmCoefficientValue(op->coefficient, c->courant),
                                      .particle    = particle,

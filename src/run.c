@@ -1,5 +1,6 @@
 /* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
 #include <mpmstab/errors.h>
+#include <mpmstab/mode_file.h>
 #include <mpmstab/output.h>
 #include <mpmstab/progress.h>
 #include <mpmstab/run.h>
@@ -42,15 +43,6 @@ static PetscErrorCode WriteCsvHeader(const Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A value out of range is an empty cell. */
-static void WriteCell(FILE *csv, PetscReal value)
-{
-  if (isfinite(value))
-    fprintf(csv, ",%.17g", value);
-  else
-    fprintf(csv, ",");
-}
-
 static PetscErrorCode WriteCsvRow(Loop *loop, PetscReal log_norm, PetscReal energy)
 {
   const MpmScene *scene = loop->run->scene;
@@ -62,12 +54,12 @@ static PetscErrorCode WriteCsvRow(Loop *loop, PetscReal log_norm, PetscReal ener
   if (loop->run->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, error));
   if (loop->csv.stream) {
     fprintf(loop->csv.stream, "%" PetscInt64_FMT, loop->march->step);
-    WriteCell(loop->csv.stream, loop->march->step * scene->dt);
-    WriteCell(loop->csv.stream, exp(log_norm));
-    WriteCell(loop->csv.stream, energy);
-    WriteCell(loop->csv.stream, log_norm / M_LN10);
+    MpmTextFileCell(&loop->csv, loop->march->step * scene->dt);
+    MpmTextFileCell(&loop->csv, exp(log_norm));
+    MpmTextFileCell(&loop->csv, energy);
+    MpmTextFileCell(&loop->csv, log_norm / M_LN10);
     for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
-      WriteCell(loop->csv.stream, error[f].l2);
+      MpmTextFileCell(&loop->csv, error[f].l2);
     fprintf(loop->csv.stream, "\n");
   }
   loop->aside_s += MPI_Wtime() - begin;
@@ -173,9 +165,11 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   r                  = *run;
   r->scene           = scene;
   r->blew_up_at_step = MPM_NEVER;
-  r->has_errors      = scene->initial == MPM_INITIAL_RANDOM ? PETSC_FALSE : PETSC_TRUE;
+  r->has_errors      = MpmInitialHasExact(scene->initial);
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
   PetscCall(MpmPredict(scene, &r->predictions));
+  r->eigenmode = NAN;
+  if (scene->initial == MPM_INITIAL_EIGENMODE) PetscCall(MpmModeFileGrowth(scene, &r->eigenmode));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop.march));
   loop.run = r;
   PetscCall(OpenFiles(&loop));

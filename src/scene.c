@@ -1,6 +1,8 @@
 /* Settings -> Scene: units, derived numbers, and options that exclude each other. */
+#include <mpmstab/mode_file.h>
 #include <mpmstab/scene.h>
 #include <math.h>
+#include <string.h>
 
 static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
 {
@@ -100,12 +102,48 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
       PetscCall(MpmSettingsRefuse(settings, "stagger",
                                   "this formulation updates its fields at once; allowed: with two-stage formulations"));
   }
-  if (scene->stagger && scene->initial == MPM_INITIAL_RANDOM) {
+  if (scene->stagger && !MpmInitialHasExact(scene->initial)) {
     scene->stagger = PETSC_FALSE;
     if (!Overruled(settings, "stagger", "initial"))
       PetscCall(
-          MpmSettingsRefuse(settings, "stagger", "random data have no half step; allowed: with initial mode or pulse"));
+          MpmSettingsRefuse(settings, "stagger", "these data have no half step; allowed: with initial mode or pulse"));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where initial eigenmode is; the tasks that do not march leave initial data alone. */
+static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
+{
+  const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
+  const char     *path;
+
+  PetscFunctionBegin;
+  if (strcmp(scene->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
+                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
+  if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!wanted && !Overruled(settings, "mode_file", "initial"))
+    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
+  PetscCall(MpmSettingsPath(settings, "mode_file", &path));
+  PetscCall(PetscStrncpy(scene->mode_file, path, sizeof scene->mode_file));
+  if (wanted) PetscCall(MpmModeFileCheck(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How finely the symbol is read, and what the spectrum keeps. */
+static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt64 n;
+
+  PetscFunctionBegin;
+  scene->phases = scene->cells;
+  if (MpmSettingsGiven(settings, "phases")) {
+    PetscCall(MpmSettingsInteger(settings, "phases", &n));
+    scene->phases = (PetscInt)n;
+  }
+  PetscCall(MpmSettingsInteger(settings, "modes", &n));
+  scene->modes = (PetscInt)n;
+  PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,10 +156,11 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   scene->mode = (PetscInt)n;
   if (scene->initial == MPM_INITIAL_MODE && scene->mode > PetscMax(1, scene->cells / 2))
     PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: a whole number from 1 to cells / 2"));
-  if (scene->initial != MPM_INITIAL_MODE && MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT &&
-      !Overruled(settings, "mode", "initial"))
-    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode"));
+  if (scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_EIGENMODE &&
+      MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !Overruled(settings, "mode", "initial"))
+    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode or eigenmode"));
   PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
+  PetscCall(ReadModeFile(settings, scene));
   PetscCall(ReadStagger(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -132,7 +171,7 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
   PetscCall(MpmSettingsFiles(settings, scene));
   scene->output_every = scene->steps;
-  if (MpmSettingsGiven(settings, "output_every")) {
+  if (MpmSettingsGiven(settings, "output_every") && !strcmp(scene->task, "run")) {
     PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
     if (!scene->output[0]) PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
   }
@@ -148,11 +187,12 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   PetscInt i;
 
   PetscFunctionBegin;
-  expect->has_verdict = MpmSettingsGiven(settings, "expect");
-  expect->has_kind    = MpmSettingsGiven(settings, "expect_kind");
-  expect->has_growth  = MpmSettingsGiven(settings, "expect_growth");
-  expect->has_error   = MpmSettingsGiven(settings, "expect_error");
-  expect->has_energy  = MpmSettingsGiven(settings, "expect_energy");
+  expect->has_verdict  = MpmSettingsGiven(settings, "expect");
+  expect->has_kind     = MpmSettingsGiven(settings, "expect_kind");
+  expect->has_growth   = MpmSettingsGiven(settings, "expect_growth");
+  expect->has_spectrum = MpmSettingsGiven(settings, "expect_spectrum");
+  expect->has_error    = MpmSettingsGiven(settings, "expect_error");
+  expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -162,11 +202,12 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     expect->kind = (MpmGrowthKind)i;
   }
   if (expect->has_growth) PetscCall(MpmSettingsRange(settings, "expect_growth", expect->growth));
+  if (expect->has_spectrum) PetscCall(MpmSettingsRange(settings, "expect_spectrum", expect->spectrum));
   if (expect->has_energy) PetscCall(MpmSettingsRange(settings, "expect_energy", expect->energy));
-  if (expect->has_error && scene->initial == MPM_INITIAL_RANDOM) {
+  if (expect->has_error && !MpmInitialHasExact(scene->initial)) {
     if (!Overruled(settings, "expect_error", "initial"))
       PetscCall(MpmSettingsRefuse(settings, "expect_error",
-                                  "random data have no exact solution; allowed: with initial mode or pulse"));
+                                  "these data have no exact solution; allowed: with initial mode or pulse"));
     expect->has_error = PETSC_FALSE;
   }
   if (expect->has_error) PetscCall(MpmSettingsRange(settings, "expect_error", expect->error));
@@ -187,16 +228,18 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene)
+PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene)
 {
   MpmSettings *settings;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
+  (*scene)->task = task;
   PetscCall(MpmSettingsCreate(path, &settings));
   PetscCall(ReadWords(settings, *scene));
   PetscCall(ReadGrid(settings, *scene));
   PetscCall(ReadTime(settings, *scene));
+  PetscCall(ReadAnalysis(settings, *scene));
   PetscCall(ReadInitial(settings, *scene));
   PetscCall(CheckSizes(settings, *scene));
   PetscCall(ReadOutputs(settings, *scene));
@@ -227,7 +270,7 @@ PetscInt MpmSceneExponent(const MpmScene *scene)
   const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
   PetscReal        largest = 0;
 
-  if (scene->initial == MPM_INITIAL_RANDOM) return ilogb(scene->amplitude);
+  if (!MpmInitialHasExact(scene->initial)) return ilogb(scene->amplitude);
   for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
     largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
   return ilogb(largest);

@@ -63,10 +63,10 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
 /* Options of the libraries below us: they read theirs while the task runs, so only the family can be known before. */
 static PetscBool IsLibraryOption(const char name[])
 {
-  static const char *const families[] = {"log_",     "malloc",   "objects_", "options_", "on_error_",
-                                         "info",     "dm_",      "da_",      "vec_",     "mat_",
-                                         "sf_",      "viewer_",  "mpi_",     "memory_",  "fp_trap",
-                                         "debugger", "start_in", "saws",     "version",  "check_pointer"};
+  static const char *const families[] = {
+      "log_",    "malloc",        "objects_", "options_", "on_error_", "info",    "dm_",      "da_",      "vec_",
+      "mat_",    "sf_",           "viewer_",  "mpi_",     "memory_",   "fp_trap", "debugger", "start_in", "saws",
+      "version", "check_pointer", "eps_",     "st_",      "bv_",       "ds_",     "svd_",     "ksp_",     "pc_"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(families); i++)
     if (!strncmp(name, families[i], strlen(families[i]))) return PETSC_TRUE;
@@ -93,12 +93,23 @@ static PetscBool IsKey(const char word[])
   return word[0] == '-' && (word[1] == '-' || (word[1] | 32) >= 'a') ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmSettingsCheckCommandLine(int argc, char **argv, int first)
+/* A scene may hold what other tasks read; on the command line it is a mistake. */
+static PetscErrorCode CheckTask(const char task[], const MpmOption *option)
+{
+  PetscFunctionBegin;
+  MpmCheckInput(!option->tasks || strstr(option->tasks, task), "-%s: task %s does not read it; allowed: with task %s",
+                option->name, task, option->tasks);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first)
 {
   PetscFunctionBegin;
   for (int i = first; i < argc; i++) {
     MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
-    if (MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION && !IsLibraryOption(argv[i] + 1))
+    if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION)
+      PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
+    else if (!IsLibraryOption(argv[i] + 1))
       PetscCall(RefuseUnknown(argv[i] + 1));
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
   }

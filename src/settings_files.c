@@ -41,7 +41,7 @@ PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadPath(settings, "output", scene->output));
   PetscCall(ReadPath(settings, "json", scene->json));
   PetscCall(ReadPath(settings, "csv", scene->csv));
-  if (scene->output[0]) PetscCall(NameXmf(settings, scene));
+  if (scene->output[0] && !strcmp(scene->task, "run")) PetscCall(NameXmf(settings, scene));
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < i; j++)
       MpmCheckInput(!paths[i][0] || strcmp(paths[i], paths[j]),

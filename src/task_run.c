@@ -1,5 +1,5 @@
 /* mpmstab run [SCENE.yaml] [-option value]... */
-#include <mpmstab/run.h>
+#include <mpmstab/expect.h>
 #include <mpmstab/task.h>
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status)
@@ -10,12 +10,12 @@ PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status)
   MpmRun     *run;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsCheckCommandLine(argc, argv, path ? 1 : 0));
-  PetscCall(MpmSceneCreate(path, &scene));
+  PetscCall(MpmSettingsCheckCommandLine("run", argc, argv, path ? 1 : 0));
+  PetscCall(MpmSceneCreate("run", path, &scene));
   PetscCall(MpmRunCreate(scene, started, &run));
   PetscCall(MpmRunPrint(run));
   if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
-  PetscCall(MpmRunCheckExpectations(run, &missed));
+  PetscCall(MpmExpectRun(run, &missed));
   PetscCall(MpmRunDestroy(&run));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(MpmSettingsCheckUnused());

@@ -3,6 +3,9 @@
 
 const MpmTask MpmTasks[] = {
     {"run", "march a scene: error against the exact solution, measured growth, energy, throughput", MpmTaskRun},
+    {"spectrum", "eigenvalues of the assembled operator beside symbol, closed forms and measured growth",
+     MpmTaskSpectrum},
+    {"symbol", "abs(G) over the phase beta, exact for uniform layouts", MpmTaskSymbol},
     {"list", "formulations, bases, transfers, layouts and options", MpmTaskList},
     {NULL, NULL, NULL},
 };
@@ -15,8 +18,8 @@ PetscErrorCode MpmPrintUsage(void)
                         "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n\n",
                         MPMSTAB_VERSION));
   for (const MpmTask *task = MpmTasks; task->name; task++)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %-5s %s\n", task->name, task->summary));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n  mpmstab run -formulation gas1 -initial random    a first run\n"
-                                          "  mpmstab list options                             every option\n"));
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %-9s%s\n", task->name, task->summary));
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
+                                          "  mpmstab list options                                  every option\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/output.h>
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -62,6 +63,14 @@ PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
   PetscCall(ShareErrno(&error));
   MpmCheckInput(!error, "%s: cannot be written: %s", path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
+{
+  if (isfinite(value))
+    fprintf(file->stream, ",%.17g", value);
+  else
+    fprintf(file->stream, ",");
 }
 
 PetscErrorCode MpmTextFileClose(MpmTextFile *file)

@@ -11,7 +11,7 @@
 #include <mpmstab/wave.h>
 #include <math.h>
 
-const char *const MpmInitialNames[] = {"mode", "random", "pulse", NULL};
+const char *const MpmInitialNames[] = {"mode", "random", "pulse", "eigenmode", NULL};
 
 static PetscReal PulseWidth(const MpmProfile *p)
 {

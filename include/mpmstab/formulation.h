@@ -1,7 +1,7 @@
 /*
    A formulation is data: a table of linear operations, one per line of the algorithm as it is published.
 
-   Readers of the table (march, and later assemble and symbol) know these operations and nothing of gas or
+   Readers of the table (march, assemble and symbol) know these operations and nothing of gas or
    bar. Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and
    the papers named in each formulation's file.
 */
@@ -30,11 +30,14 @@ typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
 /*S
    MpmOpTraits - what a reader may ask of an operation without naming it.
 
-   halo is how far beyond a node the operation reads its source.
+   accumulates: the operation adds to its operand instead of replacing it. Between nodes the operation is a stencil:
+   what the nodes at -1, 0 and 1 are multiplied with; halo is how far it reaches.
 S*/
 typedef struct {
-  MpmPlace dst, src;
-  PetscInt halo;
+  MpmPlace  dst, src;
+  PetscBool accumulates;
+  PetscInt  halo;
+  PetscReal stencil[3];
 } MpmOpTraits;
 
 /* Not collective. The traits of an operation. */
@@ -85,7 +88,7 @@ typedef struct {
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
    second-order start, or MPM_NONE. published and corrected give abs(G) at the phase beta; they return NaN where
-   the formula says nothing.
+   the formula says nothing. published_slip says in a sentence what is wrong with the published one.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;
@@ -96,7 +99,7 @@ typedef struct {
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
-  const char          *published_text, *corrected_text;
+  const char          *published_text, *published_slip, *corrected_text;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
   PetscReal (*corrected)(const MpmCellMoments *cell, PetscReal courant, PetscReal beta);
 } MpmFormulation;

@@ -17,3 +17,25 @@ PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);
    Not collective.
 */
 void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscReal *xi);
+
+/*
+   MpmLayoutPlaceAt - place of particle id after a number of steps, but for the whole cells of drift: they move all
+   particles alike and leave the map from particles to particles as it is.
+
+   Not collective.
+*/
+void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, PetscInt *cell, PetscReal *xi);
+
+/*
+   MpmLayoutPeriod - steps after which the particles are where they were, but for whole cells: the denominator of the
+   drift, 1 at rest.
+
+   Collective. Refuses drifts that are no fraction, or one with a period too long to follow.
+*/
+PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period);
+
+/* Not collective. Whether every cell holds the same particles, so that Fourier modes do not mix. */
+static inline PetscBool MpmLayoutIsUniform(const MpmScene *scene)
+{
+  return scene->jitter == 0 ? PETSC_TRUE : PETSC_FALSE;
+}

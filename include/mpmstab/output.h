@@ -16,6 +16,9 @@ typedef struct {
   char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 } MpmTextFile;
 
+/* Not collective. A comma and a value; a value that is not finite is an empty cell. The stream must be there. */
+void MpmTextFileCell(const MpmTextFile *file, PetscReal value);
+
 /* Collective. MpmTextFileClose refuses when anything was not written. */
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file);
 PetscErrorCode MpmTextFileClose(MpmTextFile *file);

@@ -7,8 +7,7 @@
    step, gas2 two.
 */
 #pragma once
-#include <mpmstab/basis.h>
-#include <mpmstab/formulation.h>
+#include <mpmstab/maps.h>
 
 #define MPM_MAX_PASS_OPS 24
 #define MPM_MAX_PASSES 8

@@ -1,6 +1,25 @@
-/* Predictions: closed forms of abs(G), the largest over the modes of the scene's grid. */
+/* Predictions: closed forms of abs(G), per phase and the largest over the modes of the scene's grid. */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/symbol.h>
+
+/*S
+   MpmPredictor - a formulation's closed forms for a scene. why_not: NULL when they cover it, else what they leave out
+   (moving or scattered particles, another basis).
+*/
+typedef struct {
+  const MpmScene *scene;
+  const char     *why_not;
+  PetscReal      *xi;
+  MpmCellMoments  cell;
+} MpmPredictor;
+
+/* Not collective. */
+PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *predictor);
+PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
+
+/* Not collective. abs(G) at a phase; NaN where the formula says nothing. */
+PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal beta);
+PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal beta);
 
 /*S
    MpmPredictions - growth per step; NaN where a formula does not cover the scene (moving or scattered
@@ -14,3 +33,15 @@ typedef struct {
 
 /* Not collective. */
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
+
+/*S
+   MpmComparison - the largest distance over the phases of a formula's abs(G) from the symbol's (without what no node
+   sees), and the phase where it is. NaN: nothing to compare.
+*/
+typedef struct {
+  PetscReal published, published_beta, corrected, corrected_beta;
+} MpmComparison;
+
+/* Collective. */
+PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *predictor, const MpmSymbol *symbol,
+                                 MpmComparison *comparison);

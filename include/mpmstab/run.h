@@ -7,7 +7,8 @@
 /*S
    MpmRun - the result of the task run.
 
-   Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
+   eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN. Energies are NaN when out of
+   range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
    of the state left the range of doubles, or MPM_NEVER. lost: one step enlarged the state beyond what rescaling can
    follow, and the run stopped there.
 S*/
@@ -16,7 +17,7 @@ typedef struct {
   const MpmScene *scene;
   PetscMPIInt     ranks;
   PetscInt64      steps, blew_up_at_step;
-  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio;
+  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio, eigenmode;
   PetscBool       has_errors, lost;
   MpmError        error[MPM_MAX_FIELDS];
   MpmSeries       series;
@@ -36,6 +37,3 @@ PetscErrorCode MpmRunDestroy(MpmRun **run);
 /* Collective. The table for people, on standard output; the JSON object, when the scene asks for it. */
 PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
-
-/* Collective. Compares with the scene's expectations; prints each that is missed and counts them. */
-PetscErrorCode MpmRunCheckExpectations(const MpmRun *run, PetscInt *missed);

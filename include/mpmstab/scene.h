@@ -9,10 +9,10 @@
    MpmExpect - what a scene says must come out; has_* says which of them it says.
 S*/
 typedef struct {
-  PetscBool     has_verdict, has_kind, has_growth, has_error, has_energy;
+  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy;
   MpmVerdict    verdict;
   MpmGrowthKind kind;
-  PetscReal     growth[2], error[2], energy[2];
+  PetscReal     growth[2], spectrum[2], error[2], energy[2];
 } MpmExpect;
 
 /*S
@@ -22,24 +22,25 @@ S*/
 typedef struct {
   const MpmFormulation *formulation;
   const MpmBasis       *basis;
-  const char           *transfer, *boundary, *layout;
+  const char           *task, *transfer, *boundary, *layout;
   PetscInt              dim, cells, ppc, mode;
   PetscInt64            particles, seed, steps, output_every;
   PetscReal             length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
   MpmFraction           offset, drift;
   MpmInitial            initial;
-  PetscBool             stagger, has_progress, progress;
+  PetscBool             stagger, has_progress, progress, measure;
+  PetscInt              phases, modes;
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
-  char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN];
+  char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
   MpmExpect             expect;
 } MpmScene;
 
 /*
-   MpmSceneCreate - reads and checks a scene: file (NULL: none), then command line.
+   MpmSceneCreate - reads and checks a scene for a task: file (NULL: none), then command line.
 
    Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h).
 */
-PetscErrorCode MpmSceneCreate(const char path[], MpmScene **scene);
+PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene);
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 
 /* Collective. The files a scene writes: each can be written, and no two are the same. Called by MpmSceneCreate. */

@@ -13,7 +13,8 @@ typedef enum { MPM_WORD, MPM_INTEGER, MPM_REAL, MPM_FRACTION, MPM_SWITCH, MPM_PA
    MpmOption - one option: a scene key and the command-line option of the same name.
 
    lo and hi bound numbers (lo itself is out when lo_open); word(i) lists the words allowed; rival names an
-   option that says the same thing in another way, so that both given is an error.
+   option that says the same thing in another way, so that both given is an error; tasks names those that read it (NULL:
+   all), so that the others refuse it on the command line.
 S*/
 typedef struct {
   const char   *name;
@@ -22,7 +23,7 @@ typedef struct {
   PetscReal     lo, hi;
   PetscBool     lo_open;
   const char *(*word)(PetscInt i);
-  const char *rival;
+  const char *rival, *tasks;
 } MpmOption;
 
 /* Not collective. All options, ended by one without a name. */
@@ -47,8 +48,8 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings);
 #define MPM_NOT_AN_OPTION -1
 PetscInt MpmOptionIndex(const char name[]);
 
-/* Collective. Refuses words and misspelled options on the command line before anything runs. */
-PetscErrorCode MpmSettingsCheckCommandLine(int argc, char **argv, int first);
+/* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
+PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);

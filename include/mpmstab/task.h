@@ -19,4 +19,6 @@ extern const MpmTask MpmTasks[];
 PetscErrorCode MpmPrintUsage(void);
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status);

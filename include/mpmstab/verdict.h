@@ -1,5 +1,6 @@
-/* Words for what was found. */
+/* Words for what was found, and the verdict on a growth that was computed. */
 #pragma once
+#include <mpmstab/compat.h>
 
 typedef enum { MPM_STABLE, MPM_UNSTABLE, MPM_UNDECIDED } MpmVerdict;
 extern const char *const MpmVerdictNames[];
@@ -7,3 +8,24 @@ extern const char *const MpmVerdictNames[];
 /* How the norm of the state grew over the late part of a run. */
 typedef enum { MPM_BOUNDED, MPM_LINEAR, MPM_EXPONENTIAL } MpmGrowthKind;
 extern const char *const MpmGrowthKindNames[];
+
+/*S
+   MpmFinding - a verdict with what it rests on.
+
+   growth is per step; uncertainty, how far rounding may have moved it: eigenvalues of condition number c move by about
+   c times the rounding of the matrix. evidence says where growth comes from.
+*/
+typedef struct {
+  MpmVerdict verdict;
+  PetscReal  growth, tolerance, uncertainty;
+  char       evidence[256];
+} MpmFinding;
+
+/*
+   MpmVerdictOf - stable up to 1 + tolerance, unstable above, undecided when the excess over 1 is within the uncertainty
+   or growth is not known (NaN).
+
+   Not collective. A defective pair at 1 (rigid motion: growth like t, which is no instability) is split by rounding to
+   about 1 +- 1e-8, below any sensible tolerance; larger blocks at 1 split further, and their condition number says so.
+*/
+MpmVerdict MpmVerdictOf(PetscReal growth, PetscReal tolerance, PetscReal uncertainty);

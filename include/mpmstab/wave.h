@@ -5,9 +5,18 @@
 #pragma once
 #include <mpmstab/compat.h>
 
-/* Initial data: a Fourier mode, a travelling pulse, or numbers hashed from the particle's id (no exact solution). */
-typedef enum { MPM_INITIAL_MODE, MPM_INITIAL_RANDOM, MPM_INITIAL_PULSE } MpmInitial;
+/*
+   Initial data: a Fourier mode, numbers hashed from the particle's id, a travelling pulse, an eigenvector that the task
+   spectrum has written.
+*/
+typedef enum { MPM_INITIAL_MODE, MPM_INITIAL_RANDOM, MPM_INITIAL_PULSE, MPM_INITIAL_EIGENMODE } MpmInitial;
 extern const char *const MpmInitialNames[];
+
+/* Not collective. Whether the continuous problem's solution from these data is known. */
+static inline PetscBool MpmInitialHasExact(MpmInitial initial)
+{
+  return initial == MPM_INITIAL_MODE || initial == MPM_INITIAL_PULSE ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /*S
    MpmProfile - which exact solution: its shape and its numbers.

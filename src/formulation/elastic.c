@@ -54,6 +54,8 @@ const MpmFormulation MpmElastic = {.name            = "elastic",
                                    .energy          = energy,
                                    .wave            = &MpmWaveSecondOrder,
                                    .published_text  = "G^2 - 2 (1 - 2 k^2 sin^2(beta/2)) G + 1 = 0",
+                                   .published_slip  = "it takes P2G G2P for the identity; the symbol of that is "
+                                                      "alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi)",
                                    .corrected_text  = "tr = 2 - 4 k^2 alpha s, det = 1 - 4 k^2 alpha (1 - alpha) s, "
                                                       "s = sin^2(beta/2)",
                                    .published       = Published,

@@ -47,6 +47,8 @@ const MpmFormulation MpmGas1 = {.name            = "gas1",
                                 .energy          = energy,
                                 .wave            = &MpmWaveFirstOrder,
                                 .published_text  = "abs(G)^2 = 1 + 4 k^2 sin^2 beta",
+                                .published_slip  = "with C1 + C2 = 1 the stencil of P2G GRAD is half as "
+                                                   "wide as the slides print it: gamma = i k sin beta",
                                 .corrected_text  = "G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta",
                                 .published       = Published,
                                 .corrected       = Corrected};

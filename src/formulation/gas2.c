@@ -47,6 +47,8 @@ const MpmFormulation MpmGas2 = {.name            = "gas2",
                                 .energy          = energy,
                                 .wave            = &MpmWaveFirstOrder,
                                 .published_text  = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
+                                .published_slip  = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
+                                                   "and gamma has lost the half of C1 = C2 = 1/2",
                                 .corrected_text  = "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
                                 .published       = Published,
                                 .corrected       = Corrected};

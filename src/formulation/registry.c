@@ -35,9 +35,12 @@ PetscInt MpmFormulationNodeFields(const MpmFormulation *formulation)
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
 {
   static const MpmOpTraits traits[] = {
-      [MPM_P2G] = {MPM_ON_NODES, MPM_ON_PARTICLES, 0},  [MPM_G2P] = {MPM_ON_PARTICLES, MPM_ON_NODES, 0},
-      [MPM_GRAD] = {MPM_ON_PARTICLES, MPM_ON_NODES, 0}, [MPM_LAP] = {MPM_ON_NODES, MPM_ON_NODES, 1},
-      [MPM_ADD] = {MPM_ON_NODES, MPM_ON_NODES, 0},      [MPM_DRIFT] = {MPM_NOWHERE, MPM_NOWHERE, 0},
+      [MPM_P2G]   = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES},
+      [MPM_G2P]   = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE},
+      [MPM_GRAD]  = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE},
+      [MPM_LAP]   = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
+      [MPM_ADD]   = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE, .stencil = {0, 1, 0}},
+      [MPM_DRIFT] = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},
   };
   return traits[kind];
 }

@@ -27,7 +27,7 @@ static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate(NULL, scene));
+  PetscCall(MpmSceneCreate("run", NULL, scene));
   PetscCall(PetscOptionsClear(NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

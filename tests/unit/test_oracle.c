@@ -3,9 +3,8 @@
    formulations and bases there are: exponential rates within 2% of the logarithm, no exponential growth where
    the oracle has none.
 */
-#include "check.h"
+#include "oracle.h"
 #include <mpmstab/run.h>
-#include <stdlib.h>
 
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
 {
@@ -30,33 +29,9 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  FILE       *file = argc > 1 ? fopen(argv[1], "r") : NULL;
-  char        row[256], formulation[32], basis[32], drift[32], options[512];
-  int         ppc, cells, rows = 0;
-  double      courant, growth;
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "usage: test_oracle growth.csv");
-  while (fgets(row, sizeof row, file)) {
-    if (sscanf(row, "%31[^,],%31[^,],%d,%d,%lf,%31[^,],%lf", formulation, basis, &ppc, &cells, &courant, drift,
-               &growth) != 7)
-      continue;
-    row[strcspn(row, "\r\n")] = 0;
-    if (!MpmFormulationFind(formulation) || !MpmBasisFind(basis)) {
-      if (rank == 0) printf("skipped, no such formulation or basis yet: %s\n", row);
-      continue;
-    }
-    PetscCall(PetscSNPrintf(options, sizeof options,
-                            "-formulation %s -basis %s -ppc %d -cells %d -courant %.17g -drift %s -initial random "
-                            "-steps 20000",
-                            formulation, basis, ppc, cells, courant, drift));
-    PetscCall(CheckRow(row, options, growth));
-    rows++;
-  }
-  fclose(file);
-  CHECK(rows >= 15, "only %d rows read", rows);
+  (void)argc;
+  PetscCall(OracleGrowth(argv[1], "-initial random -steps 20000", 15, CheckRow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

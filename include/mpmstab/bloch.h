@@ -1,0 +1,31 @@
+/* The table over one Bloch mode: what MpmSymbolCreate does at each phase. */
+#pragma once
+#include <mpmstab/maps.h>
+#include <mpmstab/scene.h>
+#include <complex.h>
+
+/*S
+   MpmBloch - room and the numbers of all maps for one cell's particles at every step of a period.
+
+   A register is a dense matrix: rows are a cell's particles, or its one node, columns the cell's state at the start,
+   particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
+   node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass.
+*/
+typedef struct {
+  const MpmScene *scene;
+  PetscInt        fields, size, period;
+  PetscInt       *node;
+  PetscReal      *rows, *masses;
+  double complex *particle, *nodes, *shift;
+} MpmBloch;
+
+/* Not collective. Computes the maps' numbers once for all phases. */
+PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *bloch);
+PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
+
+/*
+   MpmBlochMatrix - the amplification matrix of a phase, size x size by columns, divided by 2^exponent.
+
+   Not collective.
+*/
+PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal beta, double complex G[], PetscInt *exponent);

@@ -1,0 +1,283 @@
+/* The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order. */
+#include <mpmstab/eigen.h>
+#include <mpmstab/ritz.h>
+#include <math.h>
+
+#define DENSE_ORDER 4096
+#define ACCEPTED 1e-7 /* residual of what is listed */
+#define NEAR 1        /* eigenvalues sought near a target */
+#define LARGEST 2     /* eigenvalues sought of largest magnitude */
+#define RESTARTS 200
+
+MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
+{
+  if (order <= DENSE_ORDER) return MPM_EIGEN_DENSE;
+  return has_symbol ? MPM_EIGEN_TARGET : MPM_EIGEN_LARGEST;
+}
+
+/* Relative to the eigenvalue 1/theta of the inverse, not to theta, which is next to 0. */
+static PetscErrorCode InverseConverged(EPS eps, PetscScalar re, PetscScalar im, PetscReal residual, PetscReal *error,
+                                       void *context)
+{
+  (void)eps;
+  (void)context;
+  *error = residual * hypot(re, im);
+  return PETSC_SUCCESS;
+}
+
+static PetscErrorCode SetTarget(EPS eps)
+{
+  ST  st;
+  KSP ksp;
+  PC  pc;
+  Mat T, factor;
+
+  PetscFunctionBegin;
+  PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
+  PetscCall(EPSSetTarget(eps, 0));
+  PetscCall(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
+  PetscCall(EPSSetDimensions(eps, NEAR, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
+  PetscCall(EPSSetConvergenceTestFunction(eps, InverseConverged, NULL, NULL));
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STSetType(st, STSINVERT));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscCall(EPSGetOperators(eps, &T, NULL));
+  PetscCall(PCSetOperators(pc, T, T));
+  PetscCall(PCFactorSetUpMatSolverType(pc));
+  PetscCall(PCFactorGetMatrix(pc, &factor));
+  PetscCall(MatMumpsSetIcntl(factor, 14, 100)); /* room for pivots that are put off: T is nearly singular */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
+{
+  PetscFunctionBegin;
+  PetscCall(EPSSetProblemType(eps, EPS_NHEP));
+  if (method == MPM_EIGEN_TARGET) {
+    PetscCall(SetTarget(eps));
+  } else if (method == MPM_EIGEN_DENSE) {
+    PetscCall(EPSSetType(eps, EPSLAPACK));
+    PetscCall(EPSSetDimensions(eps, order, PETSC_DEFAULT, PETSC_DEFAULT));
+  } else {
+    PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
+    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
+    PetscCall(EPSSetDimensions(eps, LARGEST, PETSC_DEFAULT, PETSC_DEFAULT));
+    PetscCall(EPSSetTolerances(eps, 1e-8, RESTARTS));
+  }
+  PetscCall(EPSSetFromOptions(eps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What was done, in a line. */
+static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscReal target[2], PetscInt found)
+{
+  EPSType type;
+  STType  transform;
+  ST      st;
+  char    near[64] = "";
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetType(e->eps, &type));
+  PetscCall(EPSGetST(e->eps, &st));
+  PetscCall(STGetType(st, &transform));
+  if (method == MPM_EIGEN_TARGET)
+    PetscCall(
+        PetscSNPrintf(near, sizeof near, " near %.9g %s %.9gi", target[0], target[1] < 0 ? "-" : "+", fabs(target[1])));
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s, %" PetscInt_FMT " found", type,
+                          strcmp(transform, STSHIFT) ? " with " : "", strcmp(transform, STSHIFT) ? transform : "", near,
+                          found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* norm(A x - lambda x) / (norm(A) norm(x)), x = x[0] + i x[1], r: room. */
+static PetscErrorCode Residual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
+{
+  PetscReal norm[2], rest[2];
+
+  PetscFunctionBegin;
+  for (int part = 0; part < 2; part++) {
+    PetscCall(VecNorm(x[part], NORM_2, &norm[part]));
+    PetscCall(MatMult(e->A, x[part], r));
+    PetscCall(VecAXPBYPCZ(r, -re, part ? -im : im, 1, x[part], x[1 - part]));
+    PetscCall(VecNorm(r, NORM_2, &rest[part]));
+  }
+  *residual = hypot(rest[0], rest[1]) / (e->norm * hypot(norm[0], norm[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
+{
+  PetscReal norm[2];
+
+  PetscFunctionBegin;
+  if (e->ritz) {
+    PetscInt n;
+
+    PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
+    PetscCall(BVMultVec(e->ritz, 1, 0, re, e->coefficients + 2 * n * e->place[j]));
+    PetscCall(BVMultVec(e->ritz, 1, 0, im, e->coefficients + 2 * n * e->place[j] + n));
+  } else
+    PetscCall(EPSGetEigenpair(e->eps, e->place[j], NULL, NULL, re, im));
+  PetscCall(VecNorm(re, NORM_2, &norm[0]));
+  PetscCall(VecNorm(im, NORM_2, &norm[1]));
+  PetscCall(VecScale(re, 1 / hypot(norm[0], norm[1])));
+  PetscCall(VecScale(im, 1 / hypot(norm[0], norm[1])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest abs first, a pair's upper half first: -abs, then the angle. Rounding must not decide. */
+static PetscErrorCode Sort(MpmEigen *e)
+{
+  PetscReal *key, *old;
+  PetscInt  *order;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(e->n, &key, e->n, &order, 3 * e->n, &old));
+  for (PetscInt j = 0; j < e->n; j++) {
+    const PetscReal size = hypot(e->re[j], e->im[j]), angle = fabs(atan2(e->im[j], e->re[j]));
+
+    order[j]          = j;
+    key[j]            = -size + 1e-9 * size * angle - (e->im[j] > 0 ? 1e-12 * size : 0);
+    old[j]            = e->re[j];
+    old[e->n + j]     = e->im[j];
+    old[2 * e->n + j] = e->residual[j];
+  }
+  PetscCall(PetscSortRealWithArrayInt(e->n, key, order));
+  for (PetscInt j = 0; j < e->n; j++) {
+    e->re[j]       = old[order[j]];
+    e->im[j]       = old[e->n + order[j]];
+    e->residual[j] = old[2 * e->n + order[j]];
+  }
+  for (PetscInt j = 0; j < e->n; j++) order[j] = e->place[order[j]];
+  PetscCall(PetscArraycpy(e->place, order, e->n));
+  PetscCall(PetscFree3(key, order, old));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Candidates that are eigenpairs. */
+static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[], const PetscReal im[])
+{
+  Vec x[2], r;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(candidates, &e->re, candidates, &e->im, candidates, &e->residual, candidates, &e->place));
+  PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
+  PetscCall(VecDuplicate(x[0], &r));
+  for (PetscInt i = 0; i < candidates; i++) {
+    PetscReal *residual = &e->residual[e->n];
+
+    e->place[e->n] = i;
+    PetscCall(MpmEigenVector(e, e->n, x[0], x[1]));
+    PetscCall(Residual(e, re[i], im[i], x, r, residual));
+    if (!(*residual <= ACCEPTED)) continue;
+    e->re[e->n]   = re[i];
+    e->im[e->n++] = im[i];
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscCall(VecDestroy(&r));
+  PetscCall(Sort(e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found)
+{
+  PetscReal *re, *im;
+  PetscInt   n;
+
+  PetscFunctionBegin;
+  if (method == MPM_EIGEN_TARGET) {
+    PetscCall(MpmRitzExtract(e->A, e->eps, &e->ritz, &n, &re, &im, &e->coefficients));
+    PetscCall(List(e, n, re, im));
+    PetscCall(PetscFree2(re, im));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscMalloc2(found, &re, found, &im));
+  for (PetscInt i = 0; i < found; i++) PetscCall(EPSGetEigenvalue(e->eps, i, &re[i], &im[i]));
+  PetscCall(List(e, found, re, im));
+  PetscCall(PetscFree2(re, im));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal target[2], MpmEigen **eigen)
+{
+  const PetscReal begin = MPI_Wtime();
+  Mat             T     = A;
+  PetscInt        found, wanted;
+  MpmEigen       *e;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(eigen));
+  e    = *eigen;
+  e->A = A;
+  PetscCall(MatGetSize(A, &e->order, NULL));
+  PetscCall(MatNorm(A, NORM_INFINITY, &e->norm));
+  if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
+  PetscCall(EPSSetOperators(e->eps, T, NULL));
+  PetscCall(SetMethod(e->eps, method, e->order));
+  PetscCall(EPSSolve(e->eps));
+  PetscCall(EPSGetConverged(e->eps, &found));
+  PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
+  e->converged = found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(Describe(e, method, target, found));
+  PetscCall(Collect(e, method, found));
+  e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
+  if (T != A) PetscCall(MatDestroy(&T));
+  e->solve_s = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
+{
+  PetscFunctionBegin;
+  if (!*eigen) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree4((*eigen)->re, (*eigen)->im, (*eigen)->residual, (*eigen)->place));
+  PetscCall(PetscFree((*eigen)->coefficients));
+  PetscCall(BVDestroy(&(*eigen)->ritz));
+  PetscCall(EPSDestroy(&(*eigen)->eps));
+  PetscCall(PetscFree(*eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
+{
+  const PetscReal target[2] = {e->re[j] * (1 + 1e-7), e->im[j] * (1 + 1e-7)};
+  PetscReal       nearest   = PETSC_MAX_REAL, dot[4];
+  PetscInt        match     = 0;
+  Mat             transposed;
+  MpmEigen       *left;
+  Vec             x[2], y[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(MpmEigenSolve(transposed, MPM_EIGEN_TARGET, target, &left));
+  for (PetscInt i = 0; i < left->n; i++) {
+    const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
+
+    if (distance < nearest) match = i;
+    nearest = PetscMin(nearest, distance);
+  }
+  *condition = INFINITY;
+  if (nearest <= 1e-6 * e->norm) {
+    PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
+    PetscCall(MatCreateVecs(e->A, &y[0], &y[1]));
+    PetscCall(MpmEigenVector(e, j, x[0], x[1]));
+    PetscCall(MpmEigenVector(left, match, y[0], y[1]));
+    for (int a = 0; a < 2; a++)
+      for (int b = 0; b < 2; b++) PetscCall(VecDot(x[a], y[b], &dot[2 * a + b]));
+    *condition = 1 / hypot(dot[0] + dot[3], dot[2] - dot[1]);
+    for (int part = 0; part < 2; part++) {
+      PetscCall(VecDestroy(&x[part]));
+      PetscCall(VecDestroy(&y[part]));
+    }
+  }
+  PetscCall(MpmEigenDestroy(&left));
+  PetscCall(MatDestroy(&transposed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,142 @@
+/* The scene, as every task's table and JSON object begin. */
+#include <mpmstab/errors.h>
+#include <mpmstab/output.h>
+#include <mpmstab/report.h>
+#include <math.h>
+
+#define WORTH_SAYING 1e-6 /* difference in abs(G) */
+
+PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt ranks)
+{
+  PetscFunctionBegin;
+  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer, %s\n", MPMSTAB_VERSION, task, s->formulation->name,
+           s->basis->name, s->transfer, s->boundary);
+  MpmPrint("%" PetscInt_FMT " cells x %" PetscInt_FMT
+           " particles (%s, offset %.6g, jitter %.6g), Courant number %.6g, drift ",
+           s->cells, s->ppc, s->layout, s->offset.value, s->jitter, s->courant);
+  if (s->drift.den > 1)
+    MpmPrint("%" PetscInt64_FMT "/%" PetscInt64_FMT, s->drift.num, s->drift.den);
+  else
+    MpmPrint("%.6g", s->drift.value);
+  MpmPrint(" cells per step, %d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char text[])
+{
+  PetscFunctionBegin;
+  if (isnan(growth))
+    MpmPrint("  %-11s %-13s %s\n", name, "-", text);
+  else if (isinf(growth))
+    MpmPrint("  %-11s %-13s %s\n", name, "off range", text);
+  else
+    MpmPrint("  %-11s %-13.9g %s\n", name, growth, text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
+{
+  const MpmFormulation *f    = p->scene->formulation;
+  const char           *text = f->published_text;
+
+  PetscFunctionBegin;
+  if (isnan(predictions->published))
+    text = p->why_not ? p->why_not : "the slides give no formula for this Courant number";
+  PetscCall(MpmReportGrowth("published", predictions->published, text));
+  PetscCall(MpmReportGrowth("corrected", predictions->corrected, p->why_not ? p->why_not : f->corrected_text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportComparison(const MpmFormulation *f, const MpmComparison *c)
+{
+  PetscFunctionBegin;
+  if (c->published > WORTH_SAYING)
+    MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
+             f->published_slip);
+  else if (!isnan(c->published))
+    MpmPrint("the published abs(G) is the symbol's at every phase\n");
+  if (!isnan(c->corrected))
+    MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
+{
+  PetscFunctionBegin;
+  MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
+  if (!isnan(f->growth)) MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
+  if (f->growth > 1 + f->tolerance && isfinite(condition))
+    MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
+  MpmPrint("\nevidence: %s\n", f->evidence);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
+{
+  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
+                   "task", task, "formulation", s->formulation->name, "basis", s->basis->name, "transfer", s->transfer,
+                   "dim", (int)s->dim, "cells", (int)s->cells, "ppc", (int)s->ppc, "particles",
+                   (json_int_t)s->particles, "courant", s->courant, "drift", s->drift.value, "ranks", (int)ranks,
+                   "wall_s", wall_s);
+}
+
+void MpmJsonSet(json_t *object, const char key[], PetscReal value)
+{
+  if (isfinite(value)) json_object_set_new(object, key, json_real(value));
+}
+
+void MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth)
+{
+  if (isnan(growth))
+    json_object_set_new(object, key, json_null());
+  else
+    MpmJsonSet(object, key, growth);
+}
+
+void MpmJsonSetFinding(json_t *object, const MpmFinding *f)
+{
+  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[f->verdict]));
+  MpmJsonSet(object, "growth", f->growth);
+  MpmJsonSet(object, "tolerance", f->tolerance);
+  MpmJsonSet(object, "uncertainty", f->uncertainty);
+  json_object_set_new(object, "evidence", json_string(f->evidence));
+}
+
+json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison *comparison, PetscReal symbol)
+{
+  json_t *object = json_object();
+
+  MpmJsonSetPrediction(object, "published", predictions->published);
+  MpmJsonSetPrediction(object, "corrected", predictions->corrected);
+  MpmJsonSetPrediction(object, "symbol", symbol);
+  MpmJsonSet(object, "published_off_by", comparison->published);
+  MpmJsonSet(object, "published_off_at_beta", comparison->published_beta);
+  MpmJsonSet(object, "corrected_off_by", comparison->corrected);
+  return object;
+}
+
+json_t *MpmJsonSymbol(const MpmSymbol *symbol)
+{
+  json_t *object = json_object();
+
+  json_object_set_new(object, "phases", json_integer(symbol->phases));
+  MpmJsonSet(object, "growth", symbol->growth);
+  MpmJsonSet(object, "beta_at_max", symbol->beta_at_max);
+  MpmJsonSet(object, "seconds", symbol->seconds);
+  return object;
+}
+
+PetscErrorCode MpmJsonWrite(const char path[], json_t *object)
+{
+  MpmTextFile file;
+
+  PetscFunctionBegin;
+  PetscCheck(object, PETSC_COMM_SELF, PETSC_ERR_LIB, "jansson could not build the result");
+  PetscCall(MpmTextFileOpen(path, &file));
+  if (file.stream &&
+      (json_dumpf(object, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) || fputc('\n', file.stream) == EOF))
+    PetscCall(PetscInfo(NULL, "writing %s failed; closing it says why\n", path));
+  json_decref(object);
+  PetscCall(MpmTextFileClose(&file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,196 @@
+/* The task spectrum: operator, symbol and march of one scene, each from the same table, and what they say together. */
+#include <mpmstab/layout.h>
+#include <mpmstab/spectrum.h>
+#include <math.h>
+#include <sys/resource.h>
+
+#define BESIDE 1e-10       /* how far from an eigenvalue a shift stays, relative */
+#define AT_ONE 1e-6        /* a defective pair at 1 is split by rounding to about 1e-8 */
+#define AGREE 1e-6         /* spectrum and symbol */
+#define MEASURE_WORK 2e8   /* particle-steps of the measured run, at most */
+#define MEASURE_STEPS 4000 /* of a run that does not grow */
+#define MEASURE_FEWEST 100
+#define MEASURE_EFOLDS 60
+
+/* Distance of each listed eigenvalue from the nearest of the symbol's factors; the largest of them. */
+static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
+{
+  const PetscInt n = s->symbol->size * s->symbol->phases;
+  PetscReal     *factors, largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolGatherFactors(comm, s->symbol, s->op->exponent, &factors));
+  for (PetscInt j = 0; j < s->eigen->n; j++) {
+    PetscReal nearest = PETSC_MAX_REAL;
+
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal re = factors[2 * i] - s->eigen->re[j], im = factors[2 * i + 1] - s->eigen->im[j];
+
+      nearest = PetscMin(nearest, re * re + im * im);
+    }
+    largest = PetscMax(largest, sqrt(nearest));
+  }
+  PetscCall(PetscFree(factors));
+  if (s->eigen->n) s->symbol_mismatch = scalbn(largest, (int)s->op->exponent);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountOnes(MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  if (!s->eigen->complete) PetscFunctionReturn(PETSC_SUCCESS);
+  s->at_one = 0;
+  for (PetscInt j = 0; j < s->eigen->n; j++)
+    if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
+        AT_ONE)
+      s->at_one++;
+  if (MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModesNullity(s->op, &s->nullity));
+  s->nullity *= s->op->fields;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Growth per step of an eigenvalue of the operator. */
+static PetscReal PerStep(const MpmSpectrum *s, PetscReal size)
+{
+  return exp((log(size) + M_LN2 * s->op->exponent) / s->op->period);
+}
+
+static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
+{
+  const MpmEigenMethod method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
+
+  PetscFunctionBegin;
+  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target, &s->target_beta));
+  for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
+  PetscCall(MpmEigenSolve(s->op->A, method, s->target, &s->eigen));
+  for (PetscInt j = 0; j < s->eigen->n; j++) {
+    if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
+    if (!(s->eigen->residual[j] <= s->max_residual)) s->max_residual = s->eigen->residual[j];
+  }
+  s->growth = PerStep(s, s->radius);
+  s->radius = scalbn(s->radius, (int)s->op->exponent);
+  PetscCall(CountOnes(s));
+  if (s->symbol) PetscCall(Mismatch(comm, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left vector. */
+static PetscErrorCode Sensitivity(MpmSpectrum *s, PetscReal growth)
+{
+  PetscFunctionBegin;
+  s->finding.uncertainty = 0;
+  if (!(growth > 1 + s->scene->tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->symbol) {
+    s->condition           = s->symbol->condition;
+    s->finding.uncertainty = s->symbol->uncertainty;
+  } else {
+    PetscCall(MpmEigenCondition(s->eigen, 0, &s->condition));
+    s->finding.uncertainty = 10 * PETSC_MACHINE_EPSILON * s->condition * s->eigen->norm /
+                             hypot(s->eigen->re[0], s->eigen->im[0]) * growth / s->op->period;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   All eigenvalues, or those of largest magnitude, decide by themselves. Those near a target confirm the symbol, whose
+   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case.
+*/
+static PetscErrorCode Judge(MpmSpectrum *s)
+{
+  MpmFinding     *f      = &s->finding;
+  const PetscBool agrees = s->symbol && s->eigen->n && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius);
+  const PetscBool whole  = s->eigen->complete || (!s->symbol && s->eigen->converged);
+
+  PetscFunctionBegin;
+  f->tolerance = s->scene->tolerance;
+  if (whole) {
+    f->growth = s->growth;
+    PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence, "%s",
+                            s->eigen->complete ? "all eigenvalues" : "the eigenvalues of largest magnitude"));
+  } else if (agrees && s->eigen->converged) {
+    f->growth = s->symbol->growth;
+    PetscCall(PetscStrncpy(f->evidence, "the symbol, confirmed by the operator's eigenvalues near its target",
+                           sizeof f->evidence));
+  } else {
+    f->growth = s->eigen->n && s->growth > 1 + f->tolerance ? s->growth : NAN;
+    PetscCall(PetscStrncpy(f->evidence, "the solver did not converge", sizeof f->evidence));
+  }
+  PetscCall(Sensitivity(s, f->growth));
+  f->verdict = MpmVerdictOf(f->growth, f->tolerance, f->uncertainty);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Random data excite every mode; as many steps as show the growth, or leave it out when that is too much work. */
+static PetscErrorCode Measure(MpmSpectrum *s)
+{
+  const PetscReal room  = MEASURE_WORK / (PetscReal)s->scene->particles;
+  PetscReal       steps = MEASURE_STEPS;
+
+  PetscFunctionBegin;
+  if (s->finding.growth > 1 + s->scene->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
+  steps = PetscMin(steps, room);
+  if (!s->scene->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  s->random           = *s->scene;
+  s->random.initial   = MPM_INITIAL_RANDOM;
+  s->random.stagger   = PETSC_FALSE;
+  s->random.steps     = (PetscInt64)steps;
+  s->random.output[0] = s->random.csv[0] = '\0';
+  PetscCall(MpmRunCreate(&s->random, MPI_Wtime(), &s->run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest resident size of this program, summed over its ranks. */
+static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
+{
+  struct rusage usage;
+
+  PetscFunctionBegin;
+  PetscCheck(!getrusage(RUSAGE_SELF, &usage), PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage failed");
+  *bytes = 1024.0 * (PetscReal)usage.ru_maxrss;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum)
+{
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  MpmSpectrum   *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(spectrum));
+  s             = *spectrum;
+  s->scene      = scene;
+  s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
+  s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = s->target_beta = NAN;
+  s->at_one = s->nullity = MPM_UNCOUNTED;
+  PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
+  PetscCall(MpmPredict(scene, &s->predictions));
+  PetscCall(MpmPredictorCreate(scene, &s->predictor));
+  if (MpmLayoutIsUniform(scene)) {
+    PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
+    PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
+  }
+  PetscCall(MpmOperatorCreate(comm, scene, &s->op));
+  PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));
+  PetscCall(Solve(comm, s));
+  PetscCall(Judge(s));
+  PetscCall(Measure(s));
+  PetscCall(PeakMemory(comm, &s->memory));
+  s->wall_s = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
+{
+  MpmSpectrum *s = *spectrum;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPredictorDestroy(&s->predictor));
+  if (s->run) PetscCall(MpmRunDestroy(&s->run));
+  PetscCall(MpmEigenDestroy(&s->eigen));
+  PetscCall(MpmOperatorDestroy(&s->op));
+  if (s->symbol) PetscCall(MpmSymbolDestroy(&s->symbol));
+  PetscCall(PetscFree(*spectrum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

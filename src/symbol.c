@@ -1,0 +1,146 @@
+/* Phase after phase: amplification matrix, its eigenvalues, the largest of all; phases are spread over the ranks. */
+#include <mpmstab/bloch.h>
+#include <mpmstab/eigen_small.h>
+#include <mpmstab/errors.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/symbol.h>
+#include <math.h>
+
+#define SAME 1e-12                            /* growths that differ by less share the maximum */
+#define ROUNDING (10 * PETSC_MACHINE_EPSILON) /* of the matrix, relative */
+
+typedef struct {
+  MpmBloch      bloch;
+  MpmSmallEigen eigen;
+} Reader;
+
+/* The factors of a phase, largest first in abs; exponent: what they are divided by. */
+static PetscErrorCode Factors(Reader *r, PetscReal beta, PetscBool vectors, PetscInt *largest, PetscInt *exponent)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmBlochMatrix(&r->bloch, beta, r->eigen.matrix, exponent));
+  PetscCall(MpmSmallEigenSolve(&r->eigen, vectors));
+  *largest = 0;
+  for (PetscInt i = 1; i < r->eigen.n; i++)
+    if (cabs(r->eigen.value[i]) > cabs(r->eigen.value[*largest])) *largest = i;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The largest abs without what no node sees: that part of the state rests, with the factor 1 for each field and each
+   particle of a cell but one.
+*/
+static PetscReal LargestSeen(Reader *r)
+{
+  double complex *value   = r->eigen.value;
+  PetscReal       largest = 0;
+
+  for (PetscInt n = 0; n < r->bloch.fields; n++) { /* the next farthest from 1 comes to place n */
+    for (PetscInt j = n + 1; j < r->eigen.n; j++) {
+      if (cabs(value[j] - 1) > cabs(value[n] - 1)) {
+        const double complex kept = value[n];
+
+        value[n] = value[j];
+        value[j] = kept;
+      }
+    }
+    largest = PetscMax(largest, cabs(value[n]));
+  }
+  return largest;
+}
+
+static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < s->count; i++) {
+    PetscInt largest, exponent;
+
+    PetscCall(Factors(r, MpmSymbolPhase(s->first + i, s->phases), PETSC_FALSE, &largest, &exponent));
+    s->per_phase[i] = exp((log(cabs(r->eigen.value[largest])) + M_LN2 * exponent) / s->period);
+    if (s->seen) s->seen[i] = LargestSeen(r);
+    if (!s->factors) continue;
+    s->exponents[i] = exponent;
+    for (PetscInt j = 0; j < s->size; j++) {
+      s->factors[2 * (s->size * i + j)]     = creal(r->eigen.value[j]);
+      s->factors[2 * (s->size * i + j) + 1] = cimag(r->eigen.value[j]);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest growth, the first phase that has it, and how sensitive that factor is. */
+static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
+{
+  PetscInt       m       = s->half + 1, largest;
+  double complex overlap = 0, leading;
+  PetscReal      norm    = 0;
+
+  PetscFunctionBegin;
+  s->growth = 0;
+  for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
+  for (PetscInt i = s->count - 1; i >= 0; i--)
+    if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
+  s->beta_at_max = MpmSymbolPhase(m, s->phases);
+  PetscCall(MpmBlochMatrix(&r->bloch, s->beta_at_max, r->eigen.matrix, &s->exponent));
+  for (PetscInt i = 0; i < s->size * s->size; i++) norm = hypot(norm, cabs(r->eigen.matrix[i]));
+  PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent));
+  leading       = r->eigen.value[largest];
+  s->leading[0] = creal(leading);
+  s->leading[1] = fabs(cimag(leading));
+  for (PetscInt i = 0; i < s->size; i++)
+    overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
+  s->condition = 1 / cabs(overlap);
+  /* a factor moves by condition x error of the matrix; the root takes that over the period */
+  s->uncertainty = ROUNDING * s->condition * norm / cabs(leading) * s->growth / s->period;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
+                               MpmSymbol **symbol)
+{
+  const PetscReal begin = MPI_Wtime();
+  PetscMPIInt     rank, size;
+  MpmSymbol      *s;
+  Reader          reader;
+
+  PetscFunctionBegin;
+  MpmCheckInput(MpmLayoutIsUniform(scene),
+                "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
+                "takes any layout)",
+                scene->jitter);
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(PetscNew(symbol));
+  s        = *symbol;
+  s->scene = scene;
+  PetscCall(MpmLayoutPeriod(scene, &s->period));
+  s->phases = phases;
+  s->half   = phases / 2;
+  s->first  = (PetscInt)((PetscInt64)(s->half + 1) * rank / size);
+  s->count  = (PetscInt)((PetscInt64)(s->half + 1) * (rank + 1) / size) - s->first;
+  PetscCall(MpmBlochCreate(scene, s->period, &reader.bloch));
+  s->size = reader.bloch.size;
+  PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
+  PetscCall(PetscMalloc1(s->count, &s->per_phase));
+  if (s->period == 1) PetscCall(PetscMalloc1(s->count, &s->seen));
+  if (keep) PetscCall(PetscMalloc2(2 * s->size * s->count, &s->factors, s->count, &s->exponents));
+  PetscCall(VisitPhases(&reader, s));
+  PetscCall(FindLargest(comm, &reader, s));
+  PetscCall(MpmSmallEigenDestroy(&reader.eigen));
+  PetscCall(MpmBlochDestroy(&reader.bloch));
+  s->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol)
+{
+  PetscFunctionBegin;
+  if (!*symbol) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*symbol)->per_phase));
+  PetscCall(PetscFree((*symbol)->seen));
+  if ((*symbol)->factors) PetscCall(PetscFree2((*symbol)->factors, (*symbol)->exponents));
+  PetscCall(PetscFree(*symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

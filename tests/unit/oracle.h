@@ -1,0 +1,68 @@
+/* The rows of an independent program's numbers, as options of scenes. */
+#pragma once
+#include "check.h"
+
+typedef PetscErrorCode (*OracleCheck)(const char row[], const char options[], PetscReal oracle);
+
+/* Collective. Calls check for each row of growth.csv whose scheme there is; prints those skipped. At least fewest. */
+static inline PetscErrorCode OracleGrowth(const char path[], const char more[], int fewest, OracleCheck check)
+{
+  FILE       *file = fopen(path, "r");
+  char        row[256], formulation[32], basis[32], drift[32], options[512];
+  int         ppc, cells, rows = 0;
+  double      courant, growth;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
+  while (fgets(row, sizeof row, file)) {
+    if (sscanf(row, "%31[^,],%31[^,],%d,%d,%lf,%31[^,],%lf", formulation, basis, &ppc, &cells, &courant, drift,
+               &growth) != 7)
+      continue;
+    row[strcspn(row, "\r\n")] = 0;
+    if (!MpmFormulationFind(formulation) || !MpmBasisFind(basis)) {
+      if (rank == 0) printf("skipped, no such formulation or basis yet: %s\n", row);
+      continue;
+    }
+    PetscCall(PetscSNPrintf(options, sizeof options,
+                            "-formulation %s -basis %s -ppc %d -cells %d -courant %.17g -drift %s %s", formulation,
+                            basis, ppc, cells, courant, drift, more));
+    PetscCall(check(row, options, growth));
+    rows++;
+  }
+  fclose(file);
+  CHECK(rows >= fewest, "only %d rows read", rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Collective. The same for radius.csv: jittered layouts. */
+static inline PetscErrorCode OracleRadius(const char path[], int fewest, OracleCheck check)
+{
+  FILE       *file = fopen(path, "r");
+  char        row[256], formulation[32], options[512];
+  int         ppc, cells, seed, rows = 0;
+  double      courant, jitter, radius;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
+  while (fgets(row, sizeof row, file)) {
+    if (sscanf(row, "%31[^,],%d,%d,%lf,%lf,%d,%lf", formulation, &cells, &ppc, &courant, &jitter, &seed, &radius) != 7)
+      continue;
+    row[strcspn(row, "\r\n")] = 0;
+    if (!MpmFormulationFind(formulation)) {
+      if (rank == 0) printf("skipped, no such formulation yet: %s\n", row);
+      continue;
+    }
+    PetscCall(PetscSNPrintf(options, sizeof options,
+                            "-formulation %s -ppc %d -cells %d -courant %.17g -jitter %.17g -seed %d", formulation, ppc,
+                            cells, courant, jitter, seed));
+    PetscCall(check(row, options, radius));
+    rows++;
+  }
+  fclose(file);
+  CHECK(rows >= fewest, "only %d rows read", rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,46 @@
+/*
+   The flagship: for every example scene measured = spectrum = symbol, and A q = march(q). Unstable scenes: symbol and
+   spectrum to 1e-9, the measured rate within 2% of the logarithm. Stable ones: none of the three grows.
+*/
+#include "check.h"
+#include <mpmstab/spectrum.h>
+
+static PetscErrorCode Agrees(const char path[])
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(MpmSceneCreate("spectrum", path, &scene));
+  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  CHECK(s->step_mismatch <= 1e-14 * s->op->period, "%s: A q and march(q) differ by %.3g", path, s->step_mismatch);
+  CHECK(s->eigen->complete && s->max_residual <= 1e-12, "%s: %d eigenvalues, residual %.3g", path, (int)s->eigen->n,
+        s->max_residual);
+  CHECK(s->symbol && fabs(s->symbol->growth - s->growth) <= 3e-8, "%s: symbol %.12g, spectrum %.12g", path,
+        s->symbol ? s->symbol->growth : 0, s->growth);
+  CHECK(s->symbol_mismatch <= 1e-6, "%s: off the symbol's set by %.3g", path, s->symbol_mismatch);
+  CHECK(s->run && s->run->growth.measured, "%s: nothing measured", path);
+  CHECK(s->run && s->run->verdict == s->finding.verdict, "%s: measured %s, computed %s", path,
+        MpmVerdictNames[s->run->verdict], MpmVerdictNames[s->finding.verdict]);
+  if (s->growth > 1 + 1e-6)
+    CHECK(s->run && fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= 0.02, "%s: measured %.9g, spectrum %.9g",
+          path, s->run->growth.per_step, s->growth);
+  else
+    CHECK(s->run && s->run->growth.per_step <= 1 + 1e-3, "%s: measured %.9g", path, s->run->growth.per_step);
+  PetscCall(MpmSpectrumDestroy(&s));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  PetscCall(SlepcInitializeNoArguments());
+  CHECK(argc > 5, "only %d scenes", argc - 1);
+  for (int i = 1; i < argc; i++) PetscCall(Agrees(argv[i]));
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)

@@ -1,0 +1,176 @@
+/*
+   Spectra: against the oracle's growth and radii, against the symbol as a set, the three ways of solving against one
+   another, the null space against its dimension, and verdicts that must not be guessed.
+*/
+#include "oracle.h"
+#include <mpmstab/layout.h>
+#include <mpmstab/spectrum.h>
+
+static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpectrum **spectrum)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, scene));
+  (*scene)->measure = PETSC_FALSE;
+  PetscCall(MpmSpectrumCreate(*scene, 0, spectrum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Close(MpmScene **scene, MpmSpectrum **spectrum)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSpectrumDestroy(spectrum));
+  PetscCall(MpmSceneDestroy(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Each of the symbol's factors is an eigenvalue too, so that the sets are the same. */
+static PetscErrorCode CheckSets(const char row[], const MpmSpectrum *s)
+{
+  PetscReal *factors, farthest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolGatherFactors(PETSC_COMM_WORLD, s->symbol, s->op->exponent, &factors));
+  for (PetscInt i = 0; i < s->symbol->size * s->symbol->phases; i++) {
+    PetscReal nearest = PETSC_MAX_REAL;
+
+    for (PetscInt j = 0; j < s->eigen->n; j++)
+      nearest = PetscMin(nearest, hypot(factors[2 * i] - s->eigen->re[j], factors[2 * i + 1] - s->eigen->im[j]));
+    farthest = PetscMax(farthest, nearest);
+  }
+  PetscCall(PetscFree(factors));
+  CHECK(s->symbol_mismatch <= 1e-6 && farthest <= 1e-6, "%s: sets differ by %.3g and %.3g", row, s->symbol_mismatch,
+        farthest);
+  CHECK(s->symbol->size * s->symbol->phases == s->eigen->n, "%s: %d factors, %d eigenvalues", row,
+        (int)(s->symbol->size * s->symbol->phases), (int)s->eigen->n);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckGrowth(const char row[], const char options[], PetscReal oracle)
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumOf(options, &scene, &s));
+  CHECK(s->eigen->complete, "%s: %d eigenvalues of %d", row, (int)s->eigen->n, (int)s->op->order);
+  CHECK(fabs(s->growth - oracle) <= 1e-5, "%s: %.9g", row, s->growth);
+  CHECK(s->finding.verdict == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: %s", row,
+        MpmVerdictNames[s->finding.verdict]);
+  CHECK(s->max_residual <= 1e-12, "%s: residual %.3g", row, s->max_residual);
+  PetscCall(CheckSets(row, s));
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRadius(const char row[], const char options[], PetscReal oracle)
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumOf(options, &scene, &s));
+  CHECK(!s->symbol && s->eigen->complete, "%s: %d eigenvalues of %d", row, (int)s->eigen->n, (int)s->op->order);
+  CHECK(fabs(s->radius - oracle) <= 1e-7, "%s: %.9g", row, s->radius);
+  CHECK(s->finding.verdict == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: %s", row,
+        MpmVerdictNames[s->finding.verdict]);
+  if (oracle > 1 + 1e-6) CHECK(s->condition >= 1 && s->condition < 100, "%s: condition %g", row, s->condition);
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Theory section 5: 16 cells, particles at rest around the middle. */
+static PetscErrorCode CheckNullSpace(const char formulation[], int ppc, PetscInt dimension)
+{
+  char         options[128];
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells 16 -ppc %d", formulation, ppc));
+  PetscCall(SpectrumOf(options, &scene, &s));
+  CHECK(s->nullity == 2 * dimension, "%s: %d unseen", options, (int)s->nullity);
+  CHECK(s->at_one >= s->nullity + 2, "%s: %d eigenvalues at 1", options, (int)s->at_one); /* and the two constants */
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The solvers for large orders, on an order where all eigenvalues are known. */
+static PetscErrorCode CheckMethods(const char options[], MpmEigenMethod method)
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+  MpmEigen    *few;
+  PetscReal    condition = 0;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumOf(options, &scene, &s));
+  PetscCall(MpmEigenSolve(s->op->A, method, s->target, &few));
+  CHECK(few->converged && few->n >= 1 && !few->complete, "%s: %s, %d listed", options, few->solver, (int)few->n);
+  for (PetscInt j = 0; j < few->n; j++) {
+    PetscReal nearest = PETSC_MAX_REAL;
+
+    for (PetscInt i = 0; i < s->eigen->n; i++)
+      nearest = PetscMin(nearest, hypot(few->re[j] - s->eigen->re[i], few->im[j] - s->eigen->im[i]));
+    CHECK(nearest <= 1e-6, "%s: %.12g + %.12gi is %.3g off", options, few->re[j], few->im[j], nearest);
+  }
+  CHECK_NEAR(hypot(few->re[0], few->im[0]), s->radius, 1e-8);
+  if (!s->symbol) {
+    PetscCall(MpmEigenCondition(few, 0, &condition));
+    CHECK_NEAR(condition, s->condition, 1e-4 * s->condition);
+  }
+  PetscCall(MpmEigenDestroy(&few));
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A solver that is not allowed to converge leaves the verdict open. */
+static PetscErrorCode CheckUndecided(const char options[])
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  scene->measure = PETSC_FALSE;
+  PetscCall(PetscOptionsInsertString(NULL, "-eps_type krylovschur -eps_nev 2 -eps_ncv 4 -eps_max_it 1 -eps_tol 1e-15"));
+  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(PetscOptionsClear(NULL));
+  CHECK(!s->eigen->converged && s->finding.verdict == MPM_UNDECIDED, "%s: %s", options,
+        MpmVerdictNames[s->finding.verdict]);
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void CheckVerdicts(void)
+{
+  CHECK(MpmVerdictOf(1, 1e-6, 0) == MPM_STABLE, "1");
+  CHECK(MpmVerdictOf(1 + 2e-8, 1e-6, 0) == MPM_STABLE, "a defective pair");
+  CHECK(MpmVerdictOf(1 + 1e-5, 1e-6, 1e-9) == MPM_UNSTABLE, "1 + 1e-5");
+  CHECK(MpmVerdictOf(1 + 1e-5, 1e-6, 1e-4) == MPM_UNDECIDED, "1 + 1e-5, known to 1e-4");
+  CHECK(MpmVerdictOf(NAN, 1e-6, 0) == MPM_UNDECIDED, "nothing");
+  CHECK(MpmVerdictOf(INFINITY, 1e-6, NAN) == MPM_UNSTABLE, "infinity");
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  PetscCall(SlepcInitializeNoArguments());
+  CheckVerdicts();
+  PetscCall(OracleGrowth(argv[1], "", 15, CheckGrowth));
+  PetscCall(OracleRadius(argv[2], 3, CheckRadius));
+  PetscCall(CheckNullSpace("gas2", 1, 1));
+  PetscCall(CheckNullSpace("gas2", 2, 16));
+  PetscCall(CheckNullSpace("gas1", 4, 48));
+  PetscCall(CheckNullSpace("elastic", 2, 16));
+  PetscCall(CheckMethods("-cells 40 -courant 2.05", MPM_EIGEN_TARGET));
+  PetscCall(CheckMethods("-formulation gas1 -cells 40", MPM_EIGEN_TARGET));
+  PetscCall(CheckMethods("-cells 40 -courant 0.2 -drift 1/8", MPM_EIGEN_TARGET));
+  PetscCall(CheckMethods("-cells 40 -courant 0.5 -jitter 0.4", MPM_EIGEN_LARGEST));
+  PetscCall(CheckUndecided("-cells 40 -jitter 0.4"));
+  PetscCall(CheckUndecided("-cells 40 -courant 0.5"));
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)

@@ -1,0 +1,150 @@
+/*
+   The symbol against the oracle, against the closed forms at random parameters, and against itself: any number of ranks
+   and any multiple of the phases give the same.
+*/
+#include "oracle.h"
+#include <mpmstab/layout.h>
+#include <mpmstab/predict.h>
+
+/* Where the oracle has 1 + 1e-8 it has a defective pair split by its rounding; ours is split by ours. */
+#define SPLIT 3e-8
+
+static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
+{
+  MpmScene  *scene;
+  MpmSymbol *symbol;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
+  CHECK(MpmVerdictOf(symbol->growth, 1e-6, symbol->uncertainty) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE),
+        "%s: uncertainty %g", row, symbol->uncertainty);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Theory section 4 at random Courant numbers, offsets and particles per cell. */
+static PetscErrorCode CheckClosedForms(const char formulation[], int n)
+{
+  MpmScene      *scene;
+  MpmSymbol     *symbol;
+  MpmPredictor   predictor;
+  MpmPredictions predictions;
+  MpmComparison  comparison;
+  char           options[256];
+  const double   courant = 0.01 + 2.5 * MpmHash(1, n), offset = n % 3 ? MpmHash(2, n) : 0.5;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells %d -ppc %d -courant %.6f -offset %.9f",
+                          formulation, 8 + n, 1 + n % 4, courant, offset));
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmPredict(scene, &predictions));
+  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  CHECK(comparison.corrected <= SPLIT * symbol->growth, "%s: off by %.3g at beta %g", options, comparison.corrected,
+        comparison.corrected_beta);
+  CHECK(fabs(PetscMax(1, predictions.corrected) - symbol->growth) <= SPLIT * symbol->growth, "%s: %.12g and %.12g",
+        options, predictions.corrected, symbol->growth);
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the slides' formulas fail, and by how much: theory section 4 by hand. */
+static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal beta)
+{
+  MpmScene     *scene;
+  MpmSymbol    *symbol;
+  MpmPredictor  predictor;
+  MpmComparison comparison;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  CHECK_NEAR(comparison.published, off, 1e-8);
+  CHECK_NEAR(comparison.published_beta, beta, 1e-12);
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRanksAndPhases(const char options[])
+{
+  MpmScene  *scene;
+  MpmSymbol *all, *alone, *finer;
+  PetscReal *factors, *finer_factors, *growth;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_TRUE, &all));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, scene, scene->cells, PETSC_TRUE, &alone));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, 3 * scene->cells, PETSC_TRUE, &finer));
+  CHECK(all->growth == alone->growth && all->beta_at_max == alone->beta_at_max, "%s: %.17g at %g, %.17g at %g", options,
+        all->growth, all->beta_at_max, alone->growth, alone->beta_at_max);
+  CHECK(finer->growth >= all->growth - 1e-12, "%s: finer phases give %.17g", options, finer->growth);
+  PetscCall(MpmSymbolGather(PETSC_COMM_SELF, alone, alone->per_phase, &growth));
+  PetscCall(MpmSymbolGatherFactors(PETSC_COMM_WORLD, all, 0, &factors));
+  PetscCall(MpmSymbolGatherFactors(PETSC_COMM_WORLD, finer, 0, &finer_factors));
+  for (PetscInt m = 0; m < all->phases; m++) {
+    PetscReal largest = 0, finest = 0;
+
+    for (PetscInt j = 0; j < all->size; j++) {
+      const PetscReal *a = factors + 2 * (all->size * m + j), *b = finer_factors + 2 * (all->size * 3 * m + j);
+
+      largest = PetscMax(largest, hypot(a[0], a[1]));
+      finest  = PetscMax(finest, hypot(b[0], b[1]));
+    }
+    CHECK_NEAR(pow(largest, 1.0 / all->period), growth[PetscMin(m, all->phases - m)], 1e-12);
+    CHECK_NEAR(finest, largest, SPLIT);
+  }
+  PetscCall(PetscFree(growth));
+  PetscCall(PetscFree(factors));
+  PetscCall(PetscFree(finer_factors));
+  PetscCall(MpmSymbolDestroy(&all));
+  PetscCall(MpmSymbolDestroy(&alone));
+  PetscCall(MpmSymbolDestroy(&finer));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A period of unstable steps that no double holds: gas2 beyond its limit, a thousand steps to the period. */
+static PetscErrorCode CheckLongPeriod(void)
+{
+  MpmScene  *scene;
+  MpmSymbol *symbol;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-cells 8 -courant 20 -drift 1/1000", &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, 8, PETSC_FALSE, &symbol));
+  CHECK(symbol->exponent > 1024, "exponent %d", (int)symbol->exponent);
+  CHECK(isfinite(symbol->growth) && symbol->growth > 100 && symbol->growth < 2000, "growth %g", symbol->growth);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  PetscCall(OracleGrowth(argv[1], "", 15, CheckRow));
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (int n = 0; n < 24; n++) PetscCall(CheckClosedForms(MpmFormulations[f]->name, n));
+  PetscCall(CheckSlip("-formulation gas1 -cells 16 -courant 0.5", sqrt(2) - sqrt(1.25), PETSC_PI / 2));
+  PetscCall(CheckSlip("-formulation gas2 -cells 16 -courant 0.5", 1 - sqrt(0.5), PETSC_PI / 2));
+  PetscCall(CheckSlip("-formulation elastic -cells 2 -courant 0.5", 1 - sqrt(1 - 0.25 * 0.75), PETSC_PI));
+  PetscCall(CheckRanksAndPhases("-cells 16 -courant 0.2 -drift 1/8"));
+  PetscCall(CheckRanksAndPhases("-formulation elastic -cells 15 -courant 1.45 -ppc 3"));
+  PetscCall(CheckRanksAndPhases("-formulation gas1 -cells 1 -ppc 1"));
+  PetscCall(CheckLongPeriod());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
