@@ -120,13 +120,15 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
   }
 }
 
-static PetscInt Rescale(MpmBloch *b)
+/* Keeps the product in range; exponent: what it is divided by so far. */
+static PetscInt Rescale(MpmBloch *b, PetscInt exponent)
 {
   const PetscInt n       = b->size * b->size;
   PetscReal      largest = 0;
   PetscInt       shift;
 
   for (PetscInt i = 0; i < n; i++) largest = PetscMax(largest, cabs(b->particle[i]));
+  b->log_largest = PetscMax(b->log_largest, log(largest) + M_LN2 * exponent);
   if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) return 0;
   shift = ilogb(largest);
   for (PetscInt i = 0; i < n; i++) b->particle[i] *= scalbn(1, -(int)shift);
@@ -139,14 +141,15 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, double complex G[], P
   const PetscInt        ppc = b->scene->ppc, n = b->size;
 
   PetscFunctionBegin;
-  *exponent = 0;
+  *exponent      = 0;
+  b->log_largest = -INFINITY;
   PetscCall(PetscArrayzero(b->particle, n * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
     Shift(b, step, beta);
     for (PetscInt o = 0; o < f->nops; o++) ApplyOp(b, &f->ops[o], step, beta);
-    *exponent += Rescale(b);
+    *exponent += Rescale(b, *exponent);
   }
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++)

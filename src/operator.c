@@ -7,9 +7,10 @@
 
 #define RESCALE_AT 200 /* powers of two */
 #define PERIODS 3      /* that the march is compared over */
+#define LARGEST 3e8    /* nonzeros */
 
 /* Keeps the registers in range; they are what they hold times 2^exponent. */
-static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
+static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent, PetscReal *log_largest)
 {
   PetscReal norm, largest = 0;
   PetscInt  shift;
@@ -19,6 +20,7 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
     PetscCall(MatNorm(r->particle[f], NORM_INFINITY, &norm));
     largest = PetscMax(largest, norm);
   }
+  *log_largest = PetscMax(*log_largest, log(largest) + M_LN2 * *exponent);
   if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) PetscFunctionReturn(PETSC_SUCCESS);
   shift = ilogb(largest);
   for (PetscInt f = 0; f < r->fields; f++) PetscCall(MatScale(r->particle[f], scalbn(1, -(int)shift)));
@@ -26,9 +28,34 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A P2G and what follows it carry a number over the reach of the basis, a stencil over its halo. */
+static PetscErrorCode CheckSize(const MpmOperator *op)
+{
+  const MpmScene       *scene = op->scene;
+  const MpmFormulation *f     = scene->formulation;
+  PetscReal             cells = 0, nonzeros;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < f->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(f->ops[o].kind);
+
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES)
+      cells += scene->basis->reach_left + scene->basis->reach_right;
+    cells += traits.halo;
+  }
+  nonzeros = (PetscReal)op->order * op->fields * scene->ppc * PetscMin(2 * cells * op->period + 1, scene->cells);
+  MpmCheckInput(nonzeros <= LARGEST,
+                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " and a period of %" PetscInt_FMT
+                " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
+                "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
+                scene->cells, scene->ppc, op->period, nonzeros, LARGEST);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
   MpmRegisters  registers;
+  PetscReal     log_largest = -INFINITY;
   PetscClassId  id;
   PetscLogEvent event;
 
@@ -39,8 +66,9 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
   PetscCall(MpmRegistersCreate(comm, op->scene, &registers));
   for (PetscInt step = 0; step < op->period; step++) {
     PetscCall(MpmRegistersStep(&registers, step));
-    PetscCall(Rescale(&registers, &op->exponent));
+    PetscCall(Rescale(&registers, &op->exponent, &log_largest));
   }
+  op->rounding = MPM_ROUNDING * op->period * exp(log_largest - M_LN2 * op->exponent);
   PetscCall(MpmRegistersGather(&registers, &op->A));
   PetscCall(MpmRegistersMap(&registers, MPM_P2G, 0, &op->p2g));
   PetscCall(MpmRegistersDestroy(&registers));
@@ -60,8 +88,12 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperat
   o         = *op;
   o->scene  = scene;
   o->fields = MpmFormulationParticleFields(scene->formulation);
-  o->order  = (PetscInt)(o->fields * scene->particles);
+  MpmCheckInput(o->fields * scene->particles <= PETSC_MAX_INT / 2,
+                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": too many unknowns; allowed: at most %d",
+                scene->cells, scene->ppc, PETSC_MAX_INT / 2);
+  o->order = (PetscInt)(o->fields * scene->particles);
   PetscCall(MpmLayoutPeriod(scene, &o->period));
+  PetscCall(CheckSize(o));
   PetscCall(Assemble(comm, o));
   PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
   o->nonzeros   = info.nz_used;
@@ -126,16 +158,20 @@ PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
   PetscCall(VecDuplicate(after, &predicted));
   for (PetscInt n = 0; n < PERIODS; n++) {
     PetscInt  start = march->exponent;
-    PetscReal norm, difference;
+    PetscReal norm, image, difference;
 
     PetscCall(StateOf(march, start, before));
     for (PetscInt step = 0; step < op->period; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
     PetscCall(StateOf(march, start + op->exponent, after));
     PetscCall(MatMult(op->A, before, predicted));
+    PetscCall(VecNorm(predicted, NORM_2, &image));
     PetscCall(VecAXPY(predicted, -1, after));
     PetscCall(VecNorm(predicted, NORM_2, &difference));
     PetscCall(VecNorm(before, NORM_2, &norm));
-    if (!(difference / norm <= *mismatch)) *mismatch = difference / norm; /* NaN is the largest */
+    norm       = PetscMax(norm, scalbn(image, (int)op->exponent));
+    difference = scalbn(difference, (int)op->exponent) / norm;
+    if (!(difference <= *mismatch)) *mismatch = difference; /* NaN is the largest */
+    if (isnormal(norm)) PetscCall(MpmMarchRescale(march, ilogb(norm)));
   }
   PetscCall(VecDestroy(&before));
   PetscCall(VecDestroy(&after));

@@ -40,3 +40,13 @@ PetscErrorCode MpmProgressEnd(MpmProgress *progress)
   if (progress->shown) fprintf(stderr, "\r%70s\r", "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmProgressNote(MpmProgress *progress, const char text[])
+{
+  PetscFunctionBegin;
+  if (!progress->enabled) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(stderr, "\r%-70s", text);
+  fflush(stderr);
+  progress->shown = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

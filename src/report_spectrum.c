@@ -54,12 +54,16 @@ static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
 static PetscErrorCode PrintOperator(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros, of %" PetscInt_FMT
-           " step%s; it differs from the march by %.1e\n",
-           s->op->order, s->op->nonzeros, s->op->period, s->op->period == 1 ? "" : "s", s->step_mismatch);
+  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros, of %" PetscInt_FMT " step%s; ", s->op->order,
+           s->op->nonzeros, s->op->period, s->op->period == 1 ? "" : "s");
+  if (isfinite(s->step_mismatch))
+    MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
+  else
+    MpmPrint("not compared: the march leaves the range of doubles\n");
   MpmPrint("solver: %s\n", s->eigen->solver);
   if (s->symbol && s->eigen->n)
-    MpmPrint("eigenvalues: within %.1e of the symbol's set, which has one for each of them\n", s->symbol_mismatch);
+    MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
+             s->radius > 1 ? ", relative to the largest" : "");
   if (s->at_one != MPM_UNCOUNTED) {
     MpmPrint("eigenvalues at 1: %" PetscInt_FMT, s->at_one);
     if (s->nullity != MPM_UNCOUNTED)
@@ -75,7 +79,7 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
   PetscFunctionBegin;
   MpmPrint("time: %.3g s to assemble, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->eigen->solve_s,
            s->wall_s);
-  MpmPrint("memory: %.4g MB at its peak, %.4g bytes an unknown, of them %.3g for A\n", 1e-6 * s->memory,
+  MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown, of them %.3g for A\n", 1e-6 * s->memory,
            s->memory / s->op->order, s->op->bytes / s->op->order);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

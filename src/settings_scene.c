@@ -113,8 +113,8 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     else
       PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
     MpmCheckInput(!inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
-                  "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, error or energy", settings->scene,
-                  Line(node), key);
+                  "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, error or energy",
+                  settings->scene, Line(node), key);
     PetscCall(SetOnce(settings, name, text, Line(node)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

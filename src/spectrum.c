@@ -1,5 +1,6 @@
 /* The task spectrum: operator, symbol and march of one scene, each from the same table, and what they say together. */
 #include <mpmstab/layout.h>
+#include <mpmstab/progress.h>
 #include <mpmstab/spectrum.h>
 #include <math.h>
 #include <sys/resource.h>
@@ -59,11 +60,18 @@ static PetscReal PerStep(const MpmSpectrum *s, PetscReal size)
 static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
 {
   const MpmEigenMethod method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
+  MpmProgress          progress;
+  char                 note[128];
 
   PetscFunctionBegin;
   if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target, &s->target_beta));
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
+  PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
+                          method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
+  PetscCall(MpmProgressBegin(s->scene, &progress));
+  PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->A, method, s->target, &s->eigen));
+  PetscCall(MpmProgressEnd(&progress));
   for (PetscInt j = 0; j < s->eigen->n; j++) {
     if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
     if (!(s->eigen->residual[j] <= s->max_residual)) s->max_residual = s->eigen->residual[j];
@@ -86,15 +94,16 @@ static PetscErrorCode Sensitivity(MpmSpectrum *s, PetscReal growth)
     s->finding.uncertainty = s->symbol->uncertainty;
   } else {
     PetscCall(MpmEigenCondition(s->eigen, 0, &s->condition));
-    s->finding.uncertainty = 10 * PETSC_MACHINE_EPSILON * s->condition * s->eigen->norm /
-                             hypot(s->eigen->re[0], s->eigen->im[0]) * growth / s->op->period;
+    s->finding.uncertainty =
+        s->condition * s->op->rounding / hypot(s->eigen->re[0], s->eigen->im[0]) * growth / s->op->period;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
    All eigenvalues, or those of largest magnitude, decide by themselves. Those near a target confirm the symbol, whose
-   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case.
+   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case. An operator that is not what
+   the march does, for a period that grows and dies again beyond double precision, shows no stability.
 */
 static PetscErrorCode Judge(MpmSpectrum *s)
 {
@@ -114,10 +123,15 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                            sizeof f->evidence));
   } else {
     f->growth = s->eigen->n && s->growth > 1 + f->tolerance ? s->growth : NAN;
-    PetscCall(PetscStrncpy(f->evidence, "the solver did not converge", sizeof f->evidence));
+    PetscCall(PetscStrncpy(f->evidence, "the solver did not converge; up to order 4096 all eigenvalues are found",
+                           sizeof f->evidence));
   }
   PetscCall(Sensitivity(s, f->growth));
-  f->verdict = MpmVerdictOf(f->growth, f->tolerance, f->uncertainty);
+  f->blur = sqrt(scalbn(s->op->rounding, (int)s->op->exponent)) / s->op->period;
+  if (isfinite(s->step_mismatch))
+    f->uncertainty = PetscMax(f->uncertainty, f->growth * s->step_mismatch / s->op->period);
+  if (!(s->step_mismatch <= AGREE)) f->blur = INFINITY;
+  f->verdict = MpmVerdictOf(f);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,6 +169,7 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
 PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum)
 {
   const MPI_Comm comm = PETSC_COMM_WORLD;
+  PetscReal      before;
   MpmSpectrum   *s;
 
   PetscFunctionBegin;
@@ -165,18 +180,20 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = s->target_beta = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
+  PetscCall(PeakMemory(comm, &before));
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(scene, &s->predictor));
+  PetscCall(MpmOperatorCreate(comm, scene, &s->op)); /* first: it refuses what is too large */
   if (MpmLayoutIsUniform(scene)) {
     PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
-  PetscCall(MpmOperatorCreate(comm, scene, &s->op));
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));
   PetscCall(Solve(comm, s));
   PetscCall(Judge(s));
   PetscCall(Measure(s));
   PetscCall(PeakMemory(comm, &s->memory));
+  s->memory -= before;
   s->wall_s = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

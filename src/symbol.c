@@ -4,10 +4,10 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/symbol.h>
+#include <mpmstab/verdict.h>
 #include <math.h>
 
-#define SAME 1e-12                            /* growths that differ by less share the maximum */
-#define ROUNDING (10 * PETSC_MACHINE_EPSILON) /* of the matrix, relative */
+#define SAME 1e-12 /* growths that differ by less share the maximum */
 
 typedef struct {
   MpmBloch      bloch;
@@ -49,6 +49,12 @@ static PetscReal LargestSeen(Reader *r)
   return largest;
 }
 
+/* How far rounding may have moved the numbers of the last matrix, times 2^exponent. */
+static PetscReal RoundingOf(const Reader *r, const MpmSymbol *s, PetscInt exponent)
+{
+  return MPM_ROUNDING * s->period * s->size * exp(r->bloch.log_largest - M_LN2 * exponent);
+}
+
 static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 {
   PetscFunctionBegin;
@@ -56,6 +62,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
     PetscInt largest, exponent;
 
     PetscCall(Factors(r, MpmSymbolPhase(s->first + i, s->phases), PETSC_FALSE, &largest, &exponent));
+    s->blur         = PetscMax(s->blur, sqrt(RoundingOf(r, s, 0)) / s->period);
     s->per_phase[i] = exp((log(cabs(r->eigen.value[largest])) + M_LN2 * exponent) / s->period);
     if (s->seen) s->seen[i] = LargestSeen(r);
     if (!s->factors) continue;
@@ -73,27 +80,24 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
   PetscInt       m       = s->half + 1, largest;
   double complex overlap = 0, leading;
-  PetscReal      norm    = 0;
 
   PetscFunctionBegin;
   s->growth = 0;
   for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->blur, 1, MPIU_REAL, MPI_MAX, comm));
   for (PetscInt i = s->count - 1; i >= 0; i--)
     if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
-  PetscCall(MpmBlochMatrix(&r->bloch, s->beta_at_max, r->eigen.matrix, &s->exponent));
-  for (PetscInt i = 0; i < s->size * s->size; i++) norm = hypot(norm, cabs(r->eigen.matrix[i]));
   PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent));
   leading       = r->eigen.value[largest];
   s->leading[0] = creal(leading);
   s->leading[1] = fabs(cimag(leading));
   for (PetscInt i = 0; i < s->size; i++)
     overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
-  s->condition = 1 / cabs(overlap);
-  /* a factor moves by condition x error of the matrix; the root takes that over the period */
-  s->uncertainty = ROUNDING * s->condition * norm / cabs(leading) * s->growth / s->period;
+  s->condition   = 1 / cabs(overlap);
+  s->uncertainty = s->condition * RoundingOf(r, s, s->exponent) / cabs(leading) * s->growth / s->period;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -71,7 +71,8 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   finding.growth      = symbol->growth;
   finding.uncertainty = symbol->uncertainty;
-  finding.verdict     = MpmVerdictOf(finding.growth, finding.tolerance, finding.uncertainty);
+  finding.blur        = symbol->blur;
+  finding.verdict     = MpmVerdictOf(&finding);
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
                           "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
                           symbol->phases, symbol->phases));

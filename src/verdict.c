@@ -5,9 +5,9 @@
 const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NULL};
 const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
 
-MpmVerdict MpmVerdictOf(PetscReal growth, PetscReal tolerance, PetscReal uncertainty)
+MpmVerdict MpmVerdictOf(const MpmFinding *f)
 {
-  if (isnan(growth)) return MPM_UNDECIDED;
-  if (growth <= 1 + tolerance) return MPM_STABLE;
-  return isinf(growth) || growth - 1 > uncertainty ? MPM_UNSTABLE : MPM_UNDECIDED;
+  if (isnan(f->growth)) return MPM_UNDECIDED;
+  if (f->growth <= 1 + f->tolerance) return f->blur <= f->tolerance ? MPM_STABLE : MPM_UNDECIDED;
+  return isinf(f->growth) || f->growth - 1 > f->uncertainty ? MPM_UNSTABLE : MPM_UNDECIDED;
 }

@@ -10,12 +10,13 @@
    A register is a dense matrix: rows are a cell's particles, or its one node, columns the cell's state at the start,
    particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
    node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass.
+   log_largest: logarithm of the largest number in the partial products of the last matrix made, which rounding goes by.
 */
 typedef struct {
   const MpmScene *scene;
   PetscInt        fields, size, period;
   PetscInt       *node;
-  PetscReal      *rows, *masses;
+  PetscReal      *rows, *masses, log_largest;
   double complex *particle, *nodes, *shift;
 } MpmBloch;
 

@@ -11,3 +11,6 @@ typedef struct {
 PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress);
 PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total);
 PetscErrorCode MpmProgressEnd(MpmProgress *progress);
+
+/* Not collective. Says what a long stage without steps is doing; MpmProgressEnd takes it away. */
+PetscErrorCode MpmProgressNote(MpmProgress *progress, const char text[]);

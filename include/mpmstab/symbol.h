@@ -7,7 +7,8 @@
 
    A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
    growth is the largest abs(factor)^(1/period) over all phases, leading the factor it belongs to (times 2^exponent, im
-   >= 0), condition that eigenvalue's condition number, uncertainty how far rounding may have moved growth, beta_at_max
+   >= 0), condition that eigenvalue's condition number, uncertainty how far rounding may have moved growth, blur how far it may have split a defective pair at 1 (see
+   verdict.h), beta_at_max
    its phase: the least of those that share the maximum to rounding.
 
    per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests at 1:
@@ -19,7 +20,7 @@
 typedef struct {
   const MpmScene *scene;
   PetscInt        phases, half, first, count, size, period, exponent;
-  PetscReal       growth, beta_at_max, leading[2], condition, uncertainty, seconds;
+  PetscReal       growth, beta_at_max, leading[2], condition, uncertainty, blur, seconds;
   PetscReal      *per_phase, *seen, *factors;
   PetscInt       *exponents;
 } MpmSymbol;

@@ -13,19 +13,23 @@ extern const char *const MpmGrowthKindNames[];
    MpmFinding - a verdict with what it rests on.
 
    growth is per step; uncertainty, how far rounding may have moved it: eigenvalues of condition number c move by about
-   c times the rounding of the matrix. evidence says where growth comes from.
+   c times the rounding of the matrix. blur: how far it may have split a defective pair at 1, by the square root of that
+   rounding, per step. evidence says where growth comes from.
 */
 typedef struct {
   MpmVerdict verdict;
-  PetscReal  growth, tolerance, uncertainty;
+  PetscReal  growth, tolerance, uncertainty, blur;
   char       evidence[256];
 } MpmFinding;
 
 /*
-   MpmVerdictOf - stable up to 1 + tolerance, unstable above, undecided when the excess over 1 is within the uncertainty
-   or growth is not known (NaN).
+   MpmVerdictOf - stable up to 1 + tolerance, unstable above; undecided when the excess over 1 is within the uncertainty,
+   when the tolerance is within the blur, or when growth is not known (NaN).
 
    Not collective. A defective pair at 1 (rigid motion: growth like t, which is no instability) is split by rounding to
    about 1 +- 1e-8, below any sensible tolerance; larger blocks at 1 split further, and their condition number says so.
 */
-MpmVerdict MpmVerdictOf(PetscReal growth, PetscReal tolerance, PetscReal uncertainty);
+MpmVerdict MpmVerdictOf(const MpmFinding *finding);
+
+/* Rounding of one step's matrix, relative, with room to spare. */
+#define MPM_ROUNDING (10 * PETSC_MACHINE_EPSILON)

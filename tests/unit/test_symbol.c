@@ -5,6 +5,7 @@
 #include "oracle.h"
 #include <mpmstab/layout.h>
 #include <mpmstab/predict.h>
+#include <mpmstab/verdict.h>
 
 /* Where the oracle has 1 + 1e-8 it has a defective pair split by its rounding; ours is split by ours. */
 #define SPLIT 3e-8
@@ -13,13 +14,16 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 {
   MpmScene  *scene;
   MpmSymbol *symbol;
+  MpmFinding finding;
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
-  CHECK(MpmVerdictOf(symbol->growth, 1e-6, symbol->uncertainty) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE),
-        "%s: uncertainty %g", row, symbol->uncertainty);
+  finding = (MpmFinding){
+      .growth = symbol->growth, .tolerance = 1e-6, .uncertainty = symbol->uncertainty, .blur = symbol->blur};
+  CHECK(MpmVerdictOf(&finding) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: uncertainty %g, blur %g", row,
+        symbol->uncertainty, symbol->blur);
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

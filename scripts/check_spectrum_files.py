@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Checks what spectrum and symbol write (HDF5, CSV, JSON) against the same operator put together in numpy.
+
+check_spectrum_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
+"""
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
+SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
+TOP = {"version", "task", "formulation", "basis", "transfer", "dim", "cells", "ppc", "particles", "courant", "drift",
+       "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted"}
+PREDICTED = {"published", "corrected", "symbol", "corrected_off_by"}
+SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "solver", "converged", "listed",
+            "spectral_radius", "growth", "max_residual", "step_mismatch", "symbol_mismatch", "condition", "at_one",
+            "unseen", "memory_bytes"}
+SYMBOL = {"phases", "growth", "beta_at_max", "seconds"}
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_spectrum_files: {message}")
+
+
+def run(mpiexec, mpmstab, ranks, task, *options):
+    name = f"{task}_{ranks}"
+    for ending in (".h5", ".json", ".csv"):
+        if os.path.exists(name + ending):
+            os.remove(name + ending)
+    command = [mpiexec, "-n", str(ranks), mpmstab, task, *SCENE, *options, "-output", name + ".h5", "-json",
+               name + ".json", "-csv", name + ".csv"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
+    left = [f for f in os.listdir(".") if f.endswith((".part", ".xmf")) and f.startswith(task)]
+    check(not left, f"left behind: {left}")
+    return name
+
+
+def maps():
+    """P2G (nodes x particles) and GRAD (particles x nodes) of the hat basis."""
+    n = CELLS * PPC
+    shape, grad = numpy.zeros((n, CELLS)), numpy.zeros((n, CELLS))
+    for p in range(n):
+        x = (p % PPC + 0.3) / PPC
+        cell, right = p // PPC, (p // PPC + 1) % CELLS
+        shape[p, cell], shape[p, right] = 1 - x, x
+        grad[p, cell], grad[p, right] = -1, 1
+    return shape.T / shape.sum(axis=0)[:, None], grad
+
+
+def operator():
+    """gas2: u += k D P r, then r += k D P u; the state particle by particle."""
+    p2g, grad = maps()
+    n, step = CELLS * PPC, COURANT * grad @ p2g
+    whole = numpy.block([[numpy.eye(n), step], [step, numpy.eye(n) + step @ step]])
+    order = numpy.arange(2 * n).reshape(2, n).T.ravel()
+    return whole[numpy.ix_(order, order)]
+
+
+def distance(one, other):
+    return max(abs(other - value).min() for value in one)
+
+
+def check_modes(file, values, matrix):
+    """Eigenvectors are eigenvectors, in the order of the eigenvalues."""
+    check(sorted(file["modes"]) == [f"{j + 1:04d}" for j in range(MODES)], f"modes {sorted(file['modes'])}")
+    for j in range(MODES):
+        group = file[f"modes/{j + 1:04d}"]
+        state = numpy.empty(2 * CELLS * PPC, complex)
+        for f, field in enumerate(("u", "r")):
+            state[f::2] = group[f"{field}_re"][:] + 1j * group[f"{field}_im"][:]
+        check(abs(group.attrs["re"] + 1j * group.attrs["im"] - values[j]) < 1e-14, f"eigenvalue of mode {j + 1}")
+        check(math.isclose(group.attrs["growth"], abs(values[j])), f"growth of mode {j + 1}")
+        check(abs(matrix @ state - values[j] * state).max() < 1e-12, f"mode {j + 1} is not an eigenvector")
+
+
+def check_spectrum(name):
+    matrix, p2g = operator(), maps()[0]
+    with h5py.File(name + ".h5", "r") as file:
+        check(file.attrs["formulation"] in ("gas2", b"gas2") and "version" in file.attrs, "scene attributes")
+        pairs = file["spectrum/eigenvalues"][:]
+        check(pairs.shape == (2 * CELLS * PPC, 2), f"eigenvalues {pairs.shape}")
+        values = pairs[:, 0] + 1j * pairs[:, 1]
+        check(max(distance(values, numpy.linalg.eigvals(matrix)), distance(numpy.linalg.eigvals(matrix), values)) < 1e-7,
+              "eigenvalues are not numpy's")
+        check((numpy.diff(abs(values)) < 1e-7).all(), "eigenvalues are not in order")
+        check(file["spectrum/residuals"].shape == (len(values),) and max(file["spectrum/residuals"][:]) < 1e-13, "residuals")
+        check_modes(file, values, matrix)
+        beta, share = file["spectrum/beta"][:], file["spectrum/null_share"][:]
+        check(numpy.nanmax(beta) <= math.pi and ((share >= 0) & (share < 1 + 1e-9)).all(), "beta or null_share")
+        row_space = numpy.linalg.pinv(p2g) @ p2g
+        for j in range(MODES):
+            state = [file[f"modes/{j + 1:04d}/{f}_re"][:] + 1j * file[f"modes/{j + 1:04d}/{f}_im"][:] for f in "ur"]
+            unseen = math.sqrt(sum(numpy.linalg.norm(q - row_space @ q) ** 2 for q in state))
+            check(abs(unseen - share[j]) < 1e-7, f"null_share of mode {j + 1}: {share[j]}, numpy {unseen}")
+            power = sum(abs(numpy.fft.fft(p2g @ q)) ** 2 for q in state)
+            power = power + numpy.roll(power[::-1], 1)  # +-beta
+            check(abs(2 * math.pi * power[: CELLS // 2 + 1].argmax() / CELLS - beta[j]) < 1e-9, f"beta of mode {j + 1}")
+        factors = file["symbol/factors"][:]
+        check(factors.shape == (CELLS, 4 * PPC), f"factors {factors.shape}")
+        check(distance(values, (factors[:, ::2] + 1j * factors[:, 1::2]).ravel()) < 1e-7, "symbol and eigenvalues")
+    with open(name + ".csv") as file:
+        rows = list(csv.DictReader(file))
+    check(len(rows) == len(values), f"{len(rows)} rows")
+    for row, value, b in zip(rows, values, beta):
+        check(float(row["re"]) == value.real and float(row["im"]) == value.imag, "eigenvalues of the CSV")
+        check(row["beta"] == "" if math.isnan(b) else float(row["beta"]) == b, "beta of the CSV")
+
+
+def check_spectrum_json(name, ranks):
+    with open(name + ".json") as file:
+        result = json.load(file)
+    check(set(result) == TOP | {"spectrum", "symbol", "run"}, f"keys {set(result) ^ (TOP | {'spectrum', 'symbol', 'run'})}")
+    check(set(result["spectrum"]) == SPECTRUM, f"keys of spectrum {set(result['spectrum']) ^ SPECTRUM}")
+    check(set(result["symbol"]) == SYMBOL, f"keys of symbol {set(result['symbol']) ^ SYMBOL}")
+    check(set(result["predicted"]) == PREDICTED, f"keys of predicted {set(result['predicted']) ^ PREDICTED}")
+    check(result["ranks"] == ranks and result["verdict"] == "unstable", "scene or verdict")
+    radius = abs(numpy.linalg.eigvals(operator())).max()
+    for value in (result["spectrum"]["spectral_radius"], result["symbol"]["growth"], result["growth"]):
+        check(math.isclose(value, radius, rel_tol=1e-9), f"{value}, numpy {radius}")
+    check(result["spectrum"]["step_mismatch"] < 1e-14 and result["spectrum"]["symbol_mismatch"] < 1e-7, "mismatches")
+    return result
+
+
+def check_symbol(name, phases):
+    with h5py.File(name + ".h5", "r") as file:
+        beta, growth, factors = (file[f"symbol/{key}"][:] for key in ("beta", "growth", "factors"))
+        corrected = file["symbol/corrected"][:]
+    check(numpy.allclose(beta, 2 * math.pi * numpy.arange(phases) / phases), "beta")
+    check(numpy.allclose(abs(factors[:, ::2] + 1j * factors[:, 1::2]).max(axis=1), growth), "growth is not the largest factor")
+    mu = -0.2 * (1 - numpy.cos(beta)) + 1j * numpy.sin(beta)  # places 0.15 and 0.65: e = C1 - C2 = -0.2
+    half = 1 + COURANT**2 * mu**2 / 2
+    root = numpy.sqrt(half**2 - 1)
+    check(numpy.allclose(corrected, numpy.maximum(abs(half + root), abs(half - root)), atol=1e-7), "corrected")
+    check(numpy.allclose(numpy.maximum(corrected, 1), growth, atol=1e-7), "corrected is not the symbol's")
+    with open(name + ".csv") as file:
+        rows = list(csv.DictReader(file))
+    check(len(rows) == phases // 2 + 1 and set(rows[0]) == {"beta", "growth", "growth_seen", "published", "corrected"},
+          f"CSV: {len(rows)} rows of {set(rows[0])}")
+    check(numpy.allclose([float(r["growth"]) for r in rows], growth[: phases // 2 + 1]), "growth of the CSV")
+
+
+def main(mpiexec, mpmstab):
+    first = None
+    for ranks in (1, 2):
+        name = run(mpiexec, mpmstab, ranks, "spectrum", "-modes", str(MODES))
+        check_spectrum(name)
+        result = check_spectrum_json(name, ranks)
+        first = first or result
+        check(math.isclose(result["growth"], first["growth"], rel_tol=1e-12), f"growth on {ranks} ranks differs")
+    for ranks in (1, 3):
+        check_symbol(run(mpiexec, mpmstab, ranks, "symbol", "-phases", "60"), 60)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:3])
