@@ -88,9 +88,9 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   if (method == MPM_EIGEN_TARGET)
     PetscCall(
         PetscSNPrintf(near, sizeof near, " near %.9g %s %.9gi", target[0], target[1] < 0 ? "-" : "+", fabs(target[1])));
-  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s, %" PetscInt_FMT " found", type,
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s, %" PetscInt_FMT " found%s", type,
                           strcmp(transform, STSHIFT) ? " with " : "", strcmp(transform, STSHIFT) ? transform : "", near,
-                          found));
+                          found, e->failed ? ", the solver failed" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,11 +204,27 @@ static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A factorization that breaks down leaves the verdict open, it does not end the task. */
+static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
+{
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = EPSSolve(e->eps);
+  PetscCall(PetscPopErrorHandler());
+  e->failed = error ? PETSC_TRUE : PETSC_FALSE;
+  *found    = 0;
+  if (!error) PetscCall(EPSGetConverged(e->eps, found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal target[2], MpmEigen **eigen)
 {
   const PetscReal begin = MPI_Wtime();
   Mat             T     = A;
   PetscInt        found, wanted;
+  EPSWhich        which;
   MpmEigen       *e;
 
   PetscFunctionBegin;
@@ -221,10 +237,11 @@ PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal targe
   PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
   PetscCall(EPSSetOperators(e->eps, T, NULL));
   PetscCall(SetMethod(e->eps, method, e->order));
-  PetscCall(EPSSolve(e->eps));
-  PetscCall(EPSGetConverged(e->eps, &found));
+  PetscCall(SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
-  e->converged = found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(EPSGetWhichEigenpairs(e->eps, &which));
+  e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
+  e->largest   = e->converged && T == A && which == EPS_LARGEST_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Describe(e, method, target, found));
   PetscCall(Collect(e, method, found));
   e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
@@ -242,42 +259,5 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
   PetscCall(BVDestroy(&(*eigen)->ritz));
   PetscCall(EPSDestroy(&(*eigen)->eps));
   PetscCall(PetscFree(*eigen));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
-{
-  const PetscReal target[2] = {e->re[j] * (1 + 1e-7), e->im[j] * (1 + 1e-7)};
-  PetscReal       nearest   = PETSC_MAX_REAL, dot[4];
-  PetscInt        match     = 0;
-  Mat             transposed;
-  MpmEigen       *left;
-  Vec             x[2], y[2];
-
-  PetscFunctionBegin;
-  PetscCall(MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(MpmEigenSolve(transposed, MPM_EIGEN_TARGET, target, &left));
-  for (PetscInt i = 0; i < left->n; i++) {
-    const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
-
-    if (distance < nearest) match = i;
-    nearest = PetscMin(nearest, distance);
-  }
-  *condition = INFINITY;
-  if (nearest <= 1e-6 * e->norm) {
-    PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
-    PetscCall(MatCreateVecs(e->A, &y[0], &y[1]));
-    PetscCall(MpmEigenVector(e, j, x[0], x[1]));
-    PetscCall(MpmEigenVector(left, match, y[0], y[1]));
-    for (int a = 0; a < 2; a++)
-      for (int b = 0; b < 2; b++) PetscCall(VecDot(x[a], y[b], &dot[2 * a + b]));
-    *condition = 1 / hypot(dot[0] + dot[3], dot[2] - dot[1]);
-    for (int part = 0; part < 2; part++) {
-      PetscCall(VecDestroy(&x[part]));
-      PetscCall(VecDestroy(&y[part]));
-    }
-  }
-  PetscCall(MpmEigenDestroy(&left));
-  PetscCall(MatDestroy(&transposed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

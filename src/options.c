@@ -81,7 +81,7 @@ const MpmOption MpmOptions[] = {
   {"output_every", MPM_INTEGER,  NULL,       "steps between outputs (default: first and last)", BETWEEN(1, 1e15), .tasks = "run"},
   {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
   {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves", NO_RANGE},
-  {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE, .tasks = "run, spectrum"},
+  {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE},
   {"expect",       MPM_WORD,     NULL,       "fail unless this is the verdict", .word = VerdictWord},
   {"expect_kind",  MPM_WORD,     NULL,       "fail unless growth is of this kind", .word = GrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE,   NULL,       "fail unless measured growth lies in lo,hi", ANY, .tasks = "run"},

@@ -5,12 +5,13 @@
 #define SILENT_S 2.0 /* shorter work shows nothing */
 #define BETWEEN_S 0.5
 
-PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress)
+PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  progress->unit    = unit;
   progress->enabled = scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
   if (rank) progress->enabled = PETSC_FALSE;
   progress->shown   = PETSC_FALSE;
@@ -25,8 +26,8 @@ PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscIn
 
   PetscFunctionBegin;
   if (!progress->enabled || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
-  fprintf(stderr, "\rstep %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", done, total,
-          100.0 * (double)done / (double)total,
+  fprintf(stderr, "\r%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", progress->unit, done,
+          total, 100.0 * (double)done / (double)total,
           (now - progress->started) * (double)(total - done) / (double)PetscMax(done, 1));
   fflush(stderr);
   progress->last  = now;

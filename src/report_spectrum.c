@@ -9,7 +9,8 @@ static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!s->symbol) {
-    PetscCall(MpmReportGrowth("symbol", NAN, "none: cells differ, so Fourier modes mix"));
+    PetscCall(PetscSNPrintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(s->scene)));
+    PetscCall(MpmReportGrowth("symbol", NAN, text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.4g of %" PetscInt_FMT " phases", s->symbol->beta_at_max,

@@ -125,7 +125,7 @@ static PetscErrorCode March(Loop *loop)
   PetscFunctionBegin;
   PetscCall(Sample(loop, &follow));
   if (loop->output) PetscCall(WriteOutput(loop));
-  PetscCall(MpmProgressBegin(scene, &progress));
+  PetscCall(MpmProgressBegin(scene, "step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
   for (PetscInt64 step = 1; step <= scene->steps && follow; step++) {

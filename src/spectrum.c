@@ -68,7 +68,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
-  PetscCall(MpmProgressBegin(s->scene, &progress));
+  PetscCall(MpmProgressBegin(s->scene, "", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->A, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
@@ -109,7 +109,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
 {
   MpmFinding     *f      = &s->finding;
   const PetscBool agrees = s->symbol && s->eigen->n && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius);
-  const PetscBool whole  = s->eigen->complete || (!s->symbol && s->eigen->converged);
+  const PetscBool whole  = s->eigen->complete || (!s->symbol && s->eigen->largest);
 
   PetscFunctionBegin;
   f->tolerance = s->scene->tolerance;
@@ -119,7 +119,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                             s->eigen->complete ? "all eigenvalues" : "the eigenvalues of largest magnitude"));
   } else if (agrees && s->eigen->converged) {
     f->growth = s->symbol->growth;
-    PetscCall(PetscStrncpy(f->evidence, "the symbol, confirmed by the operator's eigenvalues near its target",
+    PetscCall(PetscStrncpy(f->evidence, "the symbol, confirmed by those of the operator's eigenvalues that were sought",
                            sizeof f->evidence));
   } else {
     f->growth = s->eigen->n && s->growth > 1 + f->tolerance ? s->growth : NAN;
@@ -151,6 +151,10 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   s->random.steps     = (PetscInt64)steps;
   s->random.output[0] = s->random.csv[0] = '\0';
   PetscCall(MpmRunCreate(&s->random, MPI_Wtime(), &s->run));
+  if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
+    s->finding.verdict = MPM_UNDECIDED;
+    PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -184,7 +188,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(scene, &s->predictor));
   PetscCall(MpmOperatorCreate(comm, scene, &s->op)); /* first: it refuses what is too large */
-  if (MpmLayoutIsUniform(scene)) {
+  if (!MpmSymbolWhyNot(scene)) {
     PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }

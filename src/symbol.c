@@ -3,10 +3,12 @@
 #include <mpmstab/eigen_small.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/progress.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
 
+#define MOST_PPC 512
 #define SAME 1e-12 /* growths that differ by less share the maximum */
 
 typedef struct {
@@ -57,9 +59,14 @@ static PetscReal RoundingOf(const Reader *r, const MpmSymbol *s, PetscInt expone
 
 static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 {
+  MpmProgress progress;
+
   PetscFunctionBegin;
+  PetscCall(MpmProgressBegin(s->scene, "phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     PetscInt largest, exponent;
+
+    PetscCall(MpmProgressUpdate(&progress, i, s->count));
 
     PetscCall(Factors(r, MpmSymbolPhase(s->first + i, s->phases), PETSC_FALSE, &largest, &exponent));
     s->blur         = PetscMax(s->blur, sqrt(RoundingOf(r, s, 0)) / s->period);
@@ -72,6 +79,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
       s->factors[2 * (s->size * i + j) + 1] = cimag(r->eigen.value[j]);
     }
   }
+  PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -101,6 +109,13 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const char *MpmSymbolWhyNot(const MpmScene *scene)
+{
+  if (!MpmLayoutIsUniform(scene)) return "cells differ, so Fourier modes mix";
+  if (scene->ppc > MOST_PPC) return "with so many particles per cell its blocks are too large";
+  return NULL;
+}
+
 PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
                                MpmSymbol **symbol)
 {
@@ -114,6 +129,9 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
                 "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
                 "takes any layout)",
                 scene->jitter);
+  MpmCheckInput(!MpmSymbolWhyNot(scene),
+                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", scene->ppc,
+                MOST_PPC);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscNew(symbol));

@@ -20,14 +20,15 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    MpmEigen - eigenvalues re + i im of a matrix, largest abs first, with residual norm(A x - lambda x) / (norm(A) norm(x))
    in the infinity norm of A.
 
-   complete: all of them. converged: as many as were asked for. solver says what was done, options included. What is not
+   complete: all of them. converged: as many as were asked for. largest: converged, and the largest of all were asked for.
+   failed: the solver gave up (a factorization broke down). solver says what was done, options included. What is not
    an eigenpair to ACCEPTED (1e-7) is not listed.
 */
 typedef struct {
   Mat        A;
   PetscInt   order, n;
   PetscReal *re, *im, *residual, norm, solve_s;
-  PetscBool  complete, converged;
+  PetscBool  complete, converged, largest, failed;
   char       solver[160];
   /* where the vectors are */
   EPS        eps;

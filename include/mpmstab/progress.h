@@ -3,12 +3,13 @@
 #include <mpmstab/scene.h>
 
 typedef struct {
-  PetscBool enabled, shown;
-  PetscReal started, last;
+  const char *unit; /* what is counted: steps, phases */
+  PetscBool   enabled, shown;
+  PetscReal   started, last;
 } MpmProgress;
 
 /* Not collective. Enabled on the first rank when standard error is a terminal or the scene asks. */
-PetscErrorCode MpmProgressBegin(const MpmScene *scene, MpmProgress *progress);
+PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress);
 PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total);
 PetscErrorCode MpmProgressEnd(MpmProgress *progress);
 

@@ -25,6 +25,9 @@ typedef struct {
   PetscInt       *exponents;
 } MpmSymbol;
 
+/* Not collective. Why a scene has no symbol, or NULL when it has one. */
+const char *MpmSymbolWhyNot(const MpmScene *scene);
+
 /*
    MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth.
 
