@@ -8,6 +8,7 @@
 */
 #include <mpmstab/bloch.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/verdict.h>
 #include <math.h>
 
 #define KINDS (MPM_DRIFT + 1)
@@ -120,36 +121,41 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
   }
 }
 
-/* Keeps the product in range; exponent: what it is divided by so far. */
-static PetscInt Rescale(MpmBloch *b, PetscInt exponent)
+/* Keeps the product in range. */
+static PetscInt Rescale(MpmBloch *b)
 {
   const PetscInt n       = b->size * b->size;
   PetscReal      largest = 0;
   PetscInt       shift;
 
   for (PetscInt i = 0; i < n; i++) largest = PetscMax(largest, cabs(b->particle[i]));
-  b->log_largest = PetscMax(b->log_largest, log(largest) + M_LN2 * exponent);
   if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) return 0;
   shift = ilogb(largest);
   for (PetscInt i = 0; i < n; i++) b->particle[i] *= scalbn(1, -(int)shift);
   return shift;
 }
 
-PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, double complex G[], PetscInt *exponent)
+/* Moves every number by up to MPM_ROUNDING, relative; the same at any phase and on any rank. */
+static void Disturb(MpmBloch *b, PetscInt step)
+{
+  for (PetscInt i = 0; i < b->size * b->size; i++) b->particle[i] *= 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
+}
+
+PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, PetscBool noisy, double complex G[], PetscInt *exponent)
 {
   const MpmFormulation *f   = b->scene->formulation;
   const PetscInt        ppc = b->scene->ppc, n = b->size;
 
   PetscFunctionBegin;
-  *exponent      = 0;
-  b->log_largest = -INFINITY;
+  *exponent = 0;
   PetscCall(PetscArrayzero(b->particle, n * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
     Shift(b, step, beta);
     for (PetscInt o = 0; o < f->nops; o++) ApplyOp(b, &f->ops[o], step, beta);
-    *exponent += Rescale(b, *exponent);
+    if (noisy) Disturb(b, step);
+    *exponent += Rescale(b);
   }
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++)

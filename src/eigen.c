@@ -1,5 +1,6 @@
 /* The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order. */
 #include <mpmstab/eigen.h>
+#include <mpmstab/errors.h>
 #include <mpmstab/ritz.h>
 #include <math.h>
 
@@ -56,6 +57,8 @@ static PetscErrorCode SetTarget(EPS eps)
 
 static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
 {
+  PetscErrorCode error;
+
   PetscFunctionBegin;
   PetscCall(EPSSetProblemType(eps, EPS_NHEP));
   if (method == MPM_EIGEN_TARGET) {
@@ -67,9 +70,12 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
     PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
     PetscCall(EPSSetDimensions(eps, LARGEST, PETSC_DEFAULT, PETSC_DEFAULT));
-    PetscCall(EPSSetTolerances(eps, 1e-8, RESTARTS));
+    PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
   }
-  PetscCall(EPSSetFromOptions(eps));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = EPSSetFromOptions(eps);
+  PetscCall(PetscPopErrorHandler());
+  MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them; allowed: see its manual pages");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,7 +217,7 @@ static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
 
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = EPSSolve(e->eps);
+  error = isfinite(e->norm) ? EPSSolve(e->eps) : PETSC_ERR_FP;
   PetscCall(PetscPopErrorHandler());
   e->failed = error ? PETSC_TRUE : PETSC_FALSE;
   *found    = 0;
@@ -219,12 +225,30 @@ static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal target[2], MpmEigen **eigen)
+/* Whether the solver, options included, looked for the largest magnitudes of the matrix itself. */
+static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
+{
+  EPSWhich    which;
+  ST          st;
+  PetscScalar shift;
+  PetscBool   plain;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetWhichEigenpairs(eps, &which));
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(PetscObjectTypeCompare((PetscObject)st, STSHIFT, &plain));
+  PetscCall(STGetShift(st, &shift));
+  *largest = which == EPS_LARGEST_MAGNITUDE && plain && shift == 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
+                             MpmEigen **eigen)
 {
   const PetscReal begin = MPI_Wtime();
   Mat             T     = A;
   PetscInt        found, wanted;
-  EPSWhich        which;
+  PetscBool       largest = PETSC_FALSE;
   MpmEigen       *e;
 
   PetscFunctionBegin;
@@ -236,14 +260,15 @@ PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal targe
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
   PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
   PetscCall(EPSSetOperators(e->eps, T, NULL));
+  PetscCall(EPSSetOptionsPrefix(e->eps, prefix));
   PetscCall(SetMethod(e->eps, method, e->order));
   PetscCall(SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
-  PetscCall(EPSGetWhichEigenpairs(e->eps, &which));
   e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
-  e->largest   = e->converged && T == A && which == EPS_LARGEST_MAGNITUDE ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Describe(e, method, target, found));
   PetscCall(Collect(e, method, found));
+  PetscCall(SoughtLargest(e->eps, &largest));
+  e->largest  = e->converged && T == A && largest && e->n == found ? PETSC_TRUE : PETSC_FALSE;
   e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
   if (T != A) PetscCall(MatDestroy(&T));
   e->solve_s = MPI_Wtime() - begin;

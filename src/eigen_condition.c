@@ -16,7 +16,7 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condi
 
   PetscFunctionBegin;
   PetscCall(MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(MpmEigenSolve(transposed, MPM_EIGEN_TARGET, target, &left));
+  PetscCall(MpmEigenSolve(transposed, "left_", MPM_EIGEN_TARGET, target, &left));
   for (PetscInt i = 0; i < left->n; i++) {
     const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
 

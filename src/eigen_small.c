@@ -55,6 +55,8 @@ PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *s, PetscBool vectors)
   for (PetscInt i = 0; i < s->n * s->n; i++) {
     if (isfinite(creal(s->matrix[i])) && isfinite(cimag(s->matrix[i]))) continue;
     for (PetscInt j = 0; j < s->n; j++) s->value[j] = INFINITY;
+    PetscCall(PetscArrayzero(s->right, s->n * s->n));
+    PetscCall(PetscArrayzero(s->left, s->n * s->n));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Call(s, vectors, (PetscBLASInt)s->lwork, s->work));

@@ -187,7 +187,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 
 static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
 {
-  const PetscReal unit = scalbn(1, (int)op->exponent), re = unit * eigen->re[j], im = unit * eigen->im[j];
+  const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
   const PetscReal growth = exp((log(hypot(eigen->re[j], eigen->im[j])) + M_LN2 * op->exponent) / op->period);
   char            group[64];
 

@@ -10,7 +10,7 @@
 #define LARGEST 3e8    /* nonzeros */
 
 /* Keeps the registers in range; they are what they hold times 2^exponent. */
-static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent, PetscReal *log_largest)
+static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
 {
   PetscReal norm, largest = 0;
   PetscInt  shift;
@@ -20,7 +20,6 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent, PetscReal *lo
     PetscCall(MatNorm(r->particle[f], NORM_INFINITY, &norm));
     largest = PetscMax(largest, norm);
   }
-  *log_largest = PetscMax(*log_largest, log(largest) + M_LN2 * *exponent);
   if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) PetscFunctionReturn(PETSC_SUCCESS);
   shift = ilogb(largest);
   for (PetscInt f = 0; f < r->fields; f++) PetscCall(MatScale(r->particle[f], scalbn(1, -(int)shift)));
@@ -55,7 +54,6 @@ static PetscErrorCode CheckSize(const MpmOperator *op)
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
   MpmRegisters  registers;
-  PetscReal     log_largest = -INFINITY;
   PetscClassId  id;
   PetscLogEvent event;
 
@@ -66,9 +64,8 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
   PetscCall(MpmRegistersCreate(comm, op->scene, &registers));
   for (PetscInt step = 0; step < op->period; step++) {
     PetscCall(MpmRegistersStep(&registers, step));
-    PetscCall(Rescale(&registers, &op->exponent, &log_largest));
+    PetscCall(Rescale(&registers, &op->exponent));
   }
-  op->rounding = MPM_ROUNDING * op->period * exp(log_largest - M_LN2 * op->exponent);
   PetscCall(MpmRegistersGather(&registers, &op->A));
   PetscCall(MpmRegistersMap(&registers, MPM_P2G, 0, &op->p2g));
   PetscCall(MpmRegistersDestroy(&registers));

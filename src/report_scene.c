@@ -65,12 +65,14 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
   PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
   if (!isnan(f->growth)) MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
-  if (f->growth > 1 + f->tolerance && isfinite(condition))
+  if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
+    MpmPrint("; that is lost to rounding");
+  else if (f->growth > 1 + f->tolerance && isfinite(condition))
     MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
   if (f->verdict == MPM_UNDECIDED && isinf(f->blur))
-    MpmPrint("; the operator is not what the march does: rounding has taken over");
-  else if (f->verdict == MPM_UNDECIDED && f->blur > f->tolerance)
-    MpmPrint("; rounding over the period may hide growth of %.1g per step", f->blur);
+    MpmPrint("; the operator is not what the march does");
+  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->blur > f->tolerance)
+    MpmPrint("; rounding may hide growth of %.1g per step", f->blur);
   MpmPrint("\nevidence: %s\n", f->evidence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

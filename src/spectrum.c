@@ -11,6 +11,7 @@
 #define MEASURE_WORK 2e8   /* particle-steps of the measured run, at most */
 #define MEASURE_STEPS 4000 /* of a run that does not grow */
 #define MEASURE_FEWEST 100
+#define MEASURE_MOST 1e5 /* of one rank; more ranks take longer for a step of few particles */
 #define MEASURE_EFOLDS 60
 
 /* Distance of each listed eigenvalue from the nearest of the symbol's factors; the largest of them. */
@@ -39,7 +40,7 @@ static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
 static PetscErrorCode CountOnes(MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  if (!s->eigen->complete) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->eigen->complete || s->op->exponent) PetscFunctionReturn(PETSC_SUCCESS); /* 1 is lost below such numbers */
   s->at_one = 0;
   for (PetscInt j = 0; j < s->eigen->n; j++)
     if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
@@ -70,7 +71,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
   PetscCall(MpmProgressBegin(s->scene, "", &progress));
   PetscCall(MpmProgressNote(&progress, note));
-  PetscCall(MpmEigenSolve(s->op->A, method, s->target, &s->eigen));
+  PetscCall(MpmEigenSolve(s->op->A, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
   for (PetscInt j = 0; j < s->eigen->n; j++) {
     if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
@@ -83,21 +84,43 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left vector. */
-static PetscErrorCode Sensitivity(MpmSpectrum *s, PetscReal growth)
+/* How far rounding, and what the solver left over, may have moved the operator, in the units of its numbers. */
+static PetscReal OperatorError(const MpmSpectrum *s)
 {
+  const PetscReal residual = s->eigen->n ? s->eigen->residual[0] : 0;
+
+  return s->eigen->norm * (PetscMax(MPM_ROUNDING, s->step_mismatch) + residual);
+}
+
+/* On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left vector. */
+static PetscErrorCode Sensitivity(MpmSpectrum *s)
+{
+  MpmFinding *f = &s->finding;
+
   PetscFunctionBegin;
-  s->finding.uncertainty = 0;
-  if (!(growth > 1 + s->scene->tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->symbol) {
-    s->condition           = s->symbol->condition;
-    s->finding.uncertainty = s->symbol->uncertainty;
-  } else {
+  f->uncertainty = 0;
+  if (!(f->growth > 1 + f->tolerance) || isinf(f->growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->symbol)
+    s->condition = s->symbol->condition;
+  else
     PetscCall(MpmEigenCondition(s->eigen, 0, &s->condition));
-    s->finding.uncertainty =
-        s->condition * s->op->rounding / hypot(s->eigen->re[0], s->eigen->im[0]) * growth / s->op->period;
-  }
+  if (s->symbol) f->uncertainty = s->symbol->uncertainty;
+  if (s->eigen->n)
+    f->uncertainty =
+        PetscMax(f->uncertainty,
+                 MpmUncertaintyOf(f->growth, s->condition * OperatorError(s) / hypot(s->eigen->re[0], s->eigen->im[0]),
+                                  s->op->period));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether an eigenvalue was found where the symbol named one, so near that it is not just the 1 beside it. */
+static PetscBool FoundTarget(const MpmSpectrum *s)
+{
+  const PetscReal away = hypot(s->target[0] - scalbn(1, -(int)s->op->exponent), s->target[1]);
+
+  for (PetscInt j = 0; j < s->eigen->n; j++)
+    if (hypot(s->eigen->re[j] - s->target[0], fabs(s->eigen->im[j]) - s->target[1]) <= AGREE * away) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /*
@@ -108,29 +131,36 @@ static PetscErrorCode Sensitivity(MpmSpectrum *s, PetscReal growth)
 static PetscErrorCode Judge(MpmSpectrum *s)
 {
   MpmFinding     *f      = &s->finding;
-  const PetscBool agrees = s->symbol && s->eigen->n && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius);
-  const PetscBool whole  = s->eigen->complete || (!s->symbol && s->eigen->largest);
+  const PetscBool agrees = s->symbol && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius) && FoundTarget(s);
+  const char     *evidence;
 
   PetscFunctionBegin;
   f->tolerance = s->scene->tolerance;
-  if (whole) {
-    f->growth = s->growth;
-    PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence, "%s",
-                            s->eigen->complete ? "all eigenvalues" : "the eigenvalues of largest magnitude"));
+  f->growth    = s->growth;
+  if (s->eigen->complete) {
+    evidence = "all eigenvalues";
+  } else if (!s->symbol && s->eigen->largest) {
+    evidence = "eigenvalues of largest magnitude (no proof that none is larger)";
   } else if (agrees && s->eigen->converged) {
     f->growth = s->symbol->growth;
-    PetscCall(PetscStrncpy(f->evidence, "the symbol, confirmed by those of the operator's eigenvalues that were sought",
-                           sizeof f->evidence));
+    evidence  = "the symbol, confirmed by those of the operator's eigenvalues that were sought";
   } else {
-    f->growth = s->eigen->n && s->growth > 1 + f->tolerance ? s->growth : NAN;
-    PetscCall(PetscStrncpy(f->evidence, "the solver did not converge; up to order 4096 all eigenvalues are found",
-                           sizeof f->evidence));
+    if (!(s->growth > 1 + f->tolerance)) f->growth = NAN;
+    evidence = !isfinite(s->eigen->norm) ? "none, the operator's numbers leave the range of doubles"
+               : s->eigen->n             ? "some eigenvalues, not enough for more"
+                                         : "none, the solver did not converge (up to order 4096 all are found)";
   }
-  PetscCall(Sensitivity(s, f->growth));
-  f->blur = sqrt(scalbn(s->op->rounding, (int)s->op->exponent)) / s->op->period;
-  if (isfinite(s->step_mismatch))
-    f->uncertainty = PetscMax(f->uncertainty, f->growth * s->step_mismatch / s->op->period);
+  PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
+  PetscCall(Sensitivity(s));
+  f->blur = s->symbol ? s->symbol->blur : 0;
+  if (f->growth == s->growth)
+    f->blur = PetscMax(f->blur, sqrt(scalbn(OperatorError(s), (int)s->op->exponent)) / s->op->period);
   if (!(s->step_mismatch <= AGREE)) f->blur = INFINITY;
+  if (s->symbol && s->eigen->complete &&
+      fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
+    f->uncertainty = f->blur = INFINITY;
+    PetscCall(PetscStrlcat(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
+  }
   f->verdict = MpmVerdictOf(f);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -143,7 +173,7 @@ static PetscErrorCode Measure(MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (s->finding.growth > 1 + s->scene->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
-  steps = PetscMin(steps, room);
+  steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
   if (!s->scene->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
   s->random           = *s->scene;
   s->random.initial   = MPM_INITIAL_RANDOM;
@@ -154,6 +184,10 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
     s->finding.verdict = MPM_UNDECIDED;
     PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
+  }
+  if (!isfinite(s->eigen->norm) && s->run->lost) {
+    s->finding.verdict = MPM_UNSTABLE;
+    PetscCall(PetscStrlcat(s->finding.evidence, "; one step of the march does too", sizeof s->finding.evidence));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

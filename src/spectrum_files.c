@@ -6,15 +6,14 @@
 
 static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *modes, MpmDataFile *file)
 {
-  const PetscInt n    = s->eigen->n;
-  const double   unit = scalbn(1, (int)s->op->exponent);
+  const PetscInt n = s->eigen->n;
   PetscReal     *pairs;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(2 * n, &pairs));
   for (PetscInt j = 0; j < n; j++) {
-    pairs[2 * j]     = s->eigen->re[j] * unit;
-    pairs[2 * j + 1] = s->eigen->im[j] * unit;
+    pairs[2 * j]     = scalbn(s->eigen->re[j], (int)s->op->exponent);
+    pairs[2 * j + 1] = scalbn(s->eigen->im[j], (int)s->op->exponent);
   }
   PetscCall(MpmDataFileArray(file, "/spectrum", "eigenvalues", n, 2, pairs));
   PetscCall(MpmDataFileArray(file, "/spectrum", "residuals", n, 1, s->eigen->residual));
@@ -26,8 +25,8 @@ static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *mod
 
 static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
 {
-  const double unit = scalbn(1, (int)s->op->exponent);
-  MpmTextFile  csv;
+  const int   exponent = (int)s->op->exponent;
+  MpmTextFile csv;
 
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(s->scene->csv, &csv));
@@ -35,9 +34,9 @@ static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
     fprintf(csv.stream, "mode,re,im,abs,growth,residual,beta,null_share\n");
     for (PetscInt j = 0; j < s->eigen->n; j++) {
       const PetscReal size  = hypot(s->eigen->re[j], s->eigen->im[j]);
-      const PetscReal row[] = {s->eigen->re[j] * unit,
-                               s->eigen->im[j] * unit,
-                               size * unit,
+      const PetscReal row[] = {scalbn(s->eigen->re[j], exponent),
+                               scalbn(s->eigen->im[j], exponent),
+                               scalbn(size, exponent),
                                exp((log(size) + M_LN2 * s->op->exponent) / s->op->period),
                                s->eigen->residual[j],
                                modes->beta[j],

@@ -11,16 +11,42 @@
 #define MOST_PPC 512
 #define SAME 1e-12 /* growths that differ by less share the maximum */
 
+/* noisy: room for a second matrix, where a period asks for it. */
 typedef struct {
-  MpmBloch      bloch;
-  MpmSmallEigen eigen;
+  MpmBloch        bloch;
+  MpmSmallEigen   eigen;
+  double complex *noisy;
 } Reader;
 
-/* The factors of a phase, largest first in abs; exponent: what they are divided by. */
-static PetscErrorCode Factors(Reader *r, PetscReal beta, PetscBool vectors, PetscInt *largest, PetscInt *exponent)
+/*
+   How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by disturbing the
+   steps: modes may grow by many digits on the way and die again.
+*/
+static PetscErrorCode Rounding(Reader *r, PetscReal beta, PetscInt exponent, PetscReal *error)
+{
+  const PetscInt n    = r->eigen.n * r->eigen.n;
+  PetscReal      norm = 0;
+  PetscInt       other;
+
+  PetscFunctionBegin;
+  *error = 0;
+  for (PetscInt i = 0; i < n; i++) norm = hypot(norm, cabs(r->eigen.matrix[i]));
+  if (r->noisy) {
+    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_TRUE, r->noisy, &other));
+    for (PetscInt i = 0; i < n; i++)
+      *error = hypot(*error, cabs(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]));
+  }
+  *error = PetscMax(*error, MPM_ROUNDING * norm);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The factors of a phase and which is the largest; they and error are divided by 2^exponent. */
+static PetscErrorCode Factors(Reader *r, PetscReal beta, PetscBool vectors, PetscInt *largest, PetscInt *exponent,
+                              PetscReal *error)
 {
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&r->bloch, beta, r->eigen.matrix, exponent));
+  PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, exponent));
+  PetscCall(Rounding(r, beta, *exponent, error));
   PetscCall(MpmSmallEigenSolve(&r->eigen, vectors));
   *largest = 0;
   for (PetscInt i = 1; i < r->eigen.n; i++)
@@ -51,12 +77,6 @@ static PetscReal LargestSeen(Reader *r)
   return largest;
 }
 
-/* How far rounding may have moved the numbers of the last matrix, times 2^exponent. */
-static PetscReal RoundingOf(const Reader *r, const MpmSymbol *s, PetscInt exponent)
-{
-  return MPM_ROUNDING * s->period * s->size * exp(r->bloch.log_largest - M_LN2 * exponent);
-}
-
 static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 {
   MpmProgress progress;
@@ -64,12 +84,14 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   PetscFunctionBegin;
   PetscCall(MpmProgressBegin(s->scene, "phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
-    PetscInt largest, exponent;
+    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
+    PetscReal       error;
+    PetscInt        largest, exponent;
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
 
-    PetscCall(Factors(r, MpmSymbolPhase(s->first + i, s->phases), PETSC_FALSE, &largest, &exponent));
-    s->blur         = PetscMax(s->blur, sqrt(RoundingOf(r, s, 0)) / s->period);
+    PetscCall(Factors(r, beta, PETSC_FALSE, &largest, &exponent, &error));
+    s->blur         = PetscMax(s->blur, sqrt(scalbn(error, (int)exponent)) / s->period);
     s->per_phase[i] = exp((log(cabs(r->eigen.value[largest])) + M_LN2 * exponent) / s->period);
     if (s->seen) s->seen[i] = LargestSeen(r);
     if (!s->factors) continue;
@@ -88,6 +110,7 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
   PetscInt       m       = s->half + 1, largest;
   double complex overlap = 0, leading;
+  PetscReal      error;
 
   PetscFunctionBegin;
   s->growth = 0;
@@ -98,14 +121,14 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
     if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
-  PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent));
+  PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent, &error));
   leading       = r->eigen.value[largest];
   s->leading[0] = creal(leading);
   s->leading[1] = fabs(cimag(leading));
   for (PetscInt i = 0; i < s->size; i++)
     overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
   s->condition   = 1 / cabs(overlap);
-  s->uncertainty = s->condition * RoundingOf(r, s, s->exponent) / cabs(leading) * s->growth / s->period;
+  s->uncertainty = MpmUncertaintyOf(s->growth, s->condition * error / cabs(leading), s->period);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,7 +145,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   const PetscReal begin = MPI_Wtime();
   PetscMPIInt     rank, size;
   MpmSymbol      *s;
-  Reader          reader;
+  Reader          reader = {.noisy = NULL};
 
   PetscFunctionBegin;
   MpmCheckInput(MpmLayoutIsUniform(scene),
@@ -145,12 +168,14 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscCall(MpmBlochCreate(scene, s->period, &reader.bloch));
   s->size = reader.bloch.size;
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
+  if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   PetscCall(PetscMalloc1(s->count, &s->per_phase));
   if (s->period == 1) PetscCall(PetscMalloc1(s->count, &s->seen));
   if (keep) PetscCall(PetscMalloc2(2 * s->size * s->count, &s->factors, s->count, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));
+  PetscCall(PetscFree(reader.noisy));
   PetscCall(MpmBlochDestroy(&reader.bloch));
   s->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,8 +2,15 @@
 #include <mpmstab/verdict.h>
 #include <math.h>
 
+#define STILL_SMALL 0.1
+
 const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NULL};
 const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
+
+PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period)
+{
+  return relative <= STILL_SMALL ? growth * relative / period : INFINITY;
+}
 
 MpmVerdict MpmVerdictOf(const MpmFinding *f)
 {

@@ -10,13 +10,12 @@
    A register is a dense matrix: rows are a cell's particles, or its one node, columns the cell's state at the start,
    particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
    node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass.
-   log_largest: logarithm of the largest number in the partial products of the last matrix made, which rounding goes by.
 */
 typedef struct {
   const MpmScene *scene;
   PetscInt        fields, size, period;
   PetscInt       *node;
-  PetscReal      *rows, *masses, log_largest;
+  PetscReal      *rows, *masses;
   double complex *particle, *nodes, *shift;
 } MpmBloch;
 
@@ -25,8 +24,10 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
 PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 
 /*
-   MpmBlochMatrix - the amplification matrix of a phase, size x size by columns, divided by 2^exponent.
+   MpmBlochMatrix - the amplification matrix of a phase, size x size by columns, divided by 2^exponent. noisy: with every
+   number moved by about its rounding after each step, so that what two such matrices differ by is what rounding does to
+   them, amplified by the rest of the period as it may be.
 
    Not collective.
 */
-PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal beta, double complex G[], PetscInt *exponent);
+PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal beta, PetscBool noisy, double complex G[], PetscInt *exponent);

@@ -20,8 +20,9 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    MpmEigen - eigenvalues re + i im of a matrix, largest abs first, with residual norm(A x - lambda x) / (norm(A) norm(x))
    in the infinity norm of A.
 
-   complete: all of them. converged: as many as were asked for. largest: converged, and the largest of all were asked for.
-   failed: the solver gave up (a factorization broke down). solver says what was done, options included. What is not
+   complete: all of them. converged: as many as were asked for. largest: converged, the largest abs of all were
+   sought, and none of what was found was rejected.
+   failed: the solver gave up (a factorization broke down, or A is not finite). solver says what was done, options included. What is not
    an eigenpair to ACCEPTED (1e-7) is not listed.
 */
 typedef struct {
@@ -40,12 +41,13 @@ typedef struct {
 /*
    MpmEigenSolve - solves with SLEPc; -eps_*, -st_*, -bv_* and -ds_* override what the method sets.
 
-   Collective. target (re, im) for MPM_EIGEN_TARGET; not an eigenvalue itself, least of all 1.
+   Collective. prefix: of the options. Refuses options that SLEPc refuses. target (re, im) for MPM_EIGEN_TARGET; not an eigenvalue itself, least of all 1.
 
    Real arithmetic: for a target a + ib the eigenvalues of T = (A - a I)^2 + b^2 I near 0 are sought; the eigenvalues of A
    are those it has on the space that T's eigenvectors X span with A X (Rayleigh-Ritz).
 */
-PetscErrorCode MpmEigenSolve(Mat A, MpmEigenMethod method, const PetscReal target[2], MpmEigen **eigen);
+PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
+                             MpmEigen **eigen);
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
 /* Collective. The eigenvector of a listed eigenvalue, of norm 1 (re and im together). */

@@ -9,8 +9,7 @@
 
    The state is numbered particle by particle: row = fields x global id + field, units as in theory section 1. A is
    parallel AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long
-   periods of unstable schemes stay in range; rounding: how far rounding may have moved its numbers, given the largest of
-   the partial products on the way. p2g (nodes x particles) is at the first step; bytes is what A takes on all
+   periods of unstable schemes stay in range. p2g (nodes x particles) is at the first step; bytes is what A takes on all
    ranks.
 
    Source: theory section 5; the one-step and the one-period (Floquet) operator.
@@ -19,7 +18,7 @@ typedef struct {
   const MpmScene *scene;
   Mat             A, p2g;
   PetscInt        fields, order, period, exponent;
-  PetscReal       nonzeros, bytes, rounding, assemble_s;
+  PetscReal       nonzeros, bytes, assemble_s;
 } MpmOperator;
 
 /* Collective. Refuses drifts without a short period, and operators that would fill the memory. */

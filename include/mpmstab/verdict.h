@@ -31,5 +31,11 @@ typedef struct {
 */
 MpmVerdict MpmVerdictOf(const MpmFinding *finding);
 
+/*
+   Not collective. How far growth may be off when its eigenvalue over a period is off by a relative error; infinite when
+   that is no longer small.
+*/
+PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period);
+
 /* Rounding of one step's matrix, relative, with room to spare. */
 #define MPM_ROUNDING (10 * PETSC_MACHINE_EPSILON)

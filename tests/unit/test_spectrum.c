@@ -104,13 +104,14 @@ static PetscErrorCode CheckMethods(const char options[], MpmEigenMethod method)
 
   PetscFunctionBegin;
   PetscCall(SpectrumOf(options, &scene, &s));
-  PetscCall(MpmEigenSolve(s->op->A, method, s->target, &few));
+  PetscCall(MpmEigenSolve(s->op->A, NULL, method, s->target, &few));
   CHECK(few->converged && few->n >= 1 && !few->complete, "%s: %s, %d listed", options, few->solver, (int)few->n);
   for (PetscInt j = 0; j < few->n; j++) {
     PetscReal nearest = PETSC_MAX_REAL;
 
     for (PetscInt i = 0; i < s->eigen->n; i++)
       nearest = PetscMin(nearest, hypot(few->re[j] - s->eigen->re[i], few->im[j] - s->eigen->im[i]));
+    CHECK(few->residual[j] <= 1e-7, "%s: residual %.3g", options, few->residual[j]);
     CHECK(nearest <= 1e-6, "%s: %.12g + %.12gi is %.3g off", options, few->re[j], few->im[j], nearest);
   }
   CHECK_NEAR(hypot(few->re[0], few->im[0]), s->radius, 1e-8);
@@ -159,17 +160,64 @@ static void CheckVerdicts(void)
   CheckVerdict(INFINITY, NAN, NAN, MPM_UNSTABLE, "infinity");
 }
 
-/* A period in which modes grow by more than doubles resolve, and die again: its product says 1, the march says otherwise. */
-static PetscErrorCode CheckHidden(void)
+/* A period beyond the range of doubles is one all the same, and its growth the symbol's. */
+static PetscErrorCode CheckLongPeriod(void)
 {
   MpmScene    *scene;
   MpmSpectrum *s;
 
   PetscFunctionBegin;
-  PetscCall(SpectrumOf("-formulation elastic -cells 8 -ppc 1 -courant 1.2 -drift 1/300", &scene, &s));
-  CHECK(s->step_mismatch > 1 && s->finding.verdict == MPM_UNDECIDED, "mismatch %.3g: %s", s->step_mismatch,
-        MpmVerdictNames[s->finding.verdict]);
-  CHECK(s->symbol->blur > 1e-6, "blur of the symbol %.3g", s->symbol->blur);
+  PetscCall(SpectrumOf("-formulation gas1 -cells 8 -ppc 1 -courant 1e5 -drift 1/40", &scene, &s));
+  CHECK(s->op->exponent > 200 && s->symbol->exponent > 200, "exponents %d, %d", (int)s->op->exponent,
+        (int)s->symbol->exponent);
+  CHECK(fabs(s->growth / s->symbol->growth - 1) <= 1e-9, "spectrum %.12g, symbol %.12g", s->growth, s->symbol->growth);
+  CHECK(s->finding.verdict == MPM_UNSTABLE && s->finding.uncertainty <= 1e-6 * s->growth, "%s, known to %g",
+        MpmVerdictNames[s->finding.verdict], s->finding.uncertainty);
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The condition number of a simple eigenvalue, from the block of its phase and from left vectors of the whole operator. */
+static PetscErrorCode CheckCondition(void)
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+  PetscReal    condition;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumOf("-cells 16 -courant 0.2 -drift 1/18", &scene, &s)); /* at beta = pi, which has no other sign */
+  PetscCall(MpmEigenCondition(s->eigen, 0, &condition));
+  CHECK_NEAR(s->symbol->condition, condition, 1e-6 * condition);
+  CHECK(condition > 1.3 && condition < 1.4 && s->finding.uncertainty > 1e-17, "condition %g, known to %g", condition,
+        s->finding.uncertainty);
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers that leave the range of doubles are no error of the program. */
+static PetscErrorCode CheckOffRange(const char options[])
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  CHECK(s->eigen->failed && s->finding.verdict == MPM_UNSTABLE, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
+  PetscCall(Close(&scene, &s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A period in which modes grow by more than doubles resolve, and die again: its product says 1, the march says otherwise. */
+static PetscErrorCode CheckHidden(const char options[])
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(SpectrumOf(options, &scene, &s));
+  CHECK(!(s->step_mismatch <= 1e-6) && s->finding.verdict == MPM_UNDECIDED, "%s: mismatch %.3g: %s", options,
+        s->step_mismatch, MpmVerdictNames[s->finding.verdict]);
   PetscCall(Close(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -190,7 +238,15 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckMethods("-formulation gas1 -cells 40", MPM_EIGEN_TARGET));
   PetscCall(CheckMethods("-cells 40 -courant 0.2 -drift 1/8", MPM_EIGEN_TARGET));
   PetscCall(CheckMethods("-cells 40 -courant 0.5 -jitter 0.4", MPM_EIGEN_LARGEST));
-  PetscCall(CheckHidden());
+  PetscCall(CheckHidden("-formulation elastic -cells 8 -ppc 1 -courant 1.2 -drift 1/300"));
+  PetscCall(CheckHidden("-formulation elastic -cells 16 -ppc 1 -courant 1.2 -drift 1/1000"));
+  PetscCall(CheckLongPeriod());
+  PetscCall(CheckCondition());
+  PetscCall(CheckOffRange("-courant 1e200"));
+  PetscCall(CheckOffRange("-cells 1100 -courant 1e200 -jitter 0.5"));
+  PetscCall(CheckUndecided("-cells 32 -jitter 1", "-eps_type krylovschur -eps_nev 2 -st_type sinvert -eps_target 0.5"));
+  PetscCall(CheckUndecided("-cells 1100 -jitter 1", "-eps_smallest_real"));
+  PetscCall(CheckUndecided("-cells 1100 -courant 1e-8", "-eps_nev 1")); /* a target beside the 1 of the null space */
   PetscCall(CheckUndecided("-cells 40 -jitter 0.4",
                            "-eps_type krylovschur -eps_nev 2 -eps_ncv 4 -eps_max_it 1 -eps_tol 1e-15"));
   PetscCall(CheckUndecided("-cells 40 -courant 0.5",

@@ -134,6 +134,22 @@ static PetscErrorCode CheckLongPeriod(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The product of a thousand steps that grow beyond double precision and die again: 1 by 150 digits, anything by 16. */
+static PetscErrorCode CheckLost(void)
+{
+  MpmScene  *scene;
+  MpmSymbol *symbol;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-formulation elastic -cells 16 -ppc 1 -courant 1.2 -drift 1/1000", &scene));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, 16, PETSC_FALSE, &symbol));
+  CHECK(symbol->growth > 1.01 && isinf(symbol->uncertainty), "growth %g, known to %g", symbol->growth,
+        symbol->uncertainty);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -148,6 +164,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckRanksAndPhases("-formulation elastic -cells 15 -courant 1.45 -ppc 3"));
   PetscCall(CheckRanksAndPhases("-formulation gas1 -cells 1 -ppc 1"));
   PetscCall(CheckLongPeriod());
+  PetscCall(CheckLost());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
