@@ -1,4 +1,6 @@
-/* The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order. */
+/*
+   The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
+*/
 #include <mpmstab/eigen.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/ritz.h>

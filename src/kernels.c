@@ -1,4 +1,4 @@
-/* The maps of theory section 2 on arrays. */
+/* The maps of THEORY.md, section 2 on arrays. */
 #include <mpmstab/kernels.h>
 
 /* P2G for the hat: phi = 1 - xi at node i, xi at node i + 1. The sums of a cell's run of particles stay in

@@ -47,13 +47,17 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportComparison(const MpmFormulation *f, const MpmComparison *c)
+PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
 {
+  const MpmFormulation *f = p->scene->formulation;
+
   PetscFunctionBegin;
-  if (c->published > WORTH_SAYING)
+  if (c->published > WORTH_SAYING) {
     MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
              f->published_slip);
-  else if (!isnan(c->published))
+    if (f->published_centred && fabs(p->cell.e) > WORTH_SAYING)
+      MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->cell.e);
+  } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
   if (!isnan(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);

@@ -71,7 +71,7 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
       MpmPrint(", of them %" PetscInt_FMT " for what no node sees: fields x (particles - rank of P2G)", s->nullity);
     MpmPrint("\n");
   }
-  PetscCall(MpmReportComparison(s->scene->formulation, &s->comparison));
+  PetscCall(MpmReportComparison(&s->predictor, &s->comparison));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -92,7 +92,10 @@ static PetscReal OperatorError(const MpmSpectrum *s)
   return s->eigen->norm * (PetscMax(MPM_ROUNDING, s->step_mismatch) + residual);
 }
 
-/* On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left vector. */
+/*
+   On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left
+   vector.
+*/
 static PetscErrorCode Sensitivity(MpmSpectrum *s)
 {
   MpmFinding *f = &s->finding;
@@ -125,8 +128,8 @@ static PetscBool FoundTarget(const MpmSpectrum *s)
 
 /*
    All eigenvalues, or those of largest magnitude, decide by themselves. Those near a target confirm the symbol, whose
-   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case. An operator that is not what
-   the march does, for a period that grows and dies again beyond double precision, shows no stability.
+   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case. An operator that is not
+   what the march does, for a period that grows and dies again beyond double precision, shows no stability.
 */
 static PetscErrorCode Judge(MpmSpectrum *s)
 {

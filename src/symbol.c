@@ -19,8 +19,8 @@ typedef struct {
 } Reader;
 
 /*
-   How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by disturbing the
-   steps: modes may grow by many digits on the way and die again.
+   How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by
+   disturbing the steps: modes may grow by many digits on the way and die again.
 */
 static PetscErrorCode Rounding(Reader *r, PetscReal beta, PetscInt exponent, PetscReal *error)
 {

@@ -39,7 +39,7 @@ static PetscErrorCode ListOptions(void)
 {
   PetscFunctionBegin;
   for (const MpmOption *o = MpmOptions; o->name; o++)
-    Print("  %-14s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+    Print("  %-15s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,8 +8,7 @@
 static PetscErrorCode Print(const MpmSymbol *s, const MpmPredictor *p, const MpmPredictions *predictions,
                             const MpmComparison *comparison, const MpmFinding *finding, PetscMPIInt ranks)
 {
-  const MpmFormulation *f = s->scene->formulation;
-  char                  text[128];
+  char text[128];
 
   PetscFunctionBegin;
   PetscCall(MpmReportScene(s->scene, "symbol", ranks));
@@ -21,7 +20,7 @@ static PetscErrorCode Print(const MpmSymbol *s, const MpmPredictor *p, const Mpm
     PetscCall(PetscSNPrintf(text, sizeof text, "at beta = 0 of %" PetscInt_FMT " phases", s->phases));
   PetscCall(MpmReportGrowth("symbol", s->growth, text));
   MpmPrint("\n");
-  PetscCall(MpmReportComparison(f, comparison));
+  PetscCall(MpmReportComparison(p, comparison));
   PetscCall(MpmReportFinding(finding, s->condition));
   MpmPrint("time: %.3g s\n", s->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -24,9 +24,9 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
 PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 
 /*
-   MpmBlochMatrix - the amplification matrix of a phase, size x size by columns, divided by 2^exponent. noisy: with every
-   number moved by about its rounding after each step, so that what two such matrices differ by is what rounding does to
-   them, amplified by the rest of the period as it may be.
+   MpmBlochMatrix - the amplification matrix of a phase, size x size by columns, divided by 2^exponent. noisy: with
+   every number moved by about its rounding after each step, so that what two such matrices differ by is what rounding
+   does to them, amplified by the rest of the period as it may be.
 
    Not collective.
 */

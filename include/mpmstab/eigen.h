@@ -17,13 +17,13 @@ typedef enum { MPM_EIGEN_DENSE, MPM_EIGEN_TARGET, MPM_EIGEN_LARGEST } MpmEigenMe
 MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
 
 /*S
-   MpmEigen - eigenvalues re + i im of a matrix, largest abs first, with residual norm(A x - lambda x) / (norm(A) norm(x))
-   in the infinity norm of A.
+   MpmEigen - eigenvalues re + i im of a matrix, largest abs first, with residual norm(A x - lambda x) / (norm(A)
+   norm(x)) in the infinity norm of A.
 
    complete: all of them. converged: as many as were asked for. largest: converged, the largest abs of all were
-   sought, and none of what was found was rejected.
-   failed: the solver gave up (a factorization broke down, or A is not finite). solver says what was done, options included. What is not
-   an eigenpair to ACCEPTED (1e-7) is not listed.
+   sought, and none of what was found was rejected. failed: the solver gave up (a factorization broke down, or A is
+   not finite). solver says what was done, options included. What is not an eigenpair to ACCEPTED (1e-7) is not
+   listed.
 */
 typedef struct {
   Mat        A;
@@ -41,10 +41,11 @@ typedef struct {
 /*
    MpmEigenSolve - solves with SLEPc; -eps_*, -st_*, -bv_* and -ds_* override what the method sets.
 
-   Collective. prefix: of the options. Refuses options that SLEPc refuses. target (re, im) for MPM_EIGEN_TARGET; not an eigenvalue itself, least of all 1.
+   Collective. prefix: of the options. Refuses options that SLEPc refuses. target (re, im) for MPM_EIGEN_TARGET; not
+   an eigenvalue itself, least of all 1.
 
-   Real arithmetic: for a target a + ib the eigenvalues of T = (A - a I)^2 + b^2 I near 0 are sought; the eigenvalues of A
-   are those it has on the space that T's eigenvectors X span with A X (Rayleigh-Ritz).
+   Real arithmetic: for a target a + ib the eigenvalues of T = (A - a I)^2 + b^2 I near 0 are sought; the eigenvalues
+   of A are those it has on the space that T's eigenvectors X span with A X (Rayleigh-Ritz).
 */
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen);

@@ -17,9 +17,9 @@ PetscErrorCode MpmSmallEigenCreate(PetscInt n, MpmSmallEigen *small);
 PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *small);
 
 /*
-   MpmSmallEigenSolve - eigenvalues of small->matrix (columns, destroyed) into small->value; with vectors, normed right
-   and left vectors into the columns of small->right and small->left. Infinite eigenvalues, and vectors 0, when the matrix is not
-   finite.
+   MpmSmallEigenSolve - eigenvalues of small->matrix (columns, destroyed) into small->value; with vectors, normed
+   right and left vectors into the columns of small->right and small->left. Infinite eigenvalues, and vectors 0, when
+   the matrix is not finite.
 
    Not collective.
 */

@@ -88,7 +88,8 @@ typedef struct {
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
    second-order start, or MPM_NONE. published and corrected give abs(G) at the phase beta; they return NaN where
-   the formula says nothing. published_slip says in a sentence what is wrong with the published one.
+   the formula says nothing. published_slip says in a sentence what is wrong with the published one;
+   published_centred: it also takes particles for centred, C1 = C2.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;
@@ -100,6 +101,7 @@ typedef struct {
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
   const char          *published_text, *published_slip, *corrected_text;
+  PetscBool            published_centred;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
   PetscReal (*corrected)(const MpmCellMoments *cell, PetscReal courant, PetscReal beta);
 } MpmFormulation;

@@ -15,8 +15,8 @@ static inline PetscInt MpmMapReach(const MpmBasis *basis)
 }
 
 /*
-   MpmMapRow - the numbers that tie a particle at xi in its cell to the nodes it sees, from the one at -reach_left of its
-   cell's left node on: phi_ip for P2G (undivided) and G2P, h dphi_ip/dx for GRAD.
+   MpmMapRow - the numbers that tie a particle at xi in its cell to the nodes it sees, from the one at -reach_left of
+   its cell's left node on: phi_ip for P2G (undivided) and G2P, h dphi_ip/dx for GRAD.
 
    Not collective. They are what the operation's kernel does to unit vectors: what is analysed is what runs.
 */

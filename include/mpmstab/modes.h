@@ -4,9 +4,9 @@
 #include <mpmstab/eigen.h>
 
 /*S
-   MpmModes - for each listed eigenvalue: beta, the phase per cell of the largest Fourier component of its nodal trace (P2G
-   of its fields; NaN when the grid does not see it), and null_share, norm of the part of it that P2G sends to 0, relative.
-   beta is on rank 0 only.
+   MpmModes - for each listed eigenvalue: beta, the phase per cell of the largest Fourier component of its nodal trace
+   (P2G of its fields; NaN when the grid does not see it), and null_share, norm of the part of it that P2G sends to 0,
+   relative. beta is on rank 0 only.
 */
 typedef struct {
   PetscInt   n;
@@ -25,8 +25,9 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes);
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity);
 
 /*
-   MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the order
-   of global ids, counted from 1; the group's attributes re, im and growth are the eigenvalue and its growth per step.
+   MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the
+   order of global ids, counted from 1; the group's attributes re, im and growth are the eigenvalue and its growth per
+   step.
 
    Collective.
 */

@@ -7,12 +7,12 @@
    MpmOperator - the assembled operator of a scene: of one step, or under drift of the period after which the particles
    are back in their places.
 
-   The state is numbered particle by particle: row = fields x global id + field, units as in theory section 1. A is
+   The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is
    parallel AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long
    periods of unstable schemes stay in range. p2g (nodes x particles) is at the first step; bytes is what A takes on all
    ranks.
 
-   Source: theory section 5; the one-step and the one-period (Floquet) operator.
+   Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
 */
 typedef struct {
   const MpmScene *scene;

@@ -51,7 +51,8 @@ typedef struct {
 /*S
    MpmSchedule - the passes of a step, and the one that comes before the first step.
 
-   spare[n]: node field n is summed while its old values are still read, so it needs a second array. halo: ghosts used up by node operations.
+   spare[n]: node field n is summed while its old values are still read, so it needs a second array. halo: ghosts used
+   up by node operations.
 S*/
 typedef struct {
   MpmPass   start, pass[MPM_MAX_PASSES];

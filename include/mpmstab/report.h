@@ -15,15 +15,16 @@ PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char t
 PetscErrorCode MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
 
 /* Collective. In a sentence, where the published formula fails and whether the corrected one holds. */
-PetscErrorCode MpmReportComparison(const MpmFormulation *formulation, const MpmComparison *comparison);
+PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
 
 /* Collective. Verdict, margin and evidence; condition: of the eigenvalue it rests on, NaN for none. */
 PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
 
 /*
-   Not collective. MpmJsonScene: a new object with version, task, scheme and grid. MpmJsonSet: a number, left out when it
-   is not finite (JSON has none of those). MpmJsonSetPrediction: null when the formula does not cover the scene.
-   MpmJsonPredicted: the key 'predicted' (symbol NaN: none). MpmJsonSetFinding: verdict, growth and what they rest on. MpmJsonSymbol: the key 'symbol'.
+   Not collective. MpmJsonScene: a new object with version, task, scheme and grid. MpmJsonSet: a number, left out when
+   it is not finite (JSON has none of those). MpmJsonSetPrediction: null when the formula does not cover the scene.
+   MpmJsonPredicted: the key 'predicted' (symbol NaN: none). MpmJsonSetFinding: verdict, growth and what they rest on.
+   MpmJsonSymbol: the key 'symbol'.
 */
 json_t *MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s);
 void    MpmJsonSet(json_t *object, const char key[], PetscReal value);

@@ -7,10 +7,10 @@
 /*S
    MpmRun - the result of the task run.
 
-   eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN. Energies are NaN when out of
-   range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
-   of the state left the range of doubles, or MPM_NEVER. lost: one step enlarged the state beyond what rescaling can
-   follow, and the run stopped there.
+   eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN. Energies are NaN when out
+   of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm of the state left the
+   range of doubles, or MPM_NEVER. lost: one step enlarged the state beyond what rescaling can follow, and the run
+   stopped there.
 S*/
 #define MPM_NEVER -1
 typedef struct {

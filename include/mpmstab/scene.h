@@ -16,7 +16,7 @@ typedef struct {
 } MpmExpect;
 
 /*S
-   MpmScene - one problem. Units: length and time are the user's, everything else follows theory section 1:
+   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
    courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
 S*/
 typedef struct {

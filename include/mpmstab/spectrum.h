@@ -7,12 +7,12 @@
 /*S
    MpmSpectrum - the result of the task spectrum. NaN: not computed.
 
-   radius: largest abs of the listed eigenvalues of the operator, growth: per step. symbol is NULL on layouts that are not
-   uniform; mismatch from it is the largest distance of a listed eigenvalue from the symbol's set. at_one: listed
+   radius: largest abs of the listed eigenvalues of the operator, growth: per step. symbol is NULL on layouts that are
+   not uniform; mismatch from it is the largest distance of a listed eigenvalue from the symbol's set. at_one: listed
    eigenvalues within 1e-6 of 1; nullity: states that P2G sends to 0 (fields x (particles - rank)); both MPM_UNCOUNTED
-   unless all eigenvalues are listed, nullity also under drift. condition: of the eigenvalue that the verdict rests on;
-   NaN for a stable one. memory: bytes that the task took at its peak, on all
-   ranks. run: random data marched, NULL when that was not asked for or would take too long.
+   unless all eigenvalues are listed, nullity also under drift. condition: of the eigenvalue that the verdict rests
+   on; NaN for a stable one. memory: bytes that the task took at its peak, on all ranks. run: random data marched,
+   NULL when that was not asked for or would take too long.
 */
 #define MPM_UNCOUNTED -1
 typedef struct {
@@ -33,7 +33,8 @@ typedef struct {
 } MpmSpectrum;
 
 /*
-   MpmSpectrumCreate - assembles a scene's operator, proves it against the march, solves it, and sets it beside the rest.
+   MpmSpectrumCreate - assembles a scene's operator, proves it against the march, solves it, and sets it beside the
+   rest.
 
    Collective on PETSC_COMM_WORLD, with SLEPc initialized. started is the MPI_Wtime at which the program began.
 */

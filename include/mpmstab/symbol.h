@@ -1,4 +1,7 @@
-/* Symbol: the third reader. On a uniform layout Fourier modes do not mix; the table over one mode gives a small matrix. */
+/*
+   Symbol: the third reader. On a uniform layout Fourier modes do not mix; the table over one mode gives a small
+   matrix.
+*/
 #pragma once
 #include <mpmstab/scene.h>
 
@@ -6,16 +9,16 @@
    MpmSymbol - amplification factors over the phases beta = 2 pi m / phases, of one step, or under drift of a period.
 
    A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
-   growth is the largest abs(factor)^(1/period) over all phases, leading the factor it belongs to (times 2^exponent, im
-   >= 0), condition that eigenvalue's condition number, uncertainty how far rounding may have moved growth, blur how far it may have split a defective pair at 1 (see
-   verdict.h), beta_at_max
-   its phase: the least of those that share the maximum to rounding.
+   growth is the largest abs(factor)^(1/period) over all phases, leading the factor it belongs to (times 2^exponent,
+   im >= 0), condition that eigenvalue's condition number, uncertainty how far rounding may have moved growth, blur
+   how far it may have split a defective pair at 1 (see verdict.h), beta_at_max its phase: the least of those that
+   share the maximum to rounding.
 
-   per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests at 1:
-   of all factors but the fields x (ppc - 1) nearest to 1. With factors kept, factors[2 (size i + j)] is the real part of factor j
-   of phase first + i, the next number its imaginary part, both divided by 2^exponents[i].
+   per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests
+   at 1: of all factors but the fields x (ppc - 1) nearest to 1. With factors kept, factors[2 (size i + j)] is the
+   real part of factor j of phase first + i, the next number its imaginary part, both divided by 2^exponents[i].
 
-   Source: theory section 5; Berzins, Kirby and Gritton 2013 for the method.
+   Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
 */
 typedef struct {
   const MpmScene *scene;
@@ -53,8 +56,9 @@ PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *symbol, PetscInt 
                                PetscReal *phase);
 
 /*
-   Collective. MpmSymbolGather gives rank 0 a curve (per_phase or seen) at the phases 0..half; MpmSymbolGatherFactors gives every
-   rank the factors of all phases 0..phases-1, divided by 2^exponent: 2 x size x phases numbers. Free with PetscFree.
+   Collective. MpmSymbolGather gives rank 0 a curve (per_phase or seen) at the phases 0..half; MpmSymbolGatherFactors
+   gives every rank the factors of all phases 0..phases-1, divided by 2^exponent: 2 x size x phases numbers. Free with
+   PetscFree.
 */
 PetscErrorCode MpmSymbolGather(MPI_Comm comm, const MpmSymbol *symbol, const PetscReal curve[], PetscReal **all);
 PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal **factors);

@@ -4,8 +4,9 @@
 #include <mpmstab/predict.h>
 
 /*
-   MpmSymbolWrite - /symbol/beta (phases), /symbol/growth, /symbol/published and /symbol/corrected, and where the factors
-   are kept /symbol/factors (phases x 2 size: real and imaginary part of each factor in turn), over 0 <= beta < 2 pi.
+   MpmSymbolWrite - /symbol/beta (phases), /symbol/growth, /symbol/published and /symbol/corrected, and where the
+   factors are kept /symbol/factors (phases x 2 size: real and imaginary part of each factor in turn), over 0 <= beta
+   < 2 pi.
 
    Collective. NaN where a formula says nothing.
 */

@@ -23,11 +23,12 @@ typedef struct {
 } MpmFinding;
 
 /*
-   MpmVerdictOf - stable up to 1 + tolerance, unstable above; undecided when the excess over 1 is within the uncertainty,
-   when the tolerance is within the blur, or when growth is not known (NaN).
+   MpmVerdictOf - stable up to 1 + tolerance, unstable above; undecided when the excess over 1 is within the
+   uncertainty, when the tolerance is within the blur, or when growth is not known (NaN).
 
-   Not collective. A defective pair at 1 (rigid motion: growth like t, which is no instability) is split by rounding to
-   about 1 +- 1e-8, below any sensible tolerance; larger blocks at 1 split further, and their condition number says so.
+   Not collective. A defective pair at 1 (rigid motion: growth like t, which is no instability) is split by rounding
+   to about 1 +- 1e-8, below any sensible tolerance; larger blocks at 1 split further, and their condition number says
+   so.
 */
 MpmVerdict MpmVerdictOf(const MpmFinding *finding);
 

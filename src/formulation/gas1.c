@@ -35,20 +35,21 @@ static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal be
   return fmax(cabs(1 + k * mu), cabs(1 - k * mu));
 }
 
-const MpmFormulation MpmGas1 = {.name            = "gas1",
-                                .summary         = "gas, Formulation 1: velocity and density from old nodal values",
-                                .reference       = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
-                                .particle_fields = {"u", "r"},
-                                .node_fields     = {"u_i", "r_i"},
-                                .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-                                .ops             = ops,
-                                .staggered       = MPM_NONE,
-                                .nenergy         = PETSC_STATIC_ARRAY_LENGTH(energy),
-                                .energy          = energy,
-                                .wave            = &MpmWaveFirstOrder,
-                                .published_text  = "abs(G)^2 = 1 + 4 k^2 sin^2 beta",
-                                .published_slip  = "with C1 + C2 = 1 the stencil of P2G GRAD is half as "
-                                                   "wide as the slides print it: gamma = i k sin beta",
-                                .corrected_text  = "G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta",
-                                .published       = Published,
-                                .corrected       = Corrected};
+const MpmFormulation MpmGas1 = {.name              = "gas1",
+                                .summary           = "gas, Formulation 1: velocity and density from old nodal values",
+                                .reference         = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
+                                .particle_fields   = {"u", "r"},
+                                .node_fields       = {"u_i", "r_i"},
+                                .nops              = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                .ops               = ops,
+                                .staggered         = MPM_NONE,
+                                .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
+                                .energy            = energy,
+                                .wave              = &MpmWaveFirstOrder,
+                                .published_text    = "abs(G)^2 = 1 + 4 k^2 sin^2 beta",
+                                .published_slip    = "with C1 + C2 = 1 the stencil of P2G GRAD is half as "
+                                                     "wide as the slides print it: gamma = i k sin beta",
+                                .published_centred = PETSC_TRUE,
+                                .corrected_text    = "G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta",
+                                .published         = Published,
+                                .corrected         = Corrected};

@@ -35,20 +35,21 @@ static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal be
   return MpmQuadraticRadius(2 + k * k * mu * mu, 1);
 }
 
-const MpmFormulation MpmGas2 = {.name            = "gas2",
-                                .summary         = "gas, Formulation 2: density from the new nodal velocity",
-                                .reference       = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
-                                .particle_fields = {"u", "r"},
-                                .node_fields     = {"u_i", "r_i"},
-                                .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-                                .ops             = ops,
-                                .staggered       = U,
-                                .nenergy         = PETSC_STATIC_ARRAY_LENGTH(energy),
-                                .energy          = energy,
-                                .wave            = &MpmWaveFirstOrder,
-                                .published_text  = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
-                                .published_slip  = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
-                                                   "and gamma has lost the half of C1 = C2 = 1/2",
-                                .corrected_text  = "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
-                                .published       = Published,
-                                .corrected       = Corrected};
+const MpmFormulation MpmGas2 = {.name              = "gas2",
+                                .summary           = "gas, Formulation 2: density from the new nodal velocity",
+                                .reference         = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
+                                .particle_fields   = {"u", "r"},
+                                .node_fields       = {"u_i", "r_i"},
+                                .nops              = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                .ops               = ops,
+                                .staggered         = U,
+                                .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
+                                .energy            = energy,
+                                .wave              = &MpmWaveFirstOrder,
+                                .published_text    = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
+                                .published_slip    = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
+                                                     "and gamma has lost the half of C1 = C2 = 1/2",
+                                .published_centred = PETSC_TRUE,
+                                .corrected_text = "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
+                                .published      = Published,
+                                .corrected      = Corrected};

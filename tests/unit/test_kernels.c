@@ -1,4 +1,4 @@
-/* The maps of theory section 2 for each basis: identities that any basis must satisfy, and ties at nodes. */
+/* The maps of THEORY.md, section 2 for each basis: identities that any basis must satisfy, and ties at nodes. */
 #include "check.h"
 #include <mpmstab/layout.h>
 

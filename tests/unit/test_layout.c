@@ -1,4 +1,4 @@
-/* The hash and the places it gives: theory section 1. */
+/* The hash and the places it gives: THEORY.md, section 1. */
 #include "check.h"
 #include <mpmstab/layout.h>
 

@@ -78,7 +78,7 @@ static PetscErrorCode CheckRadius(const char row[], const char options[], PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Theory section 5: 16 cells, particles at rest around the middle. */
+/* THEORY.md, section 3: 16 cells, particles at rest around the middle. */
 static PetscErrorCode CheckNullSpace(const char formulation[], int ppc, PetscInt dimension)
 {
   char         options[128];
@@ -179,7 +179,10 @@ static PetscErrorCode CheckLongPeriod(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The condition number of a simple eigenvalue, from the block of its phase and from left vectors of the whole operator. */
+/*
+   The condition number of a simple eigenvalue, from the block of its phase and from left vectors of the whole
+   operator.
+*/
 static PetscErrorCode CheckCondition(void)
 {
   MpmScene    *scene;
@@ -210,7 +213,10 @@ static PetscErrorCode CheckOffRange(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A period in which modes grow by more than doubles resolve, and die again: its product says 1, the march says otherwise. */
+/*
+   A period in which modes grow by more than doubles resolve, and die again: its product says 1, the march says
+   otherwise.
+*/
 static PetscErrorCode CheckHidden(const char options[])
 {
   MpmScene    *scene;

@@ -29,7 +29,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Theory section 4 at random Courant numbers, offsets and particles per cell. */
+/* THEORY.md, section 4 at random Courant numbers, offsets and particles per cell. */
 static PetscErrorCode CheckClosedForms(const char formulation[], int n)
 {
   MpmScene      *scene;
@@ -58,7 +58,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the slides' formulas fail, and by how much: theory section 4 by hand. */
+/* Where the slides' formulas fail, and by how much: THEORY.md, section 4 by hand. */
 static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal beta)
 {
   MpmScene     *scene;
