@@ -10,7 +10,9 @@
 #define ACCEPTED 1e-7 /* residual of what is listed */
 #define NEAR 1        /* eigenvalues sought near a target */
 #define LARGEST 2     /* eigenvalues sought of largest magnitude */
+#define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
 #define RESTARTS 200
+#define WORK 8e7 /* order x restarts: five minutes */
 
 MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
 {
@@ -71,8 +73,8 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
     PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
-    PetscCall(EPSSetDimensions(eps, LARGEST, PETSC_DEFAULT, PETSC_DEFAULT));
-    PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
+    PetscCall(EPSSetDimensions(eps, LARGEST, PetscMin(BASIS, order), PETSC_DEFAULT));
+    PetscCall(EPSSetTolerances(eps, 1e-10, (PetscInt)PetscMin(RESTARTS, PetscMax(20, WORK / order))));
   }
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = EPSSetFromOptions(eps);
