@@ -96,7 +96,7 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
   else if (run->verdict == MPM_UNSTABLE)
     MpmPrint(", the state grows exponentially\n");
   else if (growth->kind == MPM_LINEAR)
-    MpmPrint(", the state grows no faster than linearly (a defective eigenvalue 1)\n");
+    MpmPrint(", the state grows no faster than linearly (a defective eigenvalue of modulus 1)\n");
   else
     MpmPrint(", the state stays bounded%s\n",
              run->has_errors ? " (from smooth data; random data excite every mode)" : "");

@@ -136,6 +136,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   MpmFinding     *f      = &s->finding;
   const PetscBool agrees = s->symbol && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius) && FoundTarget(s);
   const char     *evidence;
+  char            seed[64];
 
   PetscFunctionBegin;
   f->tolerance = s->scene->tolerance;
@@ -154,6 +155,10 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                                          : "none, the solver did not converge (up to order 4096 all are found)";
   }
   PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
+  if (!MpmLayoutIsUniform(s->scene) && s->eigen->n) {
+    PetscCall(PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->seed));
+    PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
+  }
   PetscCall(Sensitivity(s));
   f->blur = s->symbol ? s->symbol->blur : 0;
   if (f->growth == s->growth)
