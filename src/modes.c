@@ -1,5 +1,6 @@
 /* Wavenumber and null-space share of eigenvectors. */
 #include <mpmstab/modes.h>
+#include <mpmstab/verdict.h>
 #include <complex.h> /* before fftw3.h, whose numbers are then C's */
 #include <fftw3.h>
 #include <math.h>
@@ -188,7 +189,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
 {
   const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
-  const PetscReal growth = exp((log(hypot(eigen->re[j], eigen->im[j])) + M_LN2 * op->exponent) / op->period);
+  const PetscReal growth = MpmGrowthPerStep(hypot(eigen->re[j], eigen->im[j]), op->exponent, op->period);
   char            group[64];
 
   PetscFunctionBegin;

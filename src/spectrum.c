@@ -52,12 +52,6 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth per step of an eigenvalue of the operator. */
-static PetscReal PerStep(const MpmSpectrum *s, PetscReal size)
-{
-  return exp((log(size) + M_LN2 * s->op->exponent) / s->op->period);
-}
-
 static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
 {
   const MpmEigenMethod method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
@@ -65,7 +59,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   char                 note[128];
 
   PetscFunctionBegin;
-  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target, &s->target_beta));
+  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target));
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
@@ -77,7 +71,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
     if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
     if (!(s->eigen->residual[j] <= s->max_residual)) s->max_residual = s->eigen->residual[j];
   }
-  s->growth = PerStep(s, s->radius);
+  s->growth = MpmGrowthPerStep(s->radius, s->op->exponent, s->op->period);
   s->radius = scalbn(s->radius, (int)s->op->exponent);
   PetscCall(CountOnes(s));
   if (s->symbol) PetscCall(Mismatch(comm, s));
@@ -223,7 +217,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   s             = *spectrum;
   s->scene      = scene;
   s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
-  s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = s->target_beta = NAN;
+  s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));

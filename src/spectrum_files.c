@@ -37,7 +37,7 @@ static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
       const PetscReal row[] = {scalbn(s->eigen->re[j], exponent),
                                scalbn(s->eigen->im[j], exponent),
                                scalbn(size, exponent),
-                               exp((log(size) + M_LN2 * s->op->exponent) / s->op->period),
+                               MpmGrowthPerStep(size, s->op->exponent, s->op->period),
                                s->eigen->residual[j],
                                modes->beta[j],
                                modes->null_share[j]};

@@ -92,7 +92,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 
     PetscCall(Factors(r, beta, PETSC_FALSE, &largest, &exponent, &error));
     s->blur         = PetscMax(s->blur, sqrt(scalbn(error, (int)exponent)) / s->period);
-    s->per_phase[i] = exp((log(cabs(r->eigen.value[largest])) + M_LN2 * exponent) / s->period);
+    s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
     if (s->seen) s->seen[i] = LargestSeen(r);
     if (!s->factors) continue;
     s->exponents[i] = exponent;
@@ -122,9 +122,7 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
   PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent, &error));
-  leading       = r->eigen.value[largest];
-  s->leading[0] = creal(leading);
-  s->leading[1] = fabs(cimag(leading));
+  leading = r->eigen.value[largest];
   for (PetscInt i = 0; i < s->size; i++)
     overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
   s->condition   = 1 / cabs(overlap);

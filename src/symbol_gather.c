@@ -59,7 +59,7 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
 }
 
 typedef struct {
-  PetscReal re, im, size, distance, phase;
+  PetscReal re, im, size, distance;
 } Candidate;
 
 static PetscBool IsBetter(const Candidate *a, const Candidate *b)
@@ -71,8 +71,7 @@ static PetscBool IsBetter(const Candidate *a, const Candidate *b)
   return a->distance > b->distance * (1 + SAME) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal target[2],
-                               PetscReal *phase)
+PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal target[2])
 {
   Candidate   best = {.distance = -1}, *all;
   PetscMPIInt ranks;
@@ -81,9 +80,8 @@ PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt expon
   for (PetscInt i = 0; i < s->count; i++) {
     for (PetscInt j = 0; j < s->size; j++) {
       const PetscReal *factor = s->factors + 2 * (s->size * i + j);
-      Candidate        c      = {.re    = scalbn(factor[0], (int)(s->exponents[i] - exponent)),
-                                 .im    = fabs(scalbn(factor[1], (int)(s->exponents[i] - exponent))),
-                                 .phase = MpmSymbolPhase(s->first + i, s->phases)};
+      Candidate        c      = {.re = scalbn(factor[0], (int)(s->exponents[i] - exponent)),
+                                 .im = fabs(scalbn(factor[1], (int)(s->exponents[i] - exponent)))};
 
       c.size     = hypot(c.re, c.im);
       c.distance = hypot(c.re - scalbn(1, -(int)exponent), c.im);
@@ -92,13 +90,12 @@ PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt expon
   }
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(PetscMalloc1(ranks, &all));
-  PetscCallMPI(MPI_Allgather(&best, 5, MPIU_REAL, all, 5, MPIU_REAL, comm));
+  PetscCallMPI(MPI_Allgather(&best, 4, MPIU_REAL, all, 4, MPIU_REAL, comm));
   best = all[0];
   for (PetscMPIInt r = 1; r < ranks; r++)
     if (IsBetter(&all[r], &best)) best = all[r];
   PetscCall(PetscFree(all));
   target[0] = best.re;
   target[1] = best.im;
-  *phase    = best.phase;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

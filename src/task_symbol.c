@@ -86,16 +86,7 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
 
 PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status)
 {
-  const char *path   = argc > 0 && argv[0][0] != '-' ? argv[0] : NULL;
-  PetscInt    missed = 0;
-  MpmScene   *scene;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsCheckCommandLine("symbol", argc, argv, path ? 1 : 0));
-  PetscCall(MpmSceneCreate("symbol", path, &scene));
-  PetscCall(Run(scene, started, &missed));
-  PetscCall(MpmSceneDestroy(&scene));
-  PetscCall(MpmSettingsCheckUnused());
-  *status = missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;
+  PetscCall(MpmTaskOnScene("symbol", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,6 +10,23 @@ const MpmTask MpmTasks[] = {
     {NULL, NULL, NULL},
 };
 
+PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
+                              int *status)
+{
+  const char *path   = argc > 0 && argv[0][0] != '-' ? argv[0] : NULL;
+  PetscInt    missed = 0;
+  MpmScene   *scene;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
+  PetscCall(MpmSceneCreate(task, path, &scene));
+  PetscCall(work(scene, started, &missed));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(MpmSettingsCheckUnused());
+  *status = missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPrintUsage(void)
 {
   PetscFunctionBegin;

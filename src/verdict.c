@@ -7,6 +7,11 @@
 const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NULL};
 const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
 
+PetscReal MpmGrowthPerStep(PetscReal size, PetscInt exponent, PetscInt period)
+{
+  return exp((log(size) + M_LN2 * exponent) / period);
+}
+
 PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period)
 {
   return relative <= STILL_SMALL ? growth * relative / period : INFINITY;

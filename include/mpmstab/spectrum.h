@@ -26,7 +26,7 @@ typedef struct {
   MpmPredictor    predictor;
   MpmPredictions  predictions;
   MpmComparison   comparison;
-  PetscReal       target[2], target_beta, radius, growth, max_residual, step_mismatch, symbol_mismatch, condition;
+  PetscReal       target[2], radius, growth, max_residual, step_mismatch, symbol_mismatch, condition;
   PetscReal       memory, wall_s;
   PetscInt        at_one, nullity;
   MpmFinding      finding;

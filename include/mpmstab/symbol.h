@@ -9,8 +9,8 @@
    MpmSymbol - amplification factors over the phases beta = 2 pi m / phases, of one step, or under drift of a period.
 
    A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
-   growth is the largest abs(factor)^(1/period) over all phases, leading the factor it belongs to (times 2^exponent,
-   im >= 0), condition that eigenvalue's condition number, uncertainty how far rounding may have moved growth, blur
+   growth is the largest abs(factor)^(1/period) over all phases, condition the condition number of the factor it belongs
+   to, an eigenvalue of a matrix divided by 2^exponent, uncertainty how far rounding may have moved growth, blur
    how far it may have split a defective pair at 1 (see verdict.h), beta_at_max its phase: the least of those that
    share the maximum to rounding.
 
@@ -23,7 +23,7 @@
 typedef struct {
   const MpmScene *scene;
   PetscInt        phases, half, first, count, size, period, exponent;
-  PetscReal       growth, beta_at_max, leading[2], condition, uncertainty, blur, seconds;
+  PetscReal       growth, beta_at_max, condition, uncertainty, blur, seconds;
   PetscReal      *per_phase, *seen, *factors;
   PetscInt       *exponents;
 } MpmSymbol;
@@ -50,10 +50,9 @@ static inline PetscReal MpmSymbolPhase(PetscInt m, PetscInt n)
    MpmSymbolTarget - the factor (times 2^exponent; im >= 0) to look for in an assembled operator: of those away from 1,
    where the null space sits, one of largest abs, and of several such the one farthest from 1.
 
-   Collective. Needs the factors kept. phase: where it belongs.
+   Collective. Needs the factors kept.
 */
-PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal target[2],
-                               PetscReal *phase);
+PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal target[2]);
 
 /*
    Collective. MpmSymbolGather gives rank 0 a curve (per_phase or seen) at the phases 0..half; MpmSymbolGatherFactors

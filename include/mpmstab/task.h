@@ -1,6 +1,6 @@
 /* Tasks: what the program can be asked to do. */
 #pragma once
-#include <mpmstab/compat.h>
+#include <mpmstab/scene.h>
 
 /* Exit status of the program. */
 enum { MPM_EXIT_DONE = 0, MPM_EXIT_FAILED = 1, MPM_EXIT_REFUSED = 2, MPM_EXIT_MISSED = 3 };
@@ -14,6 +14,13 @@ typedef struct {
 } MpmTask;
 
 extern const MpmTask MpmTasks[];
+
+/* What a task does with its scene; counts the expectations it misses. */
+typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, PetscReal started, PetscInt *missed);
+
+/* Collective. [SCENE.yaml] [-option value]... -> scene -> work -> exit status; refuses what nothing has read. */
+PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
+                              int *status);
 
 /* Collective. Prints what the program is in ten lines. */
 PetscErrorCode MpmPrintUsage(void);

@@ -32,6 +32,9 @@ typedef struct {
 */
 MpmVerdict MpmVerdictOf(const MpmFinding *finding);
 
+/* Not collective. Growth per step of an eigenvalue over a period: (size 2^exponent)^(1/period), in any range. */
+PetscReal MpmGrowthPerStep(PetscReal size, PetscInt exponent, PetscInt period);
+
 /*
    Not collective. How far growth may be off when its eigenvalue over a period is off by a relative error; infinite when
    that is no longer small.
