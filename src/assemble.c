@@ -1,12 +1,14 @@
 /*
    The assemble reader: an operation of the table is a sparse product, q(t+1) = A(x_t) q(t).
 
-     particle -> node       g = M^-1 S^T q      S: phi_ip, M: nodal masses
+     particle -> node       g = M^-1 S^T q      S: phi_ip (or h dphi_ip/dx), M: nodal masses
      node -> particle       q += a S g,  q += a D g     D: h dphi_ip/dx
-     node -> node           g = a L f,   g += f         L: the operation's stencil
+     node -> node           g = a L f,   g += a f       L: the operation's stencil
 */
 #include <mpmstab/assemble.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/nodal_solve.h>
+#include <mpmstab/normal_inverse.h>
 
 /* The identity's rows of one field: particle p of this rank is number fields p + field of the state. */
 static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matrix)
@@ -24,54 +26,74 @@ static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A register that holds nothing yet. */
+static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(matrix));
+  PetscCall(MatCreateAIJ(r->comm, rows, r->state, PETSC_DETERMINE, PETSC_DETERMINE, 0, NULL, 0, NULL, matrix));
+  PetscCall(MatAssemblyBegin(*matrix, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*matrix, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegisters *r)
 {
   PetscMPIInt rank, size;
+  PetscInt64  begin, end;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  *r       = (MpmRegisters){.comm = comm, .scene = scene};
+  *r       = (MpmRegisters){.comm = comm, .scene = scene, .masses_step = -1};
   r->cells = scene->cells / size + (scene->cells % size > rank ? 1 : 0); /* as DMDA gives them */
   r->first = 0;
   PetscCallMPI(MPI_Exscan(&r->cells, &r->first, 1, MPIU_INT, MPI_SUM, comm));
-  r->fields    = MpmFormulationParticleFields(scene->formulation);
-  r->nodes     = MpmFormulationNodeFields(scene->formulation);
-  r->particles = r->cells * scene->ppc;
+  r->nodes     = r->cells + (rank == size - 1 ? scene->nodes - scene->cells : 0);
+  begin        = PetscMax((PetscInt64)r->first * scene->ppc - scene->first, 0);
+  end          = PetscMin((PetscInt64)(r->first + r->cells) * scene->ppc - scene->first, scene->particles);
+  r->begin     = (PetscInt)begin;
+  r->particles = (PetscInt)PetscMax(end - begin, 0);
+  r->fields    = scene->table->nstate;
   r->state     = r->particles * r->fields;
-  for (PetscInt f = 0; f < r->fields; f++) PetscCall(Identity(r, f, &r->particle[f]));
+  for (PetscInt f = 0; f < scene->table->nparticles; f++)
+    if (f < r->fields)
+      PetscCall(Identity(r, f, &r->particle[f]));
+    else
+      PetscCall(Empty(r, r->particles, &r->particle[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *r)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < r->fields; f++) PetscCall(MatDestroy(&r->particle[f]));
-  for (PetscInt f = 0; f < r->nodes; f++) PetscCall(MatDestroy(&r->node[f]));
+  for (PetscInt f = 0; f < MPM_MAX_FIELDS; f++) {
+    PetscCall(MatDestroy(&r->particle[f]));
+    PetscCall(MatDestroy(&r->node[f]));
+  }
+  PetscCall(VecDestroy(&r->masses));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows are particles in the order of their ids. Nodes that a short grid's wrap makes one add up. */
-static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscInt64 step, Mat *map)
+/* Rows are particles in the order of their ids. Nodes that a short grid's wrap or a wall makes one add up. */
+static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool odd, PetscBool drop,
+                                       PetscInt64 step, Mat *map)
 {
   const MpmScene *scene = r->scene;
-  const PetscInt  reach = MpmMapReach(scene->basis), own = PetscMin(reach, r->cells);
-  const PetscInt  far = PetscMin(reach, scene->cells - r->cells);
+  const PetscInt  reach = MpmMapReach(scene->basis), own = PetscMin(reach, r->nodes);
+  const PetscInt  far = PetscMin(reach, scene->nodes - r->nodes);
 
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(r->comm, r->particles, r->cells, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
+  PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
   for (PetscInt p = 0; p < r->particles; p++) {
-    const PetscInt id = r->first * scene->ppc + p;
+    const PetscInt id = r->begin + p;
     PetscInt       cell, columns[MPM_MAX_REACH];
-    PetscReal      xi, row[MPM_MAX_REACH];
+    PetscReal      xi, row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
 
     MpmLayoutPlaceAt(scene, id, step, &cell, &xi);
-    MpmMapRow(scene->basis, kind, xi, row);
-    for (PetscInt d = 0; d < reach; d++) {
-      const PetscInt node = (cell - scene->basis->reach_left + d) % scene->cells;
-
-      columns[d] = node < 0 ? node + scene->cells : node;
-    }
+    MpmMapRow(scene->basis, kind, xi, scene->width, row);
+    MpmNodesSeen(scene, cell, odd, drop, columns, sign);
+    for (PetscInt d = 0; d < reach; d++) row[d] *= sign[d];
     PetscCall(MatSetValues(*map, 1, &id, reach, columns, row, ADD_VALUES));
   }
   PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
@@ -79,44 +101,117 @@ static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersMap(const MpmRegisters *r, MpmOpKind kind, PetscInt64 step, Mat *map)
+/* The nodal masses at a step: of both images together, whatever the sign of the fields. */
+static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
+{
+  Mat shape;
+  Vec ones;
+
+  PetscFunctionBegin;
+  if (r->masses && r->masses_step == step) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&r->masses));
+  PetscCall(ParticlesByNodes(r, MPM_P2G, PETSC_FALSE, PETSC_FALSE, step, &shape));
+  PetscCall(MatCreateVecs(shape, &r->masses, &ones));
+  PetscCall(VecSet(ones, 1));
+  PetscCall(MatMultTranspose(shape, ones, r->masses));
+  PetscCall(VecDestroy(&ones));
+  PetscCall(MatDestroy(&shape));
+  r->masses_step = step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map)
 {
   Mat        shape;
-  Vec        ones, mass;
+  Vec        inverse;
   PetscReal *m;
 
   PetscFunctionBegin;
   if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
-    PetscCall(ParticlesByNodes(r, kind, step, map));
+    PetscCall(ParticlesByNodes(r, kind, odd, PETSC_FALSE, step, map));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ParticlesByNodes(r, kind, step, &shape));
-  PetscCall(MatCreateVecs(shape, &mass, &ones));
-  PetscCall(VecSet(ones, 1));
-  PetscCall(MatMultTranspose(shape, ones, mass));
-  PetscCall(VecGetArray(mass, &m));
-  for (PetscInt i = 0; i < r->cells; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
-  PetscCall(VecRestoreArray(mass, &m));
-  PetscCall(MatDiagonalScale(shape, NULL, mass));
+  PetscCall(ParticlesByNodes(r, kind, odd, PETSC_FALSE, step, &shape));
+  PetscCall(Masses(r, step));
+  PetscCall(VecDuplicate(r->masses, &inverse));
+  PetscCall(VecCopy(r->masses, inverse));
+  PetscCall(VecGetArray(inverse, &m));
+  for (PetscInt i = 0; i < r->nodes; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
+  PetscCall(VecRestoreArray(inverse, &m));
+  PetscCall(MatDiagonalScale(shape, NULL, inverse));
   PetscCall(MatTranspose(shape, MAT_INITIAL_MATRIX, map));
-  PetscCall(VecDestroy(&ones));
-  PetscCall(VecDestroy(&mass));
+  PetscCall(VecDestroy(&inverse));
   PetscCall(MatDestroy(&shape));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Stencil(const MpmRegisters *r, MpmOpKind kind, Mat *map)
+PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool odd, PetscInt64 step, Mat *map)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(kind);
+  Mat W;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(r->comm, r->cells, r->cells, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->cells), NULL,
-                         PetscMin(2, r->scene->cells - r->cells), NULL, map));
-  for (PetscInt i = r->first; i < r->first + r->cells; i++)
-    for (PetscInt d = -traits.halo; d <= traits.halo; d++)
-      PetscCall(MatSetValue(*map, i, (i + d + r->scene->cells) % r->scene->cells, traits.stencil[d + 1], ADD_VALUES));
+  PetscCall(Masses(r, step));
+  PetscCall(ParticlesByNodes(r, MPM_G2P, odd, PETSC_TRUE, step, &W));
+  PetscCall(MpmNormalInverse(W, r->masses, map));
+  PetscCall(MatDestroy(&W));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A stencil's rows; nodes beyond a wall are images. */
+static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool odd, Mat *map)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    last   = r->scene->nodes - 1;
+  PetscReal         sign[2];
+
+  PetscFunctionBegin;
+  MpmSceneMirror(r->scene, odd, sign);
+  PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
+                         PetscMin(2, r->scene->nodes - r->nodes), NULL, map));
+  for (PetscInt i = r->first; i < r->first + r->nodes; i++)
+    for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
+      PetscInt  j     = i + d;
+      PetscReal value = traits.stencil[d + 1];
+
+      if (MpmSceneIsPeriodic(r->scene))
+        j = (j + r->scene->cells) % r->scene->cells;
+      else if (j < 0 || j > last) {
+        value *= sign[j > last];
+        j = j < 0 ? -j : 2 * last - j;
+      }
+      PetscCall(MatSetValue(*map, i, j, value, ADD_VALUES));
+    }
   PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*map, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The row of one wall node becomes a times that of another register. */
+static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
+{
+  const PetscInt  wall = op->end ? r->scene->nodes - 1 : 0;
+  const PetscBool mine = wall >= r->first && wall < r->first + r->nodes ? PETSC_TRUE : PETSC_FALSE;
+  Mat             only, row;
+  Vec             keep;
+
+  PetscFunctionBegin;
+  if (!r->node[op->dst]) PetscCall(Empty(r, r->nodes, &r->node[op->dst]));
+  PetscCall(MatCreateVecs(r->node[op->dst], NULL, &keep));
+  PetscCall(VecSet(keep, 1));
+  if (mine) PetscCall(VecSetValue(keep, wall, 0, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(keep));
+  PetscCall(VecAssemblyEnd(keep));
+  PetscCall(MatDiagonalScale(r->node[op->dst], keep, NULL));
+  PetscCall(VecDestroy(&keep));
+  if (a == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, &only));
+  if (mine) PetscCall(MatSetValue(only, wall, wall, a, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(only, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(only, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatMatMult(only, r->node[op->src], MAT_INITIAL_MATRIX, PETSC_DEFAULT, &row));
+  PetscCall(MatAXPY(r->node[op->dst], 1, row, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&row));
+  PetscCall(MatDestroy(&only));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,26 +233,60 @@ static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
+/* The maps of a step, each made when it is first used, for even and odd node fields. */
+typedef struct {
+  Mat map[MPM_OP_KINDS][2];
+} Maps;
+
+static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps, Mat *map)
 {
-  const MpmFormulation *f                   = r->scene->formulation;
-  Mat                   maps[MPM_DRIFT + 1] = {NULL};
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   odd    = r->scene->table->odd[traits.dst == MPM_ON_NODES ? op->dst : op->src];
+  Mat              *known  = &maps->map[op->kind][odd ? 1 : 0];
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < f->nops; o++) {
-    const MpmOp      *op           = &f->ops[o];
-    const MpmOpTraits traits       = MpmOpTraitsOf(op->kind);
-    const PetscReal   a            = MpmCoefficientValue(op->coefficient, r->scene->courant);
-    Mat *const        sides[2]     = {r->particle, r->node};
-    const PetscBool   between_them = traits.dst != traits.src ? PETSC_TRUE : PETSC_FALSE;
+  if (!*known && op->kind == MPM_SOLVE)
+    PetscCall(MpmRegistersSolve(r, odd, step, known));
+  else if (!*known && traits.dst == traits.src)
+    PetscCall(Stencil(r, op, odd, known));
+  else if (!*known)
+    PetscCall(MpmRegistersMap(r, op->kind, odd, step, known));
+  *map = *known;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    if (traits.dst == MPM_NOWHERE) continue;
-    if (!maps[op->kind] && between_them) PetscCall(MpmRegistersMap(r, op->kind, step, &maps[op->kind]));
-    if (!maps[op->kind]) PetscCall(Stencil(r, op->kind, &maps[op->kind]));
-    PetscCall(Apply(maps[op->kind], a, sides[traits.src == MPM_ON_NODES][op->src], traits.accumulates,
+static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps)
+{
+  const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
+  const PetscReal   a        = MpmOpValue(op, r->scene->courant);
+  Mat *const        sides[2] = {r->particle, r->node};
+  Mat               map      = NULL;
+
+  PetscFunctionBegin;
+  if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (op->kind == MPM_WALL)
+    PetscCall(SetWall(r, op, a));
+  else if (op->kind == MPM_SCALE && a == 0)
+    PetscCall(Empty(r, r->particles, &r->particle[op->dst]));
+  else if (op->kind == MPM_SCALE)
+    PetscCall(MatScale(r->particle[op->dst], a));
+  else {
+    PetscCall(MapOf(r, op, step, maps, &map));
+    PetscCall(Apply(map, a, sides[traits.src == MPM_ON_NODES][op->src], traits.accumulates,
                     &sides[traits.dst == MPM_ON_NODES][op->dst]));
   }
-  for (PetscInt k = 0; k <= MPM_DRIFT; k++) PetscCall(MatDestroy(&maps[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
+{
+  const MpmTable *table = r->scene->table;
+  Maps            maps  = {{{NULL}}};
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
+  for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
+    for (int odd = 0; odd < 2; odd++) PetscCall(MatDestroy(&maps.map[k][odd]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

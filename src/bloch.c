@@ -2,16 +2,17 @@
    The symbol reader: on the mode q_p = e^(i beta n) q^_j (particle j of cell n), g_i = e^(i beta i) g^ an operation of
    the table is a product of small matrices.
 
-     particle -> node       g^  = sum_j sum_d phi_jd e^(-i beta d) q^_j / mass      d: the node seen from the cell
+     particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta d) q^_j / mass    d: the node seen from the cell
      node -> particle       q^_j += a sum_d phi_jd e^(i beta d) g^                  or h dphi/dx for phi
-     node -> node           g^  = a sum_s stencil_s e^(i beta s) f^
+     node -> node           g^  = a sum_s stencil_s e^(i beta s) f^, or f^ over the symbol of P2G G2P for SOLVE
 */
 #include <mpmstab/bloch.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
 
-#define KINDS (MPM_DRIFT + 1)
+#define KINDS MPM_OP_KINDS
+#define SINGULAR 1e-12 /* symbol of P2G G2P that is taken for 0 */
 #define RESCALE_AT 200 /* powers of two */
 
 static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, PetscInt j)
@@ -19,23 +20,23 @@ static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, P
   return b->rows + ((step * KINDS + kind) * b->scene->ppc + j) * MPM_MAX_REACH;
 }
 
-static PetscBool IsUsed(const MpmFormulation *f, MpmOpKind kind)
+/* Every table has a P2G, whose numbers give the masses; SOLVE needs G2P too. */
+static PetscBool IsUsed(const MpmScene *scene, MpmOpKind kind)
 {
-  for (PetscInt o = 0; o < f->nops; o++)
-    if (f->ops[o].kind == kind) return PETSC_TRUE;
-  return PETSC_FALSE;
+  if (!scene->basis->kernel[kind]) return PETSC_FALSE;
+  if (kind == MPM_G2P && MpmTableHas(scene->table, MPM_SOLVE)) return PETSC_TRUE;
+  return MpmTableHas(scene->table, kind);
 }
 
 PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *b)
 {
-  const MpmFormulation *f   = scene->formulation;
-  const PetscInt        ppc = scene->ppc, reach = MpmMapReach(scene->basis);
+  const PetscInt ppc = scene->ppc, reach = MpmMapReach(scene->basis);
 
   PetscFunctionBegin;
-  *b      = (MpmBloch){.scene = scene, .fields = MpmFormulationParticleFields(f), .period = period};
+  *b      = (MpmBloch){.scene = scene, .fields = scene->table->nstate, .period = period};
   b->size = b->fields * ppc;
   PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
-  PetscCall(PetscMalloc3(b->fields * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
+  PetscCall(PetscMalloc3(scene->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
                          ppc * MPM_MAX_REACH, &b->shift));
   for (PetscInt step = 0; step < period; step++) {
     b->masses[step] = 0;
@@ -46,8 +47,8 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
       MpmLayoutPlaceAt(scene, j, step, &cell, &xi);
       b->node[step * ppc + j] = cell - scene->basis->reach_left;
       for (PetscInt kind = 0; kind < KINDS; kind++)
-        if (MpmMapKernel(scene->basis, (MpmOpKind)kind) && IsUsed(f, (MpmOpKind)kind))
-          MpmMapRow(scene->basis, (MpmOpKind)kind, xi, (PetscReal *)RowOf(b, step, kind, j));
+        if (IsUsed(scene, (MpmOpKind)kind))
+          MpmMapRow(scene->basis, (MpmOpKind)kind, xi, scene->width, (PetscReal *)RowOf(b, step, kind, j));
       for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
     }
   }
@@ -94,14 +95,39 @@ static void AddRow(PetscInt n, double complex factor, const double complex *rest
     dst[c] += (re * creal(src[c]) - im * cimag(src[c])) + I * (re * cimag(src[c]) + im * creal(src[c]));
 }
 
+static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
+{
+  double complex sum = 0;
+
+  for (PetscInt s = -1; s <= 1; s++) sum += traits->stencil[s + 1] * cexp(I * (beta * s));
+  return sum;
+}
+
+/* Of the symbol of P2G G2P; 0 for that of 0. */
+static PetscReal Inverse(const MpmBloch *b, PetscInt step)
+{
+  PetscReal alpha = 0;
+
+  for (PetscInt j = 0; j < b->scene->ppc; j++) {
+    const double complex tie = Tie(b, step, MPM_G2P, j);
+
+    alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->masses[step];
+  }
+  return alpha > SINGULAR ? 1 / alpha : 0;
+}
+
 static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscReal   a      = MpmCoefficientValue(op->coefficient, b->scene->courant);
+  const PetscReal   a      = MpmOpValue(op, b->scene->courant);
   const PetscInt    ppc = b->scene->ppc, n = b->size;
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
+  if (op->kind == MPM_SCALE) {
+    for (PetscInt c = 0; c < ppc * n; c++) b->particle[op->dst * ppc * n + c] *= a;
+    return;
+  }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
       AddRow(n, a * Tie(b, step, op->kind, j), b->nodes + op->src * n, b->particle + (op->dst * ppc + j) * n);
@@ -112,13 +138,9 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, conj(Tie(b, step, op->kind, j)) / b->masses[step], b->particle + (op->src * ppc + j) * n, dst);
-  } else {
-    double complex stencil = 0;
-
-    for (PetscInt s = -1; s <= 1; s++) stencil += traits.stencil[s + 1] * cexp(I * (beta * s));
-    AddRow(n, a * stencil, b->nodes + op->src * n, dst);
-  }
+      AddRow(n, a * conj(Tie(b, step, op->kind, j)) / b->masses[step], b->particle + (op->src * ppc + j) * n, dst);
+  } else
+    AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b, step) : Stencil(&traits, beta)), b->nodes + op->src * n, dst);
 }
 
 /* Keeps the product in range. */
@@ -143,17 +165,17 @@ static void Disturb(MpmBloch *b, PetscInt step)
 
 PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, PetscBool noisy, double complex G[], PetscInt *exponent)
 {
-  const MpmFormulation *f   = b->scene->formulation;
-  const PetscInt        ppc = b->scene->ppc, n = b->size;
+  const MpmTable *t   = b->scene->table;
+  const PetscInt  ppc = b->scene->ppc, n = b->size;
 
   PetscFunctionBegin;
   *exponent = 0;
-  PetscCall(PetscArrayzero(b->particle, n * n));
+  PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
     Shift(b, step, beta);
-    for (PetscInt o = 0; o < f->nops; o++) ApplyOp(b, &f->ops[o], step, beta);
+    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, &t->ops[o], step, beta);
     if (noisy) Disturb(b, step);
     *exponent += Rescale(b);
   }

@@ -41,7 +41,7 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer
   PetscCall(WriteText(viewer, "version", MPMSTAB_VERSION));
   PetscCall(WriteText(viewer, "formulation", s->formulation->name));
   PetscCall(WriteText(viewer, "basis", s->basis->name));
-  PetscCall(WriteText(viewer, "transfer", s->transfer));
+  PetscCall(WriteText(viewer, "transfer", s->transfer->name));
   PetscCall(WriteText(viewer, "layout", s->layout));
   PetscCall(WriteText(viewer, "boundary", s->boundary));
   PetscCall(WriteText(viewer, "initial", MpmInitialNames[s->initial]));

@@ -8,7 +8,7 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
 {
   const MpmScene     *scene     = march->scene;
   const MpmParticles *particles = march->particles;
-  const char         *name      = scene->formulation->particle_fields[field];
+  const char         *name      = scene->table->fields[field];
   const PetscReal     lag       = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
   const PetscReal     t         = march->step * scene->dt - lag;
   const PetscReal    *xi, *q;
@@ -42,7 +42,7 @@ PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
   const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
 
   PetscFunctionBegin;
-  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+  for (PetscInt field = 0; field < scene->table->nstate; field++) {
     const PetscReal unit = f->wave->amplitude(&profile, field);
     PetscReal       sums[3];
 

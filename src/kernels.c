@@ -3,12 +3,13 @@
 
 /* P2G for the hat: phi = 1 - xi at node i, xi at node i + 1. The sums of a cell's run of particles stay in
    registers, and the right node's sum is carried on when the next run is the next cell. */
-void MpmHatP2G(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal a,
+void MpmHatP2G(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
                PetscReal *restrict particle, PetscReal *restrict node)
 {
   PetscReal left = 0, right = 0;
   PetscInt  c;
 
+  (void)width;
   (void)a;
   if (n == 0) return;
   c = cell[0];
@@ -32,12 +33,13 @@ void MpmHatP2G(PetscInt n, const PetscInt *restrict cell, const PetscReal *restr
   node[c + 1] += right;
 }
 
-void MpmHatP2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
+void MpmHatP2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
                    const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {
   PetscReal left = 0, right = 0, mass_left = 0, mass_right = 0;
   PetscInt  c;
 
+  (void)width;
   if (n == 0) return;
   c = cell[0];
   for (PetscInt p = 0; p < n; p++) {
@@ -67,20 +69,54 @@ void MpmHatP2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *r
   mass[c + 1] += mass_right;
 }
 
-void MpmHatG2P(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal a,
+void MpmHatG2P(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
                PetscReal *restrict particle, PetscReal *restrict node)
 {
+  (void)width;
   for (PetscInt p = 0; p < n; p++) {
     const PetscReal left = node[cell[p]], right = node[cell[p] + 1];
     particle[p] += a * (left + xi[p] * (right - left));
   }
 }
 
-void MpmHatGrad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal a,
+void MpmHatGrad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
                 PetscReal *restrict particle, PetscReal *restrict node)
 {
   (void)xi;
+  (void)width;
   for (PetscInt p = 0; p < n; p++) particle[p] += a * (node[cell[p] + 1] - node[cell[p]]);
+}
+
+void MpmHatDiv(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
+               PetscReal *restrict particle, PetscReal *restrict node)
+{
+  (void)xi;
+  (void)width;
+  for (PetscInt p = 0; p < n; p++) {
+    node[cell[p]] -= a * particle[p];
+    node[cell[p] + 1] += a * particle[p];
+  }
+}
+
+/* phi (x_i - x_p) is -(1 - xi) xi on the left and as much on the right, where D is (1 - xi) xi. */
+void MpmHatP2GAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
+                     PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  (void)width;
+  for (PetscInt p = 0; p < n; p++) {
+    const PetscReal share = a * xi[p] * (1 - xi[p]) * particle[p];
+
+    node[cell[p]] -= share;
+    node[cell[p] + 1] += share;
+  }
+}
+
+void MpmScale(PetscInt n, PetscReal a, PetscReal *restrict particle)
+{
+  if (a == 0)
+    for (PetscInt p = 0; p < n; p++) particle[p] = 0; /* whatever was there */
+  else
+    for (PetscInt p = 0; p < n; p++) particle[p] *= a;
 }
 
 void MpmPlaceBlock(PetscInt n, const PetscInt *restrict cell0, const PetscReal *restrict xi0, PetscInt whole,
@@ -109,7 +145,12 @@ void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *re
   for (PetscInt i = lo; i < hi; i++) out[i] = a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
 }
 
-void MpmNodeAdd(PetscInt lo, PetscInt hi, const PetscReal *restrict f, PetscReal *restrict out)
+void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
 {
-  for (PetscInt i = lo; i < hi; i++) out[i] += f[i];
+  for (PetscInt i = lo; i < hi; i++) out[i] += a * f[i];
+}
+
+void MpmNodeCopy(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
+{
+  for (PetscInt i = lo; i < hi; i++) out[i] = a * f[i];
 }

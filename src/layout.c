@@ -1,6 +1,6 @@
 /*
    Uniform layout: particle j of cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed
-   from the global id g = n ppc + j.
+   from the number g = n ppc + j.
 */
 #include <mpmstab/kernels.h>
 #include <mpmstab/layout.h>
@@ -22,7 +22,8 @@ PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
 void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscReal *xi)
 {
   const MpmFraction *offset = &scene->offset;
-  const PetscInt     n = (PetscInt)(id / scene->ppc), j = (PetscInt)(id % scene->ppc);
+  const PetscInt64   g      = scene->first + id;
+  const PetscInt     n = (PetscInt)(g / scene->ppc), j = (PetscInt)(g % scene->ppc);
   PetscReal          place; /* in cells from the left end of cell n */
   PetscInt           shift;
 
@@ -30,7 +31,7 @@ void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscR
     /* rounded once, so that positions that meet a node meet it exactly */
     place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(scene->ppc * offset->den);
   else {
-    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, id) - 0.5);
+    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, g) - 0.5);
     place                        = (j + offset->value + displacement) / scene->ppc;
   }
   shift = (PetscInt)floor(place);

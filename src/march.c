@@ -40,15 +40,31 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Nodes beyond a wall have the sign that the table's own P2G of the field has, or are images of the same sign. */
+static PetscBool IsOdd(const MpmTable *table, PetscInt field)
+{
+  for (PetscInt o = 0; o < table->nops; o++)
+    if (table->ops[o].kind == MPM_P2G && table->ops[o].src == field) return table->odd[table->ops[o].dst];
+  return PETSC_FALSE;
+}
+
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
 {
-  MpmPass project = {
-      .nops  = 1,
-      .nsums = 1,
-      .op    = {{.kind = MPM_PASS_MAP, .kernel = march->scene->basis->p2g, .particle = field, .to_nodes = PETSC_TRUE}}};
-  MpmMarch view = *march;
+  MpmPass  project = {.nops  = 1,
+                      .nsums = 1,
+                      .op    = {{.kind     = MPM_PASS_MAP,
+                                 .kernel   = march->scene->basis->kernel[MPM_P2G],
+                                 .a        = 1,
+                                 .particle = field,
+                                 .to_nodes = PETSC_TRUE}}};
+  MpmMarch view    = *march;
+  MpmScene scene   = *march->scene;
+  MpmTable table   = *scene.table;
 
   PetscFunctionBegin;
+  table.odd[0]  = IsOdd(scene.table, field);
+  scene.table   = &table;
+  view.scene    = &scene;
   view.nnodes   = 1;
   view.node[0]  = node;
   view.spare[0] = NULL;

@@ -20,7 +20,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmScene *scene, MpmMarc
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, drifts, PETSC_TRUE, &march->schedule));
+  PetscCall(MpmScheduleCompile(scene->table, scene->basis, scene->courant, drifts, PETSC_TRUE, &march->schedule));
   need  = reach + march->schedule.halo;
   spare = PetscMin(MpmGridSmallestCount(scene->cells, size) - need, PetscMax(MOST_SLACK, stride));
   if (spare < 0 && need > scene->cells)
@@ -32,8 +32,8 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmScene *scene, MpmMarc
                 scene->cells, size, need, scene->cells / need);
   march->slack = drifts && spare >= stride ? spare : 0;
   if (drifts && !march->slack)
-    PetscCall(MpmScheduleCompile(scene->formulation, scene->basis, scene->courant, PETSC_TRUE, PETSC_FALSE,
-                                 &march->schedule));
+    PetscCall(
+        MpmScheduleCompile(scene->table, scene->basis, scene->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
   *ghost = need + march->slack;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -41,7 +41,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmScene *scene, MpmMarc
 static PetscErrorCode CreateVectors(MpmMarch *march)
 {
   PetscFunctionBegin;
-  march->nnodes = MpmFormulationNodeFields(march->scene->formulation);
+  march->nnodes = march->scene->table->nnodes;
   for (PetscInt f = 0; f < march->nnodes; f++) {
     PetscCall(DMCreateLocalVector(march->grid->da, &march->node[f]));
     if (march->schedule.spare[f]) PetscCall(VecDuplicate(march->node[f], &march->spare[f]));
@@ -73,10 +73,11 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   m->scene    = scene;
   m->exponent = MpmSceneExponent(scene);
   PetscCall(ChooseGhosts(comm, scene, m, &ghost));
-  PetscCall(MpmGridCreate(comm, scene->cells, ghost, &m->grid));
+  PetscCall(MpmGridCreate(comm, scene->cells, ghost, MpmSceneIsPeriodic(scene), &m->grid));
   PetscCall(MpmParticlesCreate(scene, m->grid, m->exponent, &m->particles));
   PetscCall(CreateVectors(m));
   PetscCall(RegisterEvents(m));
+  if (MpmTableHas(scene->table, MPM_SOLVE)) PetscCall(MpmNodalSolveCreate(scene, m->grid, &m->nodal_solve));
   PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -89,6 +90,8 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
     PetscCall(VecDestroy(&(*march)->spare[f]));
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
+  PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
+  PetscCall(MpmScheduleDestroy(&(*march)->schedule));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
   PetscCall(MpmGridDestroy(&(*march)->grid));
   PetscCall(PetscFree(*march));
@@ -100,12 +103,12 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
   const PetscReal factor = scalbn(1, -(int)shift);
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &q));
     for (PetscInt p = 0; p < march->particles->count; p++) q[p] *= factor;
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &q));
   }
   for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(VecScale(march->node[f], factor));
   march->exponent += shift;

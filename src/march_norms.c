@@ -5,7 +5,7 @@
 /* Before the first step nothing has been sampled in passing. */
 static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
 {
-  const char *name = march->scene->formulation->particle_fields[field];
+  const char *name = march->scene->table->fields[field];
   PetscReal  *q;
 
   PetscFunctionBegin;
@@ -28,16 +28,20 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
   if (differences)
     for (PetscInt i = 0; i < march->grid->count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
   else
-    *sum = MpmSumSquares(march->grid->count, f);
+    *sum = MpmSumSquares(march->grid->nodes, f);
   PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The node field that the table sums from a particle field. */
-static PetscInt NodeFieldOf(const MpmFormulation *formulation, PetscInt field)
+/* The node field that the table sums from a particle field: by P2G, or DIV for a stress. */
+static PetscInt NodeFieldOf(const MpmTable *table, PetscInt field)
 {
-  for (PetscInt o = 0; o < formulation->nops; o++)
-    if (formulation->ops[o].kind == MPM_P2G && formulation->ops[o].src == field) return formulation->ops[o].dst;
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
+
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
+      return table->ops[o].dst;
+  }
   return MPM_NONE;
 }
 
@@ -49,14 +53,14 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   PetscReal             sums[3]     = {0, 0, 0}, squares;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; f < scene->table->nstate; f++) {
     PetscCall(ParticleSquares(march, f, &squares));
     sums[0] += h / scene->ppc * squares;
   }
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
     const MpmEnergyTerm *term         = &formulation->energy[t];
     const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-    const PetscInt       node         = on_particles ? NodeFieldOf(formulation, term->field) : term->field;
+    const PetscInt       node         = on_particles ? NodeFieldOf(scene->table, term->field) : term->field;
 
     PetscCall(NodeSquares(march, node, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
     sums[2] += h * squares;

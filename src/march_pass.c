@@ -39,8 +39,8 @@ static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
   a->march = march;
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
-  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(MpmParticlesGet(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
+    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &a->particle[f]));
   for (PetscInt f = 0; f < march->nnodes; f++) {
     PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
     if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
@@ -69,8 +69,8 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
     if (swap) SwapVec(&march->node[f], &march->spare[f]);
   }
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
-  for (PetscInt f = 0; march->scene->formulation->particle_fields[f]; f++)
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->formulation->particle_fields[f], &a->particle[f]));
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &a->particle[f]));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -97,15 +97,17 @@ static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const Mpm
     s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
   }
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
-  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->count);
+  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Scratch fields live for a block: what a pass leaves in them no other reads. */
 static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
 {
-  const Arrays    *a = s->arrays;
+  const Arrays    *a     = s->arrays;
+  const PetscReal  width = a->march->scene->width;
   PetscInt         cell_now[BLOCK];
-  PetscReal        xi_now[BLOCK];
+  PetscReal        xi_now[BLOCK], scratch[MPM_MAX_FIELDS][BLOCK];
   const PetscInt  *cell = a->cell + begin;
   const PetscReal *xi   = a->xi + begin;
 
@@ -115,12 +117,14 @@ static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
     xi   = xi_now;
   }
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    PetscReal *q = a->particle[op->particle] + begin;
+    PetscReal *q = a->particle[op->particle] ? a->particle[op->particle] + begin : scratch[op->particle];
 
     if (op->kind == MPM_PASS_MAP)
-      op->kernel(n, cell, xi, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
+      op->kernel(n, cell, xi, width, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
     else if (op->kind == MPM_PASS_MASS)
-      op->mass_kernel(n, cell, xi, q, s->sum[op->node], s->arrays->mass);
+      op->mass_kernel(n, cell, xi, width, q, s->sum[op->node], s->arrays->mass);
+    else if (op->kind == MPM_PASS_SCALE)
+      MpmScale(n, op->a, q);
     else if (op->kind == MPM_PASS_DRIFT)
       MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[1], s->part[1], cell_now, xi_now);
     else if (s->sample)
@@ -170,10 +174,10 @@ static PetscErrorCode Advance(Stage *s)
 {
   const MpmGrid *grid = s->arrays->march->grid;
   const PetscInt n = PetscMin(BLOCK, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
-  const PetscInt left = PetscMin(LeastNode(s, last), grid->count - grid->ghost);
+  const PetscInt left = PetscMin(LeastNode(s, last), grid->nodes - grid->ghost);
 
   PetscFunctionBegin;
-  PetscCall(ZeroTo(s, PetscMin(LargestNode(s, last) + 1, grid->count + grid->ghost)));
+  PetscCall(ZeroTo(s, PetscMin(LargestNode(s, last) + 1, grid->nodes + grid->ghost)));
   RunBlock(s, s->next, n);
   Complete(s, s->hi, left);
   s->hi = PetscMax(s->hi, left);
@@ -205,6 +209,31 @@ static PetscErrorCode Follow(const Stage *before, Stage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What particles near a wall gave to nodes beyond it belongs to those nodes' images. */
+static void FoldBeyondWalls(const Stage *s)
+{
+  const MpmScene *scene   = s->arrays->march->scene;
+  const PetscReal even[2] = {1, 1};
+  PetscReal       sign[2];
+
+  for (PetscInt f = 0; f < s->pass->nsums; f++) {
+    MpmSceneMirror(scene, scene->table->odd[s->pass->sum[f]], sign);
+    MpmGridFold(s->arrays->march->grid, sign, s->sum[s->pass->sum[f]]);
+  }
+  if (s->pass->sums_mass) MpmGridFold(s->arrays->march->grid, even, s->arrays->mass);
+}
+
+static void ReflectBeyondWalls(const Stage *s)
+{
+  const MpmScene *scene = s->arrays->march->scene;
+  PetscReal       sign[2];
+
+  for (PetscInt f = 0; f < s->pass->nsums; f++) {
+    MpmSceneMirror(scene, scene->table->odd[s->pass->sum[f]], sign);
+    MpmGridReflect(s->arrays->march->grid, sign, s->sum[s->pass->sum[f]]);
+  }
+}
+
 /* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
 static PetscErrorCode FinishStage(Stage *s)
 {
@@ -214,7 +243,7 @@ static PetscErrorCode FinishStage(Stage *s)
   PetscReal     *sums[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
-  PetscCall(ZeroTo(s, grid->count + grid->ghost));
+  PetscCall(ZeroTo(s, grid->nodes + grid->ghost));
   end          = s->zeroed[0];
   s->zeroed[1] = -grid->ghost;
   PetscCall(ZeroTo(s, end));
@@ -223,28 +252,48 @@ static PetscErrorCode FinishStage(Stage *s)
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
   sums[s->pass->nsums] = s->arrays->mass;
+  FoldBeyondWalls(s);
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
-  Complete(s, 0, PetscMin(s->lo, grid->count));
-  Complete(s, PetscMin(hi, grid->count), grid->count);
+  Complete(s, 0, PetscMin(s->lo, grid->nodes));
+  Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
   PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
+  ReflectBeyondWalls(s);
   PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void RunNodeOps(const Stage *s)
+/* Sets the wall node of one end, wherever it is among this rank's nodes and ghosts. */
+static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
-  const MpmGrid *grid = s->arrays->march->grid;
+  const PetscInt wall = (op->end ? grid->cells : 0) - grid->first;
 
+  if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
+}
+
+static PetscErrorCode RunNodeOps(const Stage *s)
+{
+  const MpmMarch *march = s->arrays->march;
+  const MpmGrid  *grid  = march->grid;
+
+  PetscFunctionBegin;
   for (const MpmNodeOp *op = s->pass->node_op; op < s->pass->node_op + s->pass->nnode_ops; op++) {
-    const PetscInt beyond = grid->ghost - op->depth, lo = -beyond, hi = grid->count + beyond;
+    const PetscInt beyond = grid->ghost - op->depth, lo = -beyond, hi = grid->nodes + beyond;
     PetscReal     *dst = s->sum[op->dst] ? s->sum[op->dst] : s->node[op->dst];
     PetscReal     *src = s->sum[op->src] ? s->sum[op->src] : s->node[op->src];
 
     if (op->kind == MPM_LAP)
       MpmNodeLaplacian(lo, hi, op->a, src, dst);
+    else if (op->kind == MPM_ADD)
+      MpmNodeAdd(lo, hi, op->a, src, dst);
+    else if (op->kind == MPM_COPY)
+      MpmNodeCopy(lo, hi, op->a, src, dst);
+    else if (op->kind == MPM_WALL)
+      SetWall(grid, op, src, dst);
     else
-      MpmNodeAdd(lo, hi, src, dst);
+      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, s->arrays->cell, s->arrays->xi,
+                                   march->scene->table->odd[op->dst], s->arrays->mass, src, dst));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
@@ -252,7 +301,7 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   const PetscInt count                     = march->particles->count;
   PetscInt64     step                      = march->particles->step;
   Arrays         arrays                    = {0};
-  Stage          stage[MPM_MAX_PASSES + 1] = {0};
+  Stage          stage[MPM_MAX_JOINED + 1] = {0};
 
   PetscFunctionBegin;
   PetscCall(GetArrays(march, &arrays));
@@ -269,10 +318,10 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   }
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  RunNodeOps(&stage[n - 1]);
+  march->particles->step = step;
+  PetscCall(RunNodeOps(&stage[n - 1]));
   for (PetscInt f = 0; f < march->nnodes; f++)
     if (stage[n - 1].sum[f]) stage[n - 1].node[f] = stage[n - 1].sum[f];
   PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
-  march->particles->step = step;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -136,8 +136,8 @@ static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
   PetscCall(Reorder(particles, DMSwarmField_pid, order, buffer));
   PetscCall(Reorder(particles, MpmFieldCell, order, buffer));
   PetscCall(Reorder(particles, MpmFieldXi, order, buffer));
-  for (PetscInt f = 0; particles->formulation->particle_fields[f]; f++)
-    PetscCall(Reorder(particles, particles->formulation->particle_fields[f], order, buffer));
+  for (PetscInt f = 0; particles->table->fields[f]; f++)
+    PetscCall(Reorder(particles, particles->table->fields[f], order, buffer));
   PetscCall(PetscFree(buffer));
   PetscCall(PetscFree(order));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -87,7 +87,7 @@ PetscErrorCode MpmModeFileCheck(const MpmScene *s)
   PetscCall(PetscViewerHDF5Open(PETSC_COMM_WORLD, path, FILE_MODE_READ, &viewer));
   PetscCall(SameText(viewer, path, "formulation", s->formulation->name));
   PetscCall(SameText(viewer, path, "basis", s->basis->name));
-  PetscCall(SameText(viewer, path, "transfer", s->transfer));
+  PetscCall(SameText(viewer, path, "transfer", s->transfer->name));
   PetscCall(SameText(viewer, path, "boundary", s->boundary));
   PetscCall(SameCount(viewer, path, "cells", s->cells));
   PetscCall(SameCount(viewer, path, "ppc", s->ppc));
@@ -161,14 +161,14 @@ static PetscErrorCode ReadPart(const MpmScene *scene, PetscViewer viewer, const 
 
   PetscFunctionBegin;
   *largest = 0;
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", scene->formulation->particle_fields[f], part));
-    PetscCall(MpmParticlesGet(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", scene->table->fields[f], part));
+    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
     PetscCall(ReadField(scene, viewer, name, particles, q));
     for (PetscInt p = 0; p < particles->count; p++) *largest = PetscMax(*largest, fabs(q[p]));
-    PetscCall(MpmParticlesRestore(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)viewer)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -190,12 +190,12 @@ PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmPart
   if (imaginary > largest) PetscCall(ReadPart(scene, viewer, "im", particles, &largest));
   PetscCall(PetscViewerHDF5PopGroup(viewer));
   PetscCall(PetscViewerDestroy(&viewer));
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(MpmParticlesGet(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) q[p] *= scalbn(scene->amplitude, -(int)exponent) / largest;
-    PetscCall(MpmParticlesRestore(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

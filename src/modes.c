@@ -218,7 +218,7 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, Petsc
       for (int part = 0; part < 2; part++) {
         PetscCall(VecSetBlockSize(x[part], op->fields));
         PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
-        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scene->formulation->particle_fields[f], parts[part]));
+        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scene->table->fields[f], parts[part]));
         PetscCall(PetscObjectSetName((PetscObject)field, name));
         PetscCall(VecView(field, file->viewer));
       }

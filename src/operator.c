@@ -30,17 +30,18 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
 /* A P2G and what follows it carry a number over the reach of the basis, a stencil over its halo. */
 static PetscErrorCode CheckSize(const MpmOperator *op)
 {
-  const MpmScene       *scene = op->scene;
-  const MpmFormulation *f     = scene->formulation;
-  PetscReal             cells = 0, nonzeros;
+  const MpmScene *scene = op->scene;
+  const MpmTable *table = scene->table;
+  PetscReal       cells = 0, nonzeros;
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < f->nops; o++) {
-    const MpmOpTraits traits = MpmOpTraitsOf(f->ops[o].kind);
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
 
     if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES)
       cells += scene->basis->reach_left + scene->basis->reach_right;
     cells += traits.halo;
+    if (table->ops[o].kind == MPM_SOLVE) cells = scene->cells;
   }
   nonzeros = (PetscReal)op->order * op->fields * scene->ppc * PetscMin(2 * cells * op->period + 1, scene->cells);
   MpmCheckInput(nonzeros <= LARGEST,
@@ -67,7 +68,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
     PetscCall(Rescale(&registers, &op->exponent));
   }
   PetscCall(MpmRegistersGather(&registers, &op->A));
-  PetscCall(MpmRegistersMap(&registers, MPM_P2G, 0, &op->p2g));
+  PetscCall(MpmRegistersMap(&registers, MPM_P2G, PETSC_FALSE, 0, &op->p2g));
   PetscCall(MpmRegistersDestroy(&registers));
   PetscCall(PetscObjectSetName((PetscObject)op->A, "A"));
   PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
@@ -84,7 +85,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperat
   PetscCall(PetscNew(op));
   o         = *op;
   o->scene  = scene;
-  o->fields = MpmFormulationParticleFields(scene->formulation);
+  o->fields = scene->table->nstate;
   MpmCheckInput(o->fields * scene->particles <= PETSC_MAX_INT / 2,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": too many unknowns; allowed: at most %d",
                 scene->cells, scene->ppc, PETSC_MAX_INT / 2);
@@ -112,8 +113,8 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op)
 /* The march's particle fields as a state, in units of 2^exponent. */
 static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec state)
 {
-  const char *const *names = march->scene->formulation->particle_fields;
-  const PetscInt     n = march->particles->count, fields = MpmFormulationParticleFields(march->scene->formulation);
+  const char *const *names = march->scene->table->fields;
+  const PetscInt     n = march->particles->count, fields = march->scene->table->nstate;
   const PetscInt64  *id;
   PetscInt          *rows;
   PetscReal         *values;

@@ -29,7 +29,7 @@ static const char *GrowthWord(PetscInt i)
 
 static const char *TransferWord(PetscInt i)
 {
-  return i == 0 ? "flip" : NULL;
+  return MpmTransfers[i] ? MpmTransfers[i]->name : NULL;
 }
 
 static const char *LayoutWord(PetscInt i)
@@ -37,9 +37,9 @@ static const char *LayoutWord(PetscInt i)
   return i == 0 ? "uniform" : NULL;
 }
 
-static const char *BoundaryWord(PetscInt i)
+static const char *EndWord(PetscInt i)
 {
-  return i == 0 ? "periodic" : NULL;
+  return MpmEndNames[i];
 }
 
 /* clang-format off */
@@ -52,6 +52,8 @@ const MpmOption MpmOptions[] = {
   {"formulation",  MPM_WORD,     "gas2",     "the scheme", .word = FormulationWord},
   {"basis",        MPM_WORD,     "linear",   "the grid's basis functions", .word = BasisWord},
   {"transfer",     MPM_WORD,     "flip",     "how particles are renewed", .word = TransferWord},
+  {"xpic_order",   MPM_INTEGER,  "2",        "terms of transfer xpic; 1 is pic", BETWEEN(1, 1000)},
+  {"blend_ratio",  MPM_REAL,     "0.95",     "share of flip in transfer blend, the rest is pic", BETWEEN(0, 1)},
   {"dim",          MPM_INTEGER,  "1",        "space dimensions", BETWEEN(1, 1)},
   {"cells",        MPM_INTEGER,  "64",       "cells of the grid", BETWEEN(1, 2147483646)},
   {"length",       MPM_REAL,     "1",        "length L of the domain", ABOVE(0)},
@@ -60,7 +62,8 @@ const MpmOption MpmOptions[] = {
   {"offset",       MPM_FRACTION, "0.5",      "start of the first particle, in particle spacings", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2)},
   {"jitter",       MPM_REAL,     "0",        "random displacement, in particle spacings", BETWEEN(0, 1)},
   {"seed",         MPM_INTEGER,  "1",        "seed of jitter and random data", BETWEEN(0, 9007199254740992)},
-  {"boundary",     MPM_WORD,     "periodic", "the ends of the domain", .word = BoundaryWord},
+  {"fill",         MPM_RANGE,    NULL,       "cells lo,hi between which there are particles (default: all)", ANY},
+  {"boundary",     MPM_ENDS,     "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free", .word = EndWord},
   {"wave_speed",   MPM_REAL,     "1",        "wave speed c", ABOVE(0)},
   {"courant",      MPM_REAL,     "0.5",      "Courant number k = c dt / h", ABOVE(0), .rival = "dt"},
   {"dt",           MPM_REAL,     NULL,       "time step, instead of courant", ABOVE(0), .rival = "courant"},
@@ -68,8 +71,8 @@ const MpmOption MpmOptions[] = {
   {"velocity",     MPM_REAL,     NULL,       "U0, instead of drift", ANY, .rival = "drift"},
   {"steps",        MPM_INTEGER,  "100",      "time steps", BETWEEN(1, 1e15), .rival = "time", .tasks = "run"},
   {"time",         MPM_REAL,     NULL,       "end of the run, instead of steps; rounded up to a whole step", ABOVE(0), .rival = "steps", .tasks = "run"},
-  {"initial",      MPM_WORD,     "mode",     "initial data: mode, random, pulse or eigenmode", .word = InitialWord, .tasks = "run"},
-  {"mode",         MPM_INTEGER,  "1",        "waves in the domain, with initial mode; number in mode_file, with eigenmode", BETWEEN(1, 2147483646), .tasks = "run"},
+  {"initial",      MPM_WORD,     "mode",     "initial data: mode, random, pulse, eigenmode or step", .word = InitialWord, .tasks = "run"},
+  {"mode",         MPM_INTEGER,  "1",        "waves in the domain (between ends: number of the mode), with initial mode; number in mode_file, with eigenmode", BETWEEN(1, 2147483646), .tasks = "run"},
   {"mode_file",    MPM_PATH,     NULL,       "file of 'spectrum -output' with the eigenvector for initial eigenmode", NO_RANGE, .tasks = "run"},
   {"amplitude",    MPM_REAL,     "1",        "amplitude of the initial data", ABOVE(0), .tasks = "run"},
   {"stagger",      MPM_SWITCH,   "false",    "start the field updated first half a step early", NO_RANGE, .tasks = "run"},
@@ -77,15 +80,17 @@ const MpmOption MpmOptions[] = {
   {"phases",       MPM_INTEGER,  NULL,       "phases in [0, 2 pi) at which the symbol is taken (default: cells)", BETWEEN(1, 2147483646), .tasks = "symbol"},
   {"modes",        MPM_INTEGER,  "8",        "leading eigenvectors that go to output", BETWEEN(0, 1000000), .tasks = "spectrum"},
   {"measure",      MPM_SWITCH,   "true",     "also march random data and measure growth", NO_RANGE, .tasks = "spectrum"},
-  {"output",       MPM_PATH,     NULL,       "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum and symbol", NO_RANGE},
+  {"survey",       MPM_SWITCH,   "false",    "a table of the limits of all schemes at this layout", NO_RANGE, .tasks = "critical"},
+  {"output",       MPM_PATH,     NULL,       "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum and symbol", NO_RANGE, .tasks = "run, spectrum, symbol"},
   {"output_every", MPM_INTEGER,  NULL,       "steps between outputs (default: first and last)", BETWEEN(1, 1e15), .tasks = "run"},
   {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
-  {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves", NO_RANGE},
+  {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme", NO_RANGE},
   {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE},
   {"expect",       MPM_WORD,     NULL,       "fail unless the verdict is this: stable, unstable or undecided", .word = VerdictWord},
   {"expect_kind",  MPM_WORD,     NULL,       "fail unless growth is of this kind: bounded, linear or exponential", .word = GrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE,   NULL,       "fail unless measured growth lies in lo,hi", ANY, .tasks = "run"},
-  {"expect_spectrum", MPM_RANGE, NULL,       "fail unless the growth of spectrum or symbol lies in lo,hi", ANY, .tasks = "spectrum, symbol"},
+  {"expect_spectrum", MPM_RANGE, NULL,       "fail unless the growth of spectrum, symbol or critical lies in lo,hi", ANY, .tasks = "spectrum, symbol, critical"},
+  {"expect_critical", MPM_RANGE, NULL,       "fail unless the critical Courant number lies in lo,hi", ANY, .tasks = "critical"},
   {"expect_error", MPM_RANGE,    NULL,       "fail unless the largest l2 error lies in lo,hi", ANY, .tasks = "run"},
   {"expect_energy", MPM_RANGE,   NULL,       "fail unless final / initial energy lies in lo,hi", ANY, .tasks = "run"},
   {NULL},

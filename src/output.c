@@ -28,7 +28,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
-  PetscCall(VecCreateMPI(comm, march->grid->count, march->grid->cells, &o->global));
+  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->scene->nodes, &o->global));
   PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -99,8 +99,8 @@ static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *ma
   PetscFunctionBegin;
   PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "particles"));
   PetscCall(WriteCoordinates(output, march));
-  for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
-    const char      *name = output->scene->formulation->particle_fields[f];
+  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
+    const char      *name = output->scene->table->fields[f];
     const PetscReal *q;
 
     PetscCall(MpmParticlesGet(march->particles, name, &q));
@@ -117,16 +117,16 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "nodes"));
-  for (PetscInt f = 0; output->scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
     PetscReal *from, *to;
 
     PetscCall(MpmMarchProject(march, f, output->local));
     PetscCall(MpmGridGetArray(march->grid, output->local, &from));
     PetscCall(VecGetArray(output->global, &to));
-    for (PetscInt i = 0; i < march->grid->count; i++) to[i] = scalbn(from[i], (int)march->exponent);
+    for (PetscInt i = 0; i < march->grid->nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
     PetscCall(VecRestoreArray(output->global, &to));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
-    PetscCall(ViewAs(output->global, output->scene->formulation->particle_fields[f], output->file.viewer));
+    PetscCall(ViewAs(output->global, output->scene->table->fields[f], output->file.viewer));
   }
   PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -150,7 +150,7 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
   char            particles[32], nodes[32];
 
   snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->particles);
-  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->cells);
+  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->nodes);
   fprintf(xmf,
           "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
           "<Grid Name=\"particles\" GridType=\"Uniform\">\n"
@@ -158,16 +158,15 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
           "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"%s 3\" NumberType=\"Float\" Precision=\"8\" "
           "Format=\"HDF\">%s:%s/particles/coordinates</DataItem></Geometry>\n",
           time, particles, particles, file, group);
-  for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
-    DescribeField(xmf, file, group, "particles", s->formulation->particle_fields[f], particles);
+  for (PetscInt f = 0; s->table->fields[f]; f++)
+    DescribeField(xmf, file, group, "particles", s->table->fields[f], particles);
   fprintf(xmf,
           "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
           "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
           "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
           "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
           nodes, s->cell_width);
-  for (PetscInt f = 0; s->formulation->particle_fields[f]; f++)
-    DescribeField(xmf, file, group, "nodes", s->formulation->particle_fields[f], nodes);
+  for (PetscInt f = 0; s->table->fields[f]; f++) DescribeField(xmf, file, group, "nodes", s->table->fields[f], nodes);
   fprintf(xmf, "</Grid>\n</Grid>\n");
 }
 

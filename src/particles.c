@@ -43,9 +43,8 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
   PetscCall(DMSwarmInitializeFieldRegister(particles->swarm));
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
-    PetscCall(
-        DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->formulation->particle_fields[f], 1, PETSC_REAL));
+  for (PetscInt f = 0; scene->table->fields[f]; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->table->fields[f], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -61,11 +60,13 @@ static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 
   for (PetscInt c = grid->first - 1; c <= grid->first + grid->count; c++) {
     const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
 
+    if (!grid->periodic && wrapped != c) continue;
     for (PetscInt j = 0; j < scene->ppc; j++) {
-      const PetscInt64 g = (PetscInt64)wrapped * scene->ppc + j;
+      const PetscInt64 g = (PetscInt64)wrapped * scene->ppc + j - scene->first;
       PetscInt         place;
       PetscReal        part;
 
+      if (g < 0 || g >= scene->particles) continue;
       MpmLayoutPlace(scene, g, &place, &part);
       place += c - wrapped - grid->first;
       if (place < 0 || place >= grid->count) continue;
@@ -120,12 +121,12 @@ static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt 
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
     const PetscInt64 seed = FieldSeed(scene, f);
     const PetscReal  t    = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
     PetscReal       *q;
 
-    PetscCall(MpmParticlesGet(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) {
       const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
 
@@ -134,7 +135,7 @@ static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt 
       else
         q[p] = scene->formulation->wave->value(&profile, f, X, t);
     }
-    PetscCall(MpmParticlesRestore(particles, scene->formulation->particle_fields[f], &q));
+    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
   }
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
@@ -147,9 +148,9 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(particles));
-  (*particles)->formulation = scene->formulation;
-  (*particles)->drift       = scene->drift;
-  (*particles)->total       = scene->particles;
+  (*particles)->table = scene->table;
+  (*particles)->drift = scene->drift;
+  (*particles)->total = scene->particles;
   PetscCall(CreateSwarm(scene, grid, *particles));
   PetscCall(Place(scene, grid, *particles));
   if (scene->initial == MPM_INITIAL_EIGENMODE)

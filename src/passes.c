@@ -37,10 +37,11 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
   const PetscBool with_mass = to_nodes && c->mass_due ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
+  PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
   PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                     .kernel      = MpmMapKernel(c->basis, op->kind),
+                                     .kernel      = c->basis->kernel[op->kind],
                                      .mass_kernel = c->basis->p2g_mass,
-                                     .a           = MpmCoefficientValue(op->coefficient, c->courant),
+                                     .a           = MpmOpValue(op, c->courant),
                                      .particle    = particle,
                                      .node        = node,
                                      .to_nodes    = to_nodes}));
@@ -48,7 +49,7 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
     pass->sums_mass = PETSC_TRUE;
     c->mass_due     = PETSC_FALSE;
   }
-  if (to_nodes) {
+  if (to_nodes && !Sums(pass, node)) {
     pass->sum[pass->nsums++] = node;
     c->depth[node]           = 0;
   }
@@ -57,21 +58,24 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
 
 static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
-  const PetscInt reads = c->depth[op->src] + MpmOpTraitsOf(op->kind).halo;
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    reads  = op->kind == MPM_SOLVE ? 0 : c->depth[op->src] + traits.halo;
+  const PetscBool   keeps  = traits.accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
-  c->depth[op->dst]                = op->kind == MPM_ADD ? PetscMax(reads, c->depth[op->dst]) : reads;
+  c->depth[op->dst]                = keeps ? PetscMax(reads, c->depth[op->dst]) : reads;
   c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
   pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind  = op->kind,
-                                                 .a     = MpmCoefficientValue(op->coefficient, c->courant),
+                                                 .a     = MpmOpValue(op, c->courant),
                                                  .dst   = op->dst,
                                                  .src   = op->src,
+                                                 .end   = op->end,
                                                  .depth = c->depth[op->dst]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A pass must end before an operation that reads what the pass has yet to complete. */
+/* A pass must end before an operation that reads what the pass has yet to complete, or that sums it anew. */
 static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -79,6 +83,7 @@ static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
   if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
   if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
+  if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && traits.accumulates)) return PETSC_FALSE;
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
 }
 
@@ -92,7 +97,9 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
     pass->drifts = PETSC_TRUE;
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
-  } else if (traits.src == MPM_ON_PARTICLES)
+  } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
+    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_SCALE, .particle = op->dst, .a = MpmOpValue(op, c->courant)}));
+  else if (traits.src == MPM_ON_PARTICLES)
     PetscCall(AppendMap(c, pass, op, PETSC_TRUE));
   else if (traits.dst == MPM_ON_PARTICLES)
     PetscCall(AppendMap(c, pass, op, PETSC_FALSE));
@@ -102,19 +109,19 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 }
 
 /* How many operations come before the particles first read the grid or move. */
-static PetscInt HeadLength(const MpmFormulation *f)
+static PetscInt HeadLength(const MpmTable *t)
 {
   PetscInt h = 0;
 
-  while (h < f->nops && MpmOpTraitsOf(f->ops[h].kind).dst == MPM_ON_NODES) h++;
+  while (h < t->nops && MpmOpTraitsOf(t->ops[h].kind).dst == MPM_ON_NODES) h++;
   return h;
 }
 
 /* The state's norm is summed where each particle field gets its last value of the step. */
-static PetscErrorCode InsertSamples(const MpmFormulation *f, MpmSchedule *schedule)
+static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
 {
   PetscFunctionBegin;
-  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+  for (PetscInt field = 0; field < t->nstate; field++) {
     MpmPass *last  = NULL;
     PetscInt after = 0;
 
@@ -147,7 +154,8 @@ static void JoinPasses(MpmSchedule *schedule)
   for (PetscInt p = 0; p < schedule->npasses; p++) {
     MpmPass *pass = &schedule->pass[p];
 
-    pass->joined = p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase ? PETSC_TRUE : PETSC_FALSE;
+    pass->joined =
+        p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && p - first < MPM_MAX_JOINED ? PETSC_TRUE : PETSC_FALSE;
     for (PetscInt s = 0; s < pass->nsums; s++) {
       for (PetscInt q = first; q < p; q++)
         if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
@@ -157,53 +165,86 @@ static void JoinPasses(MpmSchedule *schedule)
   }
 }
 
-PetscErrorCode MpmScheduleCompile(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
+static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
+{
+  PetscFunctionBegin;
+  if (schedule->npasses == schedule->room) {
+    schedule->room = PetscMax(8, 2 * schedule->room);
+    PetscCall(PetscRealloc(sizeof(MpmPass) * (size_t)schedule->room, &schedule->pass));
+  }
+  *pass = &schedule->pass[schedule->npasses++];
+  PetscCall(PetscMemzero(*pass, sizeof **pass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
                                   PetscBool fused, MpmSchedule *schedule)
 {
-  const PetscInt head = HeadLength(f);
+  const PetscInt head = HeadLength(t);
   Compiler       c = {.basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
   MpmPass       *pass;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(schedule, sizeof *schedule));
-  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &f->ops[o]));
-  pass              = &schedule->pass[0];
-  schedule->npasses = 1;
-  for (PetscInt o = 0; o < f->nops; o++) {
-    const MpmOp *op = &f->ops[(head + o) % f->nops];
+  PetscCall(MpmScheduleDestroy(schedule));
+  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &t->ops[o]));
+  PetscCall(NewPass(schedule, &pass));
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp *op = &t->ops[(head + o) % t->nops];
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
-    if (EndsBefore(pass, op)) {
-      PetscCheck(schedule->npasses < MPM_MAX_PASSES, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASSES");
-      pass = &schedule->pass[schedule->npasses++];
-    }
+    if (EndsBefore(pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }
   JoinPasses(schedule);
-  PetscCall(InsertSamples(f, schedule));
+  PetscCall(InsertSamples(t, schedule));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmScheduleBound(const MpmFormulation *f, const MpmBasis *basis, PetscReal courant)
+PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(schedule->pass));
+  PetscCall(PetscMemzero(schedule, sizeof *schedule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The maximum norm of an operation, per unit of its factor. */
+static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, PetscReal least_mass)
+{
+  switch (kind) {
+  case MPM_DIV: /* a node sees the particles of as many cells as a particle sees nodes */
+    return basis->slope_sum * ppc * MpmMapReach(basis) / least_mass;
+  case MPM_GRAD:
+  case MPM_G2P_AFFINE: /* at most the gradient that a particle's nodes can have */
+    return basis->slope_sum;
+  case MPM_LAP:
+    return 4;
+  case MPM_SOLVE: /* followed by G2P it is a projection; by itself the inverse of what is rarely below 1/100 */
+    return 100;
+  default:
+    return 1;
+  }
+}
+
+PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
+                           PetscReal least_mass)
 {
   PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
 
   for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) particle[i] = node[i] = 1;
-  for (PetscInt o = 0; o < f->nops; o++) {
-    const MpmOp    *op = &f->ops[o];
-    const PetscReal a  = PetscAbsReal(MpmCoefficientValue(op->coefficient, courant));
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp      *op     = &t->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    const PetscReal   a      = PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
+    PetscReal        *dst    = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
+    const PetscReal  *src    = traits.src == MPM_ON_NODES ? &node[op->src] : &particle[op->src];
 
-    if (op->kind == MPM_P2G)
-      node[op->dst] = particle[op->src];
-    else if (op->kind == MPM_G2P)
-      particle[op->dst] += a * node[op->src];
-    else if (op->kind == MPM_GRAD)
-      particle[op->dst] += a * basis->slope_sum * node[op->src];
-    else if (op->kind == MPM_LAP)
-      node[op->dst] = 4 * a * node[op->src];
-    else if (op->kind == MPM_ADD)
-      node[op->dst] += node[op->src];
+    if (traits.dst == MPM_NOWHERE) continue;
+    if (op->kind == MPM_WALL)
+      *dst = PetscMax(*dst, a * *src);
+    else
+      *dst = a * *src + (traits.accumulates ? *dst : 0);
   }
-  for (PetscInt i = 0; f->particle_fields[i]; i++) bound = PetscMax(bound, particle[i]);
+  for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
   return bound;
 }

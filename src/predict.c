@@ -1,52 +1,98 @@
 /* The formulations' closed forms over the phases beta = 2 pi m / cells of a grid. */
 #include <mpmstab/layout.h>
+#include <mpmstab/maps.h>
 #include <mpmstab/predict.h>
 #include <math.h>
 
 /* Beyond this many phases the maximum is the same to all digits that matter. */
 #define MOST_PHASES 65536
 
+#define NOTHING 1e-24 /* symbol of P2G G2P that only rounding keeps from 0 */
+
 static const char *WhyNot(const MpmScene *scene)
 {
   if (MpmSceneDrifts(scene)) return "the formulas are for particles at rest";
+  if (!MpmSceneIsPeriodic(scene)) return "the formulas are for a periodic domain";
   if (!MpmLayoutIsUniform(scene)) return "the formulas are for cells that are all alike";
-  if (!scene->basis->hat) return "the formulas are for the linear basis";
+  if (!scene->transfer->retains) return "no closed form for this transfer";
   return NULL;
+}
+
+static const char *WhyNotPublished(const MpmScene *scene)
+{
+  if (!scene->formulation->published) return "the slides do not treat this formulation";
+  if (!scene->basis->hat) return "the slides treat the linear basis";
+  if (scene->transfer->filter) return "the slides treat flip";
+  return WhyNot(scene);
 }
 
 PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *p)
 {
-  PetscReal mean = 0;
+  const PetscInt reach = MpmMapReach(scene->basis);
+  PetscReal      mean  = 0;
 
   PetscFunctionBegin;
-  *p = (MpmPredictor){.scene = scene, .why_not = WhyNot(scene)};
+  *p = (MpmPredictor){.scene = scene, .why_not = WhyNot(scene), .why_not_published = WhyNotPublished(scene)};
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(scene->ppc, &p->xi));
+  PetscCall(PetscMalloc3(scene->ppc, &p->node, scene->ppc * reach, &p->value, scene->ppc * reach, &p->slope));
   for (PetscInt j = 0; j < scene->ppc; j++) {
-    PetscInt n;
+    PetscReal xi;
 
-    MpmLayoutPlace(scene, j, &n, &p->xi[j]);
-    mean += p->xi[j] / scene->ppc;
+    MpmLayoutPlace(scene, j, &p->node[j], &xi);
+    MpmMapRow(scene->basis, MPM_G2P, xi, scene->width, p->value + j * reach);
+    MpmMapRow(scene->basis, MPM_GRAD, xi, scene->width, p->slope + j * reach);
+    mean += xi / scene->ppc;
   }
-  p->cell = (MpmCellMoments){.e = 2 * mean - 1, .ppc = scene->ppc, .xi = p->xi};
+  p->e = 2 * mean - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree(p->xi));
+  if (p->node) PetscCall(PetscFree3(p->node, p->value, p->slope));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The symbols of phi and of h dphi/dx at particle j. */
+static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], PetscInt j, PetscReal beta)
+{
+  const PetscInt reach = MpmMapReach(p->scene->basis);
+  double complex sum   = 0;
+
+  for (PetscInt d = 0; d < reach; d++) sum += row[j * reach + d] * cexp(I * (beta * (p->node[j] + d)));
+  return sum;
+}
+
+MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
+{
+  const PetscInt ppc  = p->scene->ppc;
+  MpmCellSymbols cell = {.beta = beta};
+
+  for (PetscInt j = 0; j < ppc; j++) {
+    const double complex value = SymbolOf(p, p->value, j, beta), slope = SymbolOf(p, p->slope, j, beta);
+
+    cell.alpha += creal(conj(value) * value) / ppc;
+    cell.kappa += creal(conj(slope) * slope) / ppc;
+    cell.mu += conj(value) * slope / ppc;
+  }
+  if (cell.alpha < NOTHING) cell.alpha = 0;
+  cell.retained = p->scene->transfer->retains(&p->scene->numbers, cell.alpha);
+  return cell;
 }
 
 PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal beta)
 {
-  return p->why_not ? NAN : p->scene->formulation->published(p->scene->courant, beta);
+  return p->why_not_published ? NAN : p->scene->formulation->published(p->scene->courant, beta);
 }
 
 PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal beta)
 {
-  return p->why_not ? NAN : p->scene->formulation->corrected(&p->cell, p->scene->courant, beta);
+  MpmCellSymbols cell;
+
+  if (p->why_not) return NAN;
+  cell = MpmPredictorSymbols(p, beta);
+  return p->scene->formulation->corrected(&cell, p->scene->courant);
 }
 
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
@@ -63,7 +109,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
     predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, beta));
     predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, beta));
   }
-  if (scene->initial == MPM_INITIAL_MODE)
+  if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
     predictions->corrected_mode = MpmPredictorCorrected(&predictor, MpmSymbolPhase(scene->mode, scene->cells));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);

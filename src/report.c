@@ -61,8 +61,8 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   if (run->has_errors) {
     MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
              run->scene->formulation->wave->equations, "field", "l1", "l2", "linf");
-    for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++) {
-      MpmPrint("  %-5s", run->scene->formulation->particle_fields[f]);
+    for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
+      MpmPrint("  %-5s", run->scene->table->fields[f]);
       PetscCall(PrintNumber(run->error[f].l1));
       PetscCall(PrintNumber(run->error[f].l2));
       PetscCall(PrintNumber(run->error[f].linf));

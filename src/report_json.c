@@ -18,13 +18,13 @@ static json_t *Errors(const MpmRun *run)
 {
   json_t *errors = json_object();
 
-  for (PetscInt f = 0; run->scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
     json_t *error = json_object();
 
     MpmJsonSet(error, "l1", run->error[f].l1);
     MpmJsonSet(error, "l2", run->error[f].l2);
     MpmJsonSet(error, "linf", run->error[f].linf);
-    json_object_set_new(errors, run->scene->formulation->particle_fields[f], error);
+    json_object_set_new(errors, run->scene->table->fields[f], error);
   }
   return errors;
 }

@@ -9,8 +9,10 @@
 PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt ranks)
 {
   PetscFunctionBegin;
-  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer, %s\n", MPMSTAB_VERSION, task, s->formulation->name,
-           s->basis->name, s->transfer, s->boundary);
+  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer", MPMSTAB_VERSION, task, s->formulation->name, s->basis->name,
+           s->transfer->name);
+  if (s->transfer->option) MpmPrint(" (%s %g)", s->transfer->option, s->transfer->number(&s->numbers));
+  MpmPrint(", %s\n", s->boundary);
   MpmPrint("%" PetscInt_FMT " cells x %" PetscInt_FMT
            " particles (%s, offset %.6g, jitter %.6g), Courant number %.6g, drift ",
            s->cells, s->ppc, s->layout, s->offset.value, s->jitter, s->courant);
@@ -19,6 +21,9 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt 
   else
     MpmPrint("%.6g", s->drift.value);
   MpmPrint(" cells per step, %d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  if (!MpmSceneIsFull(s))
+    MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n", (PetscReal)s->first / s->ppc,
+             (PetscReal)(s->first + s->particles) / s->ppc, s->particles);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -41,7 +46,7 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
 
   PetscFunctionBegin;
   if (isnan(predictions->published))
-    text = p->why_not ? p->why_not : "the slides give no formula for this Courant number";
+    text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
   PetscCall(MpmReportGrowth("published", predictions->published, text));
   PetscCall(MpmReportGrowth("corrected", predictions->corrected, p->why_not ? p->why_not : f->corrected_text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -55,8 +60,8 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
   if (c->published > WORTH_SAYING) {
     MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
              f->published_slip);
-    if (f->published_centred && fabs(p->cell.e) > WORTH_SAYING)
-      MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->cell.e);
+    if (f->published_centred && fabs(p->e) > WORTH_SAYING)
+      MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
   if (!isnan(c->corrected))
@@ -84,8 +89,8 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
 json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
 {
   return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
-                   "task", task, "formulation", s->formulation->name, "basis", s->basis->name, "transfer", s->transfer,
-                   "dim", (int)s->dim, "cells", (int)s->cells, "ppc", (int)s->ppc, "particles",
+                   "task", task, "formulation", s->formulation->name, "basis", s->basis->name, "transfer",
+                   s->transfer->name, "dim", (int)s->dim, "cells", (int)s->cells, "ppc", (int)s->ppc, "particles",
                    (json_int_t)s->particles, "courant", s->courant, "drift", s->drift.value, "ranks", (int)ranks,
                    "wall_s", wall_s);
 }

@@ -1,5 +1,6 @@
 /* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
 #include <mpmstab/errors.h>
+#include <mpmstab/layout.h>
 #include <mpmstab/mode_file.h>
 #include <mpmstab/output.h>
 #include <mpmstab/progress.h>
@@ -11,6 +12,8 @@
 /* Rescaling keeps the state within 2^+-100; between two samples it may grow to 2^480, and its squares fit a double. */
 #define RESCALE_AT 100
 #define ROOM 380
+
+#define LEAST_MASS 1e-10 /* of a node in a layout that is not uniform, in particles */
 
 typedef struct {
   MpmRun     *run;
@@ -24,7 +27,8 @@ typedef struct {
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
 static PetscInt64 SampleGap(const MpmScene *scene)
 {
-  const PetscReal bound = MpmScheduleBound(scene->formulation, scene->basis, scene->courant);
+  const PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
+  const PetscReal bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least);
   const PetscReal safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
 
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
@@ -37,8 +41,8 @@ static PetscErrorCode WriteCsvHeader(const Loop *loop)
   PetscFunctionBegin;
   if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(loop->csv.stream, "step,time,norm,energy,log10_norm");
-  for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
-    fprintf(loop->csv.stream, ",error_l2_%s", scene->formulation->particle_fields[f]);
+  for (PetscInt f = 0; loop->run->has_errors && scene->table->fields[f]; f++)
+    fprintf(loop->csv.stream, ",error_l2_%s", scene->table->fields[f]);
   fprintf(loop->csv.stream, "\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,7 +62,7 @@ static PetscErrorCode WriteCsvRow(Loop *loop, PetscReal log_norm, PetscReal ener
     MpmTextFileCell(&loop->csv, exp(log_norm));
     MpmTextFileCell(&loop->csv, energy);
     MpmTextFileCell(&loop->csv, log_norm / M_LN10);
-    for (PetscInt f = 0; loop->run->has_errors && scene->formulation->particle_fields[f]; f++)
+    for (PetscInt f = 0; loop->run->has_errors && scene->table->fields[f]; f++)
       MpmTextFileCell(&loop->csv, error[f].l2);
     fprintf(loop->csv.stream, "\n");
   }
@@ -165,7 +169,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   r                  = *run;
   r->scene           = scene;
   r->blew_up_at_step = MPM_NEVER;
-  r->has_errors      = MpmInitialHasExact(scene->initial);
+  r->has_errors      = MpmSceneHasExact(scene);
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
   PetscCall(MpmPredict(scene, &r->predictions));
   r->eigenmode = NAN;

@@ -14,11 +14,9 @@ static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsWord(settings, "basis", &i));
   scene->basis = MpmBases[i];
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
-  scene->transfer = MpmOptions[MpmOptionIndex("transfer")].word(i);
+  scene->transfer = MpmTransfers[i];
   PetscCall(MpmSettingsWord(settings, "layout", &i));
   scene->layout = MpmOptions[MpmOptionIndex("layout")].word(i);
-  PetscCall(MpmSettingsWord(settings, "boundary", &i));
-  scene->boundary = MpmOptions[MpmOptionIndex("boundary")].word(i);
   PetscCall(MpmSettingsWord(settings, "initial", &i));
   scene->initial = (MpmInitial)i;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -36,6 +34,7 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReal(settings, "length", &scene->length));
   PetscCall(MpmSettingsInteger(settings, "ppc", &n));
   scene->ppc       = (PetscInt)n;
+  scene->width     = 0.5 / scene->ppc;
   scene->particles = n * scene->cells;
   if (scene->particles > PETSC_MAX_INT / 2)
     PetscCall(MpmSettingsRefuse(settings, MpmSettingsSource(settings, "ppc") ? "ppc" : "cells",
@@ -86,25 +85,19 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a key of the scene has lost its sense because the command line changed another. */
-static PetscBool Overruled(const MpmSettings *settings, const char key[], const char by[])
-{
-  return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
   PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
   if (scene->stagger && scene->formulation->staggered == MPM_NONE) {
     scene->stagger = PETSC_FALSE;
-    if (!Overruled(settings, "stagger", "formulation"))
+    if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
       PetscCall(MpmSettingsRefuse(settings, "stagger",
                                   "this formulation updates its fields at once; allowed: with two-stage formulations"));
   }
-  if (scene->stagger && !MpmInitialHasExact(scene->initial)) {
+  if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE) {
     scene->stagger = PETSC_FALSE;
-    if (!Overruled(settings, "stagger", "initial"))
+    if (!MpmSettingsOverruled(settings, "stagger", "initial"))
       PetscCall(
           MpmSettingsRefuse(settings, "stagger", "these data have no half step; allowed: with initial mode or pulse"));
   }
@@ -122,7 +115,7 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
   MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
   if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!wanted && !Overruled(settings, "mode_file", "initial"))
+  if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
     PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
   PetscCall(PetscStrncpy(scene->mode_file, path, sizeof scene->mode_file));
@@ -144,6 +137,7 @@ static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsInteger(settings, "modes", &n));
   scene->modes = (PetscInt)n;
   PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
+  PetscCall(MpmSettingsSwitch(settings, "survey", &scene->survey));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,10 +148,16 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsInteger(settings, "mode", &n));
   scene->mode = (PetscInt)n;
-  if (scene->initial == MPM_INITIAL_MODE && scene->mode > PetscMax(1, scene->cells / 2))
-    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: a whole number from 1 to cells / 2"));
+  if (scene->initial == MPM_INITIAL_MODE &&
+      scene->mode > PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->cells / 2 : scene->cells))
+    PetscCall(MpmSettingsRefuse(settings, "mode",
+                                MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
+                                                          : "allowed: a whole number from 1 to cells"));
+  if (scene->initial == MPM_INITIAL_STEP && (!MpmEndIsFixed(scene->ends[0]) || scene->ends[1] != MPM_FREE))
+    PetscCall(
+        MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
   if (scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_EIGENMODE &&
-      MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !Overruled(settings, "mode", "initial"))
+      MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, "mode", "initial"))
     PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode or eigenmode"));
   PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
   PetscCall(ReadModeFile(settings, scene));
@@ -193,6 +193,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_spectrum = MpmSettingsGiven(settings, "expect_spectrum");
   expect->has_error    = MpmSettingsGiven(settings, "expect_error");
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
+  expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -203,11 +204,13 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   }
   if (expect->has_growth) PetscCall(MpmSettingsRange(settings, "expect_growth", expect->growth));
   if (expect->has_spectrum) PetscCall(MpmSettingsRange(settings, "expect_spectrum", expect->spectrum));
+  if (expect->has_critical) PetscCall(MpmSettingsRange(settings, "expect_critical", expect->critical));
   if (expect->has_energy) PetscCall(MpmSettingsRange(settings, "expect_energy", expect->energy));
-  if (expect->has_error && !MpmInitialHasExact(scene->initial)) {
-    if (!Overruled(settings, "expect_error", "initial"))
-      PetscCall(MpmSettingsRefuse(settings, "expect_error",
-                                  "these data have no exact solution; allowed: with initial mode or pulse"));
+  if (expect->has_error && !MpmSceneHasExact(scene)) {
+    if (!MpmSettingsOverruled(settings, "expect_error", "initial"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "expect_error",
+                            "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
     expect->has_error = PETSC_FALSE;
   }
   if (expect->has_error) PetscCall(MpmSettingsRange(settings, "expect_error", expect->error));
@@ -220,7 +223,7 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
+  for (PetscInt f = 0; f < scene->table->nstate; f++)
     if (!isnormal(scene->formulation->wave->amplitude(&profile, f)))
       PetscCall(
           MpmSettingsRefuse(settings, "wave_speed",
@@ -239,6 +242,7 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   PetscCall(ReadWords(settings, *scene));
   PetscCall(ReadGrid(settings, *scene));
   PetscCall(ReadTime(settings, *scene));
+  PetscCall(MpmSettingsScheme(settings, *scene));
   PetscCall(ReadAnalysis(settings, *scene));
   PetscCall(ReadInitial(settings, *scene));
   PetscCall(CheckSizes(settings, *scene));
@@ -251,18 +255,45 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
+  PetscCall(MpmTableDestroy(&(*scene)->table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
+static void SetWave(const MpmScene *scene, MpmProfile *p)
+{
+  const PetscBool fixed[2] = {MpmEndIsFixed(scene->ends[0]), MpmEndIsFixed(scene->ends[1])};
+
+  p->wavenumber = 2 * PETSC_PI * scene->mode / p->length;
+  if (MpmSceneIsPeriodic(scene)) return;
+  p->wavenumber = (fixed[0] == fixed[1] ? scene->mode : scene->mode - 0.5) * PETSC_PI / p->length;
+  p->phase      = fixed[0] ? 0 : PETSC_PI / 2;
+  for (int end = 0; end < 2; end++) p->image[end] = fixed[end] ? -1 : 1;
+}
+
+PetscBool MpmSceneHasExact(const MpmScene *scene)
+{
+  if (!MpmInitialHasExact(scene->initial)) return PETSC_FALSE;
+  return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Of the material: a bar may end before its domain does. */
+static PetscReal LengthOf(const MpmScene *scene)
+{
+  return MpmSceneIsPeriodic(scene) ? scene->length : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
+}
+
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude)
 {
-  return (MpmProfile){.initial    = scene->initial,
-                      .length     = scene->length,
-                      .wave_speed = scene->wave_speed,
-                      .cell_width = scene->cell_width,
-                      .amplitude  = amplitude,
-                      .wavenumber = 2 * PETSC_PI * scene->mode / scene->length};
+  MpmProfile profile = {.initial    = scene->initial,
+                        .length     = LengthOf(scene),
+                        .wave_speed = scene->wave_speed,
+                        .cell_width = scene->cell_width,
+                        .amplitude  = amplitude};
+
+  SetWave(scene, &profile);
+  return profile;
 }
 
 PetscInt MpmSceneExponent(const MpmScene *scene)
@@ -271,7 +302,7 @@ PetscInt MpmSceneExponent(const MpmScene *scene)
   PetscReal        largest = 0;
 
   if (!MpmInitialHasExact(scene->initial)) return ilogb(scene->amplitude);
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++)
+  for (PetscInt f = 0; scene->table->fields[f]; f++)
     largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
   return ilogb(largest);
 }

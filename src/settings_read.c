@@ -15,6 +15,11 @@ MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[])
   return settings->source[MpmOptionIndex(name)];
 }
 
+PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[])
+{
+  return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
 {
   const PetscInt i = MpmOptionIndex(name);
@@ -120,7 +125,8 @@ PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
+/* Refuses a word that is not one of an option's. */
+static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[], const char text[])
 {
   const PetscInt option = MpmOptionIndex(name);
   const char    *words[32], *near;
@@ -128,24 +134,48 @@ PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], P
   PetscInt       n        = 0;
 
   PetscFunctionBegin;
-  for (; MpmOptions[option].word(n); n++) {
-    words[n] = MpmOptions[option].word(n);
-    if (!strcmp(words[n], settings->text[option])) {
-      *index = n;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-  }
+  for (; MpmOptions[option].word(n); n++) words[n] = MpmOptions[option].word(n);
   for (PetscInt i = 0; i < n; i++) {
     if (i) PetscCall(PetscStrlcat(why, i == n - 1 ? " or " : ", ", sizeof why));
     PetscCall(PetscStrlcat(why, words[i], sizeof why));
   }
-  near = n > 1 ? MpmSuggest(settings->text[option], n, words) : NULL;
+  near = n > 1 ? MpmSuggest(text, n, words) : NULL;
   if (near) {
     PetscCall(PetscStrlcat(why, "; did you mean ", sizeof why));
     PetscCall(PetscStrlcat(why, near, sizeof why));
     PetscCall(PetscStrlcat(why, "?", sizeof why));
   }
   PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FindWord(const MpmSettings *settings, const char name[], const char text[], PetscInt *index)
+{
+  const PetscInt option = MpmOptionIndex(name);
+
+  PetscFunctionBegin;
+  for (*index = 0; MpmOptions[option].word(*index); ++*index)
+    if (!strcmp(MpmOptions[option].word(*index), text)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RefuseWord(settings, name, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
+{
+  PetscFunctionBegin;
+  PetscCall(FindWord(settings, name, settings->text[MpmOptionIndex(name)], index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
+{
+  const char *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char        first[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(first, text, comma ? PetscMin((size_t)(comma - text) + 1, sizeof first) : sizeof first));
+  PetscCall(FindWord(settings, name, first, &index[0]));
+  PetscCall(FindWord(settings, name, comma ? comma + 1 : first, &index[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

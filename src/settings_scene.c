@@ -112,9 +112,10 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
       PetscCall(PetscStrncpy(name, "expect", sizeof name));
     else
       PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
-    MpmCheckInput(!inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
-                  "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, error or energy",
-                  settings->scene, Line(node), key);
+    MpmCheckInput(
+        !inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
+        "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, error or energy",
+        settings->scene, Line(node), key);
     PetscCall(SetOnce(settings, name, text, Line(node)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

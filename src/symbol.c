@@ -54,26 +54,35 @@ static PetscErrorCode Factors(Reader *r, PetscReal beta, PetscBool vectors, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   The largest abs without what no node sees: that part of the state rests, with the factor 1 for each field and each
-   particle of a cell but one.
-*/
-static PetscReal LargestSeen(Reader *r)
+/* Takes the count factors nearest to a number out of n. */
+static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal number)
 {
-  double complex *value   = r->eigen.value;
-  PetscReal       largest = 0;
+  for (PetscInt i = n - 1; i >= n - count; i--) { /* the nearest of those left comes to place i */
+    for (PetscInt j = 0; j < i; j++) {
+      if (cabs(value[j] - number) < cabs(value[i] - number)) {
+        const double complex kept = value[i];
 
-  for (PetscInt n = 0; n < r->bloch.fields; n++) { /* the next farthest from 1 comes to place n */
-    for (PetscInt j = n + 1; j < r->eigen.n; j++) {
-      if (cabs(value[j] - 1) > cabs(value[n] - 1)) {
-        const double complex kept = value[n];
-
-        value[n] = value[j];
+        value[i] = value[j];
         value[j] = kept;
       }
     }
-    largest = PetscMax(largest, cabs(value[n]));
   }
+}
+
+/*
+   The largest abs without what no node sees, for each field ppc - 1 factors: that part rests, with the factor 1, or with
+   what the transfer leaves of it.
+*/
+static PetscReal LargestSeen(Reader *r)
+{
+  const MpmScene *scene = r->bloch.scene;
+  const PetscInt  rest = scene->table->unfiltered * (scene->ppc - 1), all = scene->table->nstate * (scene->ppc - 1);
+  double complex *value   = r->eigen.value;
+  PetscReal       largest = 0;
+
+  Drop(value, r->eigen.n, rest, 1);
+  Drop(value, r->eigen.n - rest, all - rest, scene->transfer->unseen(&scene->numbers));
+  for (PetscInt i = 0; i < r->eigen.n - all; i++) largest = PetscMax(largest, cabs(value[i]));
   return largest;
 }
 
@@ -132,6 +141,7 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 
 const char *MpmSymbolWhyNot(const MpmScene *scene)
 {
+  if (!MpmSceneIsPeriodic(scene)) return "at walls Fourier modes mix";
   if (!MpmLayoutIsUniform(scene)) return "cells differ, so Fourier modes mix";
   if (scene->ppc > MOST_PPC) return "with so many particles per cell its blocks are too large";
   return NULL;
@@ -146,6 +156,12 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   Reader          reader = {.noisy = NULL};
 
   PetscFunctionBegin;
+  MpmCheckInput(MpmSceneIsPeriodic(scene),
+                "boundary %s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes any)",
+                scene->boundary);
+  MpmCheckInput(MpmSceneIsFull(scene),
+                "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
+                "takes any layout)");
   MpmCheckInput(MpmLayoutIsUniform(scene),
                 "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
                 "takes any layout)",
@@ -168,7 +184,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   PetscCall(PetscMalloc1(s->count, &s->per_phase));
-  if (s->period == 1) PetscCall(PetscMalloc1(s->count, &s->seen));
+  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(s->count, &s->seen));
   if (keep) PetscCall(PetscMalloc2(2 * s->size * s->count, &s->factors, s->count, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));

@@ -1,4 +1,4 @@
-/* mpmstab list [formulation|basis|transfer|layout|options] */
+/* mpmstab list [formulation|basis|transfer|boundary|layout|options] */
 #include <mpmstab/scene.h>
 #include <mpmstab/task.h>
 #include <string.h>
@@ -9,7 +9,7 @@ static PetscErrorCode ListFormulations(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmFormulations[i]; i++)
-    Print("  %-10s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
+    Print("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -17,21 +17,30 @@ static PetscErrorCode ListBases(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmBases[i]; i++)
-    Print("  %-10s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
+    Print("  %-14s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ListTransfers(void)
 {
   PetscFunctionBegin;
-  Print("  %-10s particles gain increments from the grid (Brackbill and Ruppel 1986)\n", "flip");
+  for (PetscInt i = 0; MpmTransfers[i]; i++)
+    Print("  %-14s %s (%s)\n", MpmTransfers[i]->name, MpmTransfers[i]->summary, MpmTransfers[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListBoundaries(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmEndNames[i]; i++) Print("  %-14s %s\n", MpmEndNames[i], MpmEndSummaries[i]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ListLayouts(void)
 {
   PetscFunctionBegin;
-  Print("  %-10s equally spaced from offset, displaced by jitter (hashed from the particle's id)\n", "uniform");
+  Print("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill\n",
+        "uniform");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,6 +58,7 @@ static const struct {
 } lists[] = {{"formulation", "formulations", ListFormulations},
              {"basis", "bases", ListBases},
              {"transfer", "transfers", ListTransfers},
+             {"boundary", "ends of the domain", ListBoundaries},
              {"layout", "layouts", ListLayouts},
              {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions}};
 
@@ -60,7 +70,8 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
-  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|layout|options]", argv[1]);
+  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options]",
+                argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
     if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
@@ -70,7 +81,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
   }
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse("list %s: allowed: formulation, basis, transfer, layout or options%s%s%s", argv[0],
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout or options%s%s%s", argv[0],
               near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   *status = MPM_EXIT_DONE;

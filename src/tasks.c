@@ -6,7 +6,8 @@ const MpmTask MpmTasks[] = {
     {"spectrum", "eigenvalues of the assembled operator beside symbol, closed forms and measured growth",
      MpmTaskSpectrum},
     {"symbol", "abs(G) over the phase beta, exact for uniform layouts", MpmTaskSymbol},
-    {"list", "formulations, bases, transfers, layouts and options", MpmTaskList},
+    {"critical", "the largest stable Courant number, and the wave or mode that limits it", MpmTaskCritical},
+    {"list", "formulations, bases, transfers, boundaries, layouts, options", MpmTaskList},
     {NULL, NULL, NULL},
 };
 

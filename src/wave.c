@@ -1,52 +1,93 @@
 /*
-   Exact solutions on a periodic domain, X = x - U0 t:
+   Exact solutions, X = x - U0 t:
      first order   u_t = c r_x, r_t = c u_x
-       mode        u = A sin(KX) cos(Kct),  r = A cos(KX) sin(Kct)
-       pulse       u = A f(X - ct),         r = -A f(X - ct)      (d'Alembert: u - r travels to the right)
+       mode        u = A sin(KX + phase) cos(Kct),  r = A cos(KX + phase) sin(Kct)
+       pulse       u = A f(X - ct),                 r = -A f(X - ct)      (d'Alembert: u - r travels to the right)
+       step        r = -A and u = 0 at first
      second order  u_t = v, v_t = c^2 u_xx, written with w = v h / c
-       mode        u = (A/omega) sin(omega t) sin(KX), v = A cos(omega t) sin(KX), omega = K c
-       pulse       u = A f(X - ct),         v = -c A f'(X - ct)
-   f is a Gaussian of standard deviation L/20 around L/4, repeated with period L.
+       mode        u = (A/omega) sin(omega t) sin(KX + phase), v = A cos(omega t) sin(KX + phase), omega = K c
+       pulse       u = A f(X - ct),                            v = -c A f'(X - ct)
+       step        u = -(A/c) X and v = 0 at first
+   f is a Gaussian of standard deviation L/20 around L/4, repeated with period L, or between ends with its mirror images:
+   those beyond a fixed end have velocities of the other sign.
+
+   A step load A rho0 c on the free end of a bar at rest, from time 0 on: the equations are linear, so stress and
+   displacement are counted from the loaded bar's equilibrium, r = A, u = (A/c) X, and the load itself drops out.
 */
 #include <mpmstab/wave.h>
 #include <math.h>
 
-const char *const MpmInitialNames[] = {"mode", "random", "pulse", "eigenmode", NULL};
+const char *const MpmInitialNames[] = {"mode", "random", "pulse", "eigenmode", "step", NULL};
 
 static PetscReal PulseWidth(const MpmProfile *p)
 {
   return p->length / 20;
 }
 
-/* Distance from the pulse's centre, in (-L/2, L/2]. */
-static PetscReal PulseDistance(const MpmProfile *p, PetscReal X)
+/* f or its slope at Y, on a line that holds pulses at L/4 + n L, or n 2 L with alternating images. */
+static PetscReal Pulse(const MpmProfile *p, PetscReal Y, PetscBool slope)
 {
-  return remainder(X - p->length / 4, p->length);
+  const PetscBool ends   = p->image[0] != 0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal period = ends ? 2 * p->length : p->length, n = round((Y - p->length / 4) / period);
+  const PetscReal z    = (Y - p->length / 4 - n * period) / PulseWidth(p);
+  const PetscReal sign = ends && fmod(fabs(n), 2) == 1 ? p->image[0] * p->image[1] : 1;
+
+  return sign * exp(-z * z / 2) * (slope ? -z / PulseWidth(p) : 1);
 }
 
-static PetscReal Pulse(const MpmProfile *p, PetscReal X)
+/* The two parts of a solution: the wave that goes to the right, and what comes back from the end there. */
+static PetscReal Travelling(const MpmProfile *p, PetscReal X, PetscReal ct, PetscBool slope)
 {
-  const PetscReal z = PulseDistance(p, X) / PulseWidth(p);
-  return exp(-z * z / 2);
+  return p->amplitude * Pulse(p, X - ct, slope);
 }
 
-static PetscReal PulseSlope(const MpmProfile *p, PetscReal X)
+static PetscReal Returning(const MpmProfile *p, PetscReal X, PetscReal ct, PetscBool slope)
 {
-  return -PulseDistance(p, X) / PetscSqr(PulseWidth(p)) * Pulse(p, X);
+  return p->image[1] == 0 ? 0 : p->image[1] * p->amplitude * Pulse(p, 2 * p->length - X - ct, slope);
+}
+
+/* Stress of a bar that lets go at time 0, on a line: odd about the free end at L, even about the fixed one at 0. */
+static PetscReal StepStress(const MpmProfile *p, PetscReal Y)
+{
+  return fabs(remainder(Y, 4 * p->length)) < p->length ? -p->amplitude : p->amplitude;
+}
+
+static PetscReal StepDisplacement(const MpmProfile *p, PetscReal Y)
+{
+  const PetscReal y = remainder(Y, 4 * p->length);
+
+  return -p->amplitude / p->wave_speed * (fabs(y) <= p->length ? y : copysign(2 * p->length - fabs(y), y));
+}
+
+static PetscReal StepVelocity(const MpmProfile *p, PetscReal X, PetscReal ct)
+{
+  return (StepStress(p, X + ct) - StepStress(p, X - ct)) / 2;
+}
+
+static PetscReal FirstOrderPulse(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
+{
+  if (field == 2) return p->cell_width * (Travelling(p, X, ct, PETSC_TRUE) - Returning(p, X, ct, PETSC_TRUE));
+  return (field ? -1 : 1) * Travelling(p, X, ct, PETSC_FALSE) + Returning(p, X, ct, PETSC_FALSE);
 }
 
 static PetscReal FirstOrderValue(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal t)
 {
-  const PetscReal K = p->wavenumber, ct = p->wave_speed * t;
+  const PetscReal K = p->wavenumber, ct = p->wave_speed * t, angle = K * X + p->phase;
 
-  if (p->initial == MPM_INITIAL_PULSE) return (field ? -1 : 1) * p->amplitude * Pulse(p, X - ct);
-  return p->amplitude * (field ? cos(K * X) * sin(K * ct) : sin(K * X) * cos(K * ct));
+  if (p->initial == MPM_INITIAL_PULSE) return FirstOrderPulse(p, field, X, ct);
+  if (p->initial == MPM_INITIAL_STEP) {
+    if (field == 2) return 0;
+    return field ? (StepStress(p, X + ct) + StepStress(p, X - ct)) / 2 : StepVelocity(p, X, ct);
+  }
+  if (field == 2) return p->amplitude * K * p->cell_width * cos(angle) * cos(K * ct);
+  return p->amplitude * (field ? cos(angle) * sin(K * ct) : sin(angle) * cos(K * ct));
 }
 
 static PetscReal FirstOrderAmplitude(const MpmProfile *p, PetscInt field)
 {
-  (void)field;
-  return p->amplitude;
+  if (field < 2 || p->initial == MPM_INITIAL_STEP) return p->amplitude;
+  return p->amplitude * p->cell_width *
+         (p->initial == MPM_INITIAL_PULSE ? 1 / (PulseWidth(p) * sqrt(M_E)) : p->wavenumber);
 }
 
 static PetscReal FirstOrderVelocityUnit(const MpmProfile *p)
@@ -55,20 +96,29 @@ static PetscReal FirstOrderVelocityUnit(const MpmProfile *p)
   return 1;
 }
 
+static PetscReal SecondOrderPulse(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
+{
+  if (field) return -p->cell_width * (Travelling(p, X, ct, PETSC_TRUE) + Returning(p, X, ct, PETSC_TRUE));
+  return Travelling(p, X, ct, PETSC_FALSE) + Returning(p, X, ct, PETSC_FALSE);
+}
+
 static PetscReal SecondOrderValue(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal t)
 {
-  const PetscReal K = p->wavenumber, ct = p->wave_speed * t;
+  const PetscReal K = p->wavenumber, ct = p->wave_speed * t, angle = K * X + p->phase;
 
-  if (p->initial == MPM_INITIAL_PULSE)
-    return p->amplitude * (field ? -p->cell_width * PulseSlope(p, X - ct) : Pulse(p, X - ct));
-  if (field) return p->amplitude * p->cell_width / p->wave_speed * cos(K * ct) * sin(K * X);
-  return p->amplitude / (K * p->wave_speed) * sin(K * ct) * sin(K * X);
+  if (p->initial == MPM_INITIAL_PULSE) return SecondOrderPulse(p, field, X, ct);
+  if (p->initial == MPM_INITIAL_STEP)
+    return field ? p->cell_width / p->wave_speed * StepVelocity(p, X, ct)
+                 : (StepDisplacement(p, X + ct) + StepDisplacement(p, X - ct)) / 2;
+  if (field) return p->amplitude * p->cell_width / p->wave_speed * cos(K * ct) * sin(angle);
+  return p->amplitude / (K * p->wave_speed) * sin(K * ct) * sin(angle);
 }
 
 static PetscReal SecondOrderAmplitude(const MpmProfile *p, PetscInt field)
 {
   if (p->initial == MPM_INITIAL_PULSE) return p->amplitude * (field ? p->cell_width / (PulseWidth(p) * sqrt(M_E)) : 1);
-  return p->amplitude * (field ? p->cell_width / p->wave_speed : 1 / (p->wavenumber * p->wave_speed));
+  if (field) return p->amplitude * p->cell_width / p->wave_speed;
+  return p->amplitude * (p->initial == MPM_INITIAL_STEP ? p->length : 1 / p->wavenumber) / p->wave_speed;
 }
 
 /* v = w c / h, and c u_x = difference c / h. */
@@ -78,6 +128,10 @@ static PetscReal SecondOrderVelocityUnit(const MpmProfile *p)
 }
 
 const MpmWave MpmWaveFirstOrder  = {.equations     = "u_t = c r_x, r_t = c u_x",
+                                    .value         = FirstOrderValue,
+                                    .amplitude     = FirstOrderAmplitude,
+                                    .velocity_unit = FirstOrderVelocityUnit};
+const MpmWave MpmWaveMomentum    = {.equations     = "v_t = c s_x, s_t = c v_x",
                                     .value         = FirstOrderValue,
                                     .amplitude     = FirstOrderAmplitude,
                                     .velocity_unit = FirstOrderVelocityUnit};

@@ -7,13 +7,16 @@
 /*S
    MpmRegisters - a field is a sparse matrix: rows are its particles or nodes, columns the state at the start.
 
-   counts are this rank's cells, particles and state numbers; a rank's cells are those that the march gives it.
+   cells, nodes, particles and state are this rank's counts; a rank's cells are those that the march gives it. begin is
+   its first particle's id.
 */
 typedef struct {
   MPI_Comm        comm;
   const MpmScene *scene;
-  PetscInt        first, cells, particles, state;
-  PetscInt        fields, nodes;
+  PetscInt        first, cells, nodes, begin, particles, state;
+  PetscInt        fields;
+  Vec             masses;
+  PetscInt64      masses_step;
   Mat             particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
 } MpmRegisters;
 
@@ -22,12 +25,19 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegis
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
-   MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or for P2G nodes x particles,
-   divided by the nodal masses (0 where there is none).
+   MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by the
+   nodal masses (0 where there is none). odd: of the node field, see MpmTable.
 
    Collective.
 */
-PetscErrorCode MpmRegistersMap(const MpmRegisters *registers, MpmOpKind kind, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map);
+
+/*
+   MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose 0.
+
+   Collective. By all eigenvalues of W^T W; refuses grids too large for that.
+*/
+PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool odd, PetscInt64 step, Mat *map);
 
 /* Collective. The operations of one step, with particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);

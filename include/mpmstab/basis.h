@@ -1,20 +1,21 @@
 /* Basis functions: which nodes a particle sees, and the maps written for them. */
 #pragma once
+#include <mpmstab/formulation.h>
 #include <mpmstab/kernels.h>
 
 /*S
    MpmBasis - a basis: its reach and its maps.
 
-   A particle in cell i sees the nodes i - reach_left to i + reach_right. slope_sum bounds h sum_i
-   abs(dphi_ip/dx).
+   A particle in cell i sees the nodes i - reach_left to i + reach_right; node i is at the left of cell i, where its
+   function has its middle. slope_sum bounds h sum_i abs(dphi_ip/dx). kernel[] is by kind of operation.
 S*/
 typedef struct {
   const char   *name, *summary, *reference;
   PetscInt      reach_left, reach_right;
   PetscReal     slope_sum;
-  MpmKernel     p2g, g2p, grad;
+  MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
-  PetscBool     hat; /* the closed forms of the formulations are for this basis */
+  PetscBool     hat; /* the slides' formulas are for this basis */
 } MpmBasis;
 
 /* Not collective. All bases, NULL-terminated. */

@@ -7,3 +7,6 @@ PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed);
 
 /* Collective. The same for a computed spectrum or symbol: its verdict, and its growth (expect_spectrum). */
 PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed);
+
+/* Collective. The same for a critical Courant number (expect_critical); adds to what was missed. */
+PetscErrorCode MpmExpectCritical(const MpmExpect *expect, PetscReal courant, PetscInt *missed);

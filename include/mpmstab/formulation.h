@@ -1,28 +1,65 @@
 /*
    A formulation is data: a table of linear operations, one per line of the algorithm as it is published.
 
-   Readers of the table (march, assemble and symbol) know these operations and nothing of gas or
-   bar. Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and
+   Readers of a table (march, assemble and symbol) know these operations and nothing of gas or bar; what they read is
+   the formulation's table with transfer and boundary worked into it (see table.h). Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and
    the papers named in each formulation's file.
 */
 #pragma once
 #include <mpmstab/compat.h>
 #include <mpmstab/wave.h>
+#include <complex.h>
 
-#define MPM_MAX_FIELDS 4 /* particle fields, and node fields, of one formulation */
+#define MPM_MAX_FIELDS 8 /* particle fields, and node fields, scratch included */
 #define MPM_NONE -1
 
 /*E
-   MpmOpKind - the maps between particles and nodes.
+   MpmOpKind - the operations of a table. a is the operation's factor, times the Courant number where it says so.
 
-   MPM_P2G   - node      = sum_p phi_ip m_p particle / sum_p phi_ip m_p
-   MPM_G2P   - particle += a sum_i phi_ip node
-   MPM_GRAD  - particle += a h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the left)
-   MPM_LAP   - node      = a (f_{i+1} - 2 f_i + f_{i-1}) of another node field f
-   MPM_ADD   - node     += another node field
-   MPM_DRIFT - x_p      += U0 dt
+   From particles to nodes, over the nodal mass sum_p phi_ip m_p (0 where there is none):
+   MPM_P2G        - node  = sum_p phi_ip m_p particle
+   MPM_P2G_AFFINE - node += sum_p phi_ip m_p particle (x_i - x_p) / h
+   MPM_DIV        - node  = a h sum_p dphi_ip/dx m_p particle, the adjoint of GRAD
+
+   From nodes to particles:
+   MPM_G2P        - particle += a sum_i phi_ip node
+   MPM_G2P_AFFINE - particle += a sum_i phi_ip node (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
+   MPM_GRAD       - particle += a h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the left)
+
+   On particles, and on nodes:
+   MPM_SCALE      - particle *= a
+   MPM_LAP        - node      = a (f_{i+1} - 2 f_i + f_{i-1}) of another node field f
+   MPM_ADD        - node     += a f
+   MPM_COPY       - node      = a f
+   MPM_SOLVE      - node      = (P W)^+ f, P = P2G and W = G2P: the least y whose P2G G2P is f
+   MPM_WALL       - node      = a f, at the wall node of one end alone
+   MPM_DRIFT      - x_p      += U0 dt
+
+   In the tables of formulations only; what they stand for depends on transfer and boundary (see table.h):
+   MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
+   MPM_IMPOSE     - node = 0 at fixed ends
+   MPM_REACT      - the increment of a node field at fixed ends
 E*/
-typedef enum { MPM_P2G, MPM_G2P, MPM_GRAD, MPM_LAP, MPM_ADD, MPM_DRIFT } MpmOpKind;
+typedef enum {
+  MPM_P2G,
+  MPM_P2G_AFFINE,
+  MPM_DIV,
+  MPM_G2P,
+  MPM_G2P_AFFINE,
+  MPM_GRAD,
+  MPM_SCALE,
+  MPM_LAP,
+  MPM_ADD,
+  MPM_COPY,
+  MPM_SOLVE,
+  MPM_WALL,
+  MPM_DRIFT,
+  MPM_FILTER,
+  MPM_IMPOSE,
+  MPM_REACT
+} MpmOpKind;
+
+#define MPM_OP_KINDS (MPM_DRIFT + 1) /* that readers of a table meet */
 
 /* Where an operation's operand lives. */
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
@@ -46,21 +83,30 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind);
 /* Factors that an operation may carry: 1, or the Courant number k = c dt / h. */
 typedef enum { MPM_ONE, MPM_COURANT } MpmCoefficient;
 
-/* One line of a formulation; dst and src index its particle or node fields. */
+/* One line of a table; dst and src index its particle or node fields. end: of MPM_WALL, 0 left, 1 right. */
 typedef struct {
   MpmOpKind      kind;
   PetscInt       dst, src;
   MpmCoefficient coefficient;
+  PetscReal      factor;
+  PetscInt       end;
 } MpmOp;
+
+/* Not collective. An operation's a at a Courant number. */
+PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 
 /* The vocabulary in which formulations are written. */
 /* clang-format off */
-#define P2G(node, particle)               {MPM_P2G, node, particle, MPM_ONE}
-#define G2P(particle, node, coefficient)  {MPM_G2P, particle, node, MPM_##coefficient}
-#define GRAD(particle, node, coefficient) {MPM_GRAD, particle, node, MPM_##coefficient}
-#define LAP(node, other, coefficient)     {MPM_LAP, node, other, MPM_##coefficient}
-#define ADD(node, other)                  {MPM_ADD, node, other, MPM_ONE}
-#define DRIFT                             {MPM_DRIFT, MPM_NONE, MPM_NONE, MPM_ONE}
+#define P2G(node, particle)                {MPM_P2G, node, particle, MPM_ONE, 1, 0}
+#define G2P(particle, node, coefficient)   {MPM_G2P, particle, node, MPM_##coefficient, 1, 0}
+#define GRAD(particle, node, coefficient)  {MPM_GRAD, particle, node, MPM_##coefficient, 1, 0}
+#define MINUS_DIV(node, particle, coefficient) {MPM_DIV, node, particle, MPM_##coefficient, -1, 0}
+#define LAP(node, other, coefficient)      {MPM_LAP, node, other, MPM_##coefficient, 1, 0}
+#define ADD(node, other)                   {MPM_ADD, node, other, MPM_ONE, 1, 0}
+#define DRIFT                              {MPM_DRIFT, MPM_NONE, MPM_NONE, MPM_ONE, 1, 0}
+#define FILTER(particle, node)             {MPM_FILTER, particle, node, MPM_ONE, 1, 0}
+#define IMPOSE(node)                       {MPM_IMPOSE, node, node, MPM_ONE, 0, 0}
+#define REACT(node, imposed)               {MPM_REACT, node, imposed, MPM_ONE, 0, 0}
 /* clang-format on */
 
 /*
@@ -73,37 +119,42 @@ typedef struct {
 } MpmEnergyTerm;
 
 /*S
-   MpmCellMoments - what a uniform layout at rest enters the closed forms with (theory: hat basis).
+   MpmCellSymbols - what a uniform layout at rest enters the closed forms with, at a phase beta.
 
-   e = C1 - C2 = 2 mean(xi) - 1, how far off-centre the particles sit; xi[] their places in the cell.
+   alpha: symbol of P2G G2P, the mean over a cell's particles of abs(phi symbol)^2. kappa: of -DIV GRAD, the mean of
+   abs(h GRAD symbol)^2. mu: of P2G GRAD; for the hat mu = e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
+   retained: what of a node field's mode is left when its particles have been through the transfer's filter (flip: 1).
 S*/
 typedef struct {
-  PetscReal        e;
-  PetscInt         ppc;
-  const PetscReal *xi;
-} MpmCellMoments;
+  PetscReal      beta, alpha, kappa, retained;
+  double complex mu;
+} MpmCellSymbols;
 
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
-   second-order start, or MPM_NONE. published and corrected give abs(G) at the phase beta; they return NaN where
-   the formula says nothing. published_slip says in a sentence what is wrong with the published one;
-   published_centred: it also takes particles for centred, C1 = C2.
+   second-order start, or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE.
+   free_ends: whether an end may be left free. published (NULL: the slides do not treat it) and corrected give abs(G) at
+   a phase; published returns NaN where the formula says nothing. published_slip says in a sentence what is wrong with
+   the published one; published_centred: it also takes particles for centred, C1 = C2. limit is the largest stable
+   Courant number at a phase, infinite where there is none.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;
   const char          *particle_fields[MPM_MAX_FIELDS + 1], *node_fields[MPM_MAX_FIELDS + 1];
   PetscInt             nops;
   const MpmOp         *ops;
-  PetscInt             staggered;
+  PetscInt             staggered, affine;
+  PetscBool            free_ends;
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
-  const char          *published_text, *published_slip, *corrected_text;
+  const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
-  PetscReal (*corrected)(const MpmCellMoments *cell, PetscReal courant, PetscReal beta);
+  PetscReal (*corrected)(const MpmCellSymbols *cell, PetscReal courant);
+  PetscReal (*limit)(const MpmCellSymbols *cell);
 } MpmFormulation;
 
 /* Not collective. All formulations, NULL-terminated, in the order of the slides. */
@@ -112,9 +163,5 @@ extern const MpmFormulation *const MpmFormulations[];
 /* Not collective. Looks a formulation up by name; NULL when there is none. */
 const MpmFormulation *MpmFormulationFind(const char name[]);
 
-/* Not collective. Number of particle fields and of node fields. */
-PetscInt MpmFormulationParticleFields(const MpmFormulation *formulation);
-PetscInt MpmFormulationNodeFields(const MpmFormulation *formulation);
-
-/* Not collective. The value of a coefficient at a Courant number. */
-PetscReal MpmCoefficientValue(MpmCoefficient coefficient, PetscReal courant);
+/* Not collective. Whether a formulation's table has an operation of a kind. */
+PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);

@@ -5,16 +5,18 @@
 #include <petscsf.h>
 
 /*S
-   MpmGrid - a periodic grid of cells, distributed by DMDA.
+   MpmGrid - a grid of cells, periodic or between walls, distributed by DMDA.
 
-   Local arrays have the owned nodes at indices [0, count) and ghosts at [-ghost, 0) and [count, count +
-   ghost); node i is at the left of cell i, first is the global index of local node 0. starts[r] is the first
-   node of rank r.
+   Local arrays have the owned nodes at indices [0, nodes) and ghosts at [-ghost, 0) and [nodes, nodes + ghost); node i
+   is at the left of cell i, first is the global index of local node 0. A rank owns the nodes of its count cells, the
+   last one also the wall at the right. starts[r] is the first cell of rank r.
 S*/
 typedef struct {
   DM        da;
   PetscSF   halo; /* roots: owned nodes; leaves: ghost nodes; both index the local array from its beginning */
-  PetscInt  cells, first, count, ghost;
+  PetscInt  cells, first, count, nodes, ghost;
+  PetscBool wall[2]; /* whether this rank has the wall at the left, at the right */
+  PetscBool periodic;
   PetscInt *starts;
 } MpmGrid;
 
@@ -23,7 +25,7 @@ typedef struct {
 
    Collective. Needs at least ghost cells on every rank; MpmGridSmallestCount says how many there are.
 */
-PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt cells, PetscInt ghost, MpmGrid **grid);
+PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt cells, PetscInt ghost, PetscBool periodic, MpmGrid **grid);
 PetscErrorCode MpmGridDestroy(MpmGrid **grid);
 
 /* Not collective. Fewest cells that any of size ranks gets. */
@@ -42,6 +44,13 @@ PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **a
 */
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
+
+/*
+   Not collective. Nodes beyond a wall are mirror images, sign[end] times those inside. MpmGridFold gives what particles
+   have summed to them (within ghost - 1 nodes of the wall) to those they stand for; MpmGridReflect sets them.
+*/
+void MpmGridFold(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[]);
+void MpmGridReflect(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[]);
 
 /* Not collective. The rank that owns a cell in [0, cells). */
 PetscMPIInt MpmGridOwner(const MpmGrid *grid, PetscInt cell);

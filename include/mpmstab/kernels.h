@@ -11,25 +11,38 @@
 /*
    Every map between particles and nodes has this shape:
 
-     P2G    node[]     += sum over particles of phi_ip particle[p]    (a is not used; not yet divided by mass)
-     G2P    particle[] += a sum_i phi_ip node[i]
-     GRAD   particle[] += a h sum_i dphi_ip/dx node[i]
+     P2G         node[]     += a sum over particles of phi_ip particle[p]
+     P2G_AFFINE  node[]     += a sum over particles of phi_ip particle[p] (x_i - x_p) / h
+     DIV         node[]     += a h sum over particles of dphi_ip/dx particle[p]
+     G2P         particle[] += a sum_i phi_ip node[i]
+     G2P_AFFINE  particle[] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
+     GRAD        particle[] += a h sum_i dphi_ip/dx node[i]
+
+   What goes to nodes is not yet divided by mass. width is the particles' half width in cells, for bases that have one.
+   Hat P2G takes a for 1.
 */
-typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
-                          PetscReal node[]);
+typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+                          PetscReal particle[], PetscReal node[]);
 
 /* P2G and the nodal masses in one go, for particles that have moved: mass[] += sum over particles of phi_ip. */
-typedef void (*MpmMassKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], const PetscReal particle[],
-                              PetscReal node[], PetscReal mass[]);
+typedef void (*MpmMassKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width,
+                              const PetscReal particle[], PetscReal node[], PetscReal mass[]);
 
-void MpmHatP2G(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
-               PetscReal node[]);
-void MpmHatP2GMass(PetscInt n, const PetscInt cell[], const PetscReal xi[], const PetscReal particle[],
+void MpmHatP2G(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatP2GMass(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, const PetscReal particle[],
                    PetscReal node[], PetscReal mass[]);
-void MpmHatG2P(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
-               PetscReal node[]);
-void MpmHatGrad(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal a, PetscReal particle[],
-                PetscReal node[]);
+void MpmHatP2GAffine(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+                     PetscReal particle[], PetscReal node[]);
+void MpmHatDiv(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatG2P(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatGrad(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+                PetscReal particle[], PetscReal node[]);
+
+/* particle[] *= a. */
+void MpmScale(PetscInt n, PetscReal a, PetscReal particle[]);
 
 /*
    MpmPlaceBlock - where particles are: their resting place (cell0, xi0) moved on by whole cells and part in
@@ -48,5 +61,6 @@ PetscReal MpmSumSquares(PetscInt n, const PetscReal q[]);
 /* out[i] = a (f[i+1] - 2 f[i] + f[i-1]) for i in [lo, hi). */
 void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
 
-/* out[i] += f[i] for i in [lo, hi). */
-void MpmNodeAdd(PetscInt lo, PetscInt hi, const PetscReal f[], PetscReal out[]);
+/* out[i] += a f[i], and out[i] = a f[i], for i in [lo, hi). */
+void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
+void MpmNodeCopy(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);

@@ -12,7 +12,7 @@ PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);
 
 /*
    MpmLayoutPlace - resting place of particle id: its cell (unwrapped: jitter may take it into a neighbour of
-   its own cell id / ppc) and its place xi in [0,1) there.
+   its own cell (first + id) / ppc) and its place xi in [0,1) there.
 
    Not collective.
 */
@@ -34,8 +34,8 @@ void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, Pet
 */
 PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period);
 
-/* Not collective. Whether every cell holds the same particles, so that Fourier modes do not mix. */
+/* Not collective. Whether all cells are alike and there is no end, so that Fourier modes do not mix. */
 static inline PetscBool MpmLayoutIsUniform(const MpmScene *scene)
 {
-  return scene->jitter == 0 ? PETSC_TRUE : PETSC_FALSE;
+  return scene->jitter == 0 && MpmSceneIsPeriodic(scene) && MpmSceneIsFull(scene) ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -5,9 +5,6 @@
 
 #define MPM_MAX_REACH 8 /* nodes that one particle may see */
 
-/* Not collective. The kernel that does an operation between particles and nodes in a basis. */
-MpmKernel MpmMapKernel(const MpmBasis *basis, MpmOpKind kind);
-
 /* Not collective. How many nodes a particle sees. */
 static inline PetscInt MpmMapReach(const MpmBasis *basis)
 {
@@ -16,8 +13,8 @@ static inline PetscInt MpmMapReach(const MpmBasis *basis)
 
 /*
    MpmMapRow - the numbers that tie a particle at xi in its cell to the nodes it sees, from the one at -reach_left of
-   its cell's left node on: phi_ip for P2G (undivided) and G2P, h dphi_ip/dx for GRAD.
+   its cell's left node on: phi_ip for P2G (undivided) and G2P, h dphi_ip/dx for GRAD. width: see kernels.h.
 
    Not collective. They are what the operation's kernel does to unit vectors: what is analysed is what runs.
 */
-void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal row[]);
+void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal width, PetscReal row[]);

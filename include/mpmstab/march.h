@@ -1,6 +1,7 @@
-/* March: the explicit loop. Reads a formulation's passes; knows nothing of gas or bar. */
+/* March: the explicit loop. Reads a table's passes; knows nothing of gas or bar. */
 #pragma once
 #include <mpmstab/grid.h>
+#include <mpmstab/nodal_solve.h>
 #include <mpmstab/particles.h>
 #include <mpmstab/passes.h>
 
@@ -17,6 +18,7 @@ typedef struct {
   MpmSchedule     schedule;
   PetscInt        nnodes, slack;
   Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
+  MpmNodalSolve  *nodal_solve;                                               /* NULL: the table has no SOLVE */
   PetscInt64      step, migrations;
   PetscInt        exponent;
   PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */

@@ -13,14 +13,14 @@
    memory traffic. DMSwarm's own pid field is the global id.
 S*/
 typedef struct {
-  DM                    swarm;
-  const MpmFormulation *formulation;
-  MpmFraction           drift;
-  PetscInt              count;   /* on this rank */
-  PetscInt64            total;   /* on all ranks */
-  PetscInt64            step;    /* time level of the places */
-  PetscInt64            rebased; /* whole cells of drift already in the cell field */
-  PetscBool             parallel;
+  DM              swarm;
+  const MpmTable *table;
+  MpmFraction     drift;
+  PetscInt        count;   /* on this rank */
+  PetscInt64      total;   /* on all ranks */
+  PetscInt64      step;    /* time level of the places */
+  PetscInt64      rebased; /* whole cells of drift already in the cell field */
+  PetscBool       parallel;
 } MpmParticles;
 
 extern const char MpmFieldCell[], MpmFieldXi[];

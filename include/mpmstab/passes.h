@@ -1,5 +1,5 @@
 /*
-   Passes: a formulation's table compiled for marching. Consecutive particle operations between two grid sums
+   Passes: a table compiled for marching. Consecutive particle operations between two grid sums
    become one pass over the particles, done block by block.
 
    A step is cut where its particles first read the grid: what comes before (the first P2Gs) joins the pass
@@ -8,19 +8,21 @@
 */
 #pragma once
 #include <mpmstab/maps.h>
+#include <mpmstab/table.h>
 
 #define MPM_MAX_PASS_OPS 24
-#define MPM_MAX_PASSES 8
+#define MPM_MAX_JOINED 8 /* passes that follow one another through the particles */
 
 /*E
    MpmPassOpKind - what a pass does to a block of particles.
 
    MPM_PASS_MAP    - a map between particles and nodes (a kernel of the basis)
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
+   MPM_PASS_SCALE  - a particle field times a number
    MPM_PASS_DRIFT  - particles are at the next step's places from here on
    MPM_PASS_SAMPLE - sum of squares of a particle field, when the step is sampled
 E*/
-typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
+typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
 
 /* to_nodes: the map writes the node field. */
 typedef struct {
@@ -32,11 +34,14 @@ typedef struct {
   PetscBool     to_nodes;
 } MpmPassOp;
 
-/* A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. */
+/*
+   A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. end: of
+   a wall's.
+*/
 typedef struct {
   MpmOpKind kind;
   PetscReal a;
-  PetscInt  dst, src, depth;
+  PetscInt  dst, src, depth, end;
 } MpmNodeOp;
 
 /* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then migrate. */
@@ -55,26 +60,29 @@ typedef struct {
    up by node operations.
 S*/
 typedef struct {
-  MpmPass   start, pass[MPM_MAX_PASSES];
-  PetscInt  npasses, halo;
+  MpmPass   start, *pass;
+  PetscInt  npasses, room, halo;
   PetscBool spare[MPM_MAX_FIELDS];
 } MpmSchedule;
 
 /*
-   MpmScheduleCompile - compiles a formulation's table.
+   MpmScheduleCompile - compiles a table; what schedule held before is freed.
 
-   Not collective.
+   Not collective. Begin with a schedule of zeros.
 
    Input Parameters:
 +  drifts - whether particles move; if not, DRIFT is left out and the masses are summed once
 -  fused  - whether particles may be summed to the grid before they migrate (they stay within the ghost layer)
 */
-PetscErrorCode MpmScheduleCompile(const MpmFormulation *formulation, const MpmBasis *basis, PetscReal courant,
-                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule);
+PetscErrorCode MpmScheduleCompile(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
+                                  PetscBool fused, MpmSchedule *schedule);
+PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
 
 /*
    MpmScheduleBound - a bound on how much one step can enlarge the largest number of the state.
 
-   Not collective. Follows the table with the maps' maximum norms; used to rescale in time.
+   Not collective. Follows the table with the maps' maximum norms; used to rescale in time. least_mass: a bound from below
+   on the nodal masses that DIV divides by, in particles.
 */
-PetscReal MpmScheduleBound(const MpmFormulation *formulation, const MpmBasis *basis, PetscReal courant);
+PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
+                           PetscReal least_mass);

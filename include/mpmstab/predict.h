@@ -4,26 +4,33 @@
 
 /*S
    MpmPredictor - a formulation's closed forms for a scene. why_not: NULL when they cover it, else what they leave out
-   (moving or scattered particles, another basis).
-*/
+   (moving or scattered particles, ends); why_not_published: the same of the slides' (other bases and transfers too).
+
+   e = C1 - C2 of the slides' weights. node[j]: the first that particle j of a cell sees; value and slope: its phi_ip and
+   h dphi_ip/dx, MpmMapReach of each.
+S*/
 typedef struct {
   const MpmScene *scene;
-  const char     *why_not;
-  PetscReal      *xi;
-  MpmCellMoments  cell;
+  const char     *why_not, *why_not_published;
+  PetscReal       e;
+  PetscInt       *node;
+  PetscReal      *value, *slope;
 } MpmPredictor;
 
 /* Not collective. */
 PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *predictor);
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
+/* Not collective. What the closed forms are made of, at a phase. */
+MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *predictor, PetscReal beta);
+
 /* Not collective. abs(G) at a phase; NaN where the formula says nothing. */
 PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal beta);
 PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal beta);
 
 /*S
-   MpmPredictions - growth per step; NaN where a formula does not cover the scene (moving or scattered
-   particles, another basis, a Courant number the slides leave out).
+   MpmPredictions - growth per step; NaN where a formula does not cover the scene (see MpmPredictor; or a Courant number
+   the slides leave out).
 
    corrected_mode is the corrected formula at the one phase of initial mode.
 */

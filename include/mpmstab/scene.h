@@ -3,32 +3,41 @@
 #include <mpmstab/basis.h>
 #include <mpmstab/formulation.h>
 #include <mpmstab/settings.h>
+#include <mpmstab/table.h>
 #include <mpmstab/verdict.h>
 
 /*S
    MpmExpect - what a scene says must come out; has_* says which of them it says.
 S*/
 typedef struct {
-  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy;
+  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy, has_critical;
   MpmVerdict    verdict;
   MpmGrowthKind kind;
-  PetscReal     growth[2], spectrum[2], error[2], energy[2];
+  PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2];
 } MpmExpect;
 
 /*S
    MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
    courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
+
+   table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
+   first + id of a layout that fills all cells; particles are those that there are. width: half a particle's, in cells.
 S*/
 typedef struct {
   const MpmFormulation *formulation;
   const MpmBasis       *basis;
-  const char           *task, *transfer, *boundary, *layout;
-  PetscInt              dim, cells, ppc, mode;
-  PetscInt64            particles, seed, steps, output_every;
-  PetscReal             length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
+  const MpmTransfer    *transfer;
+  MpmTransferNumbers    numbers;
+  MpmTable             *table;
+  MpmEnd                ends[2];
+  const char           *task, *layout;
+  char                  boundary[64];
+  PetscInt              dim, cells, nodes, ppc, mode;
+  PetscInt64            first, particles, seed, steps, output_every;
+  PetscReal             width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
   MpmFraction           offset, drift;
   MpmInitial            initial;
-  PetscBool             stagger, has_progress, progress, measure;
+  PetscBool             stagger, has_progress, progress, measure, survey;
   PetscInt              phases, modes;
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
@@ -43,6 +52,12 @@ typedef struct {
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene);
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 
+/*
+   Collective. How particles are renewed, where they are, and what holds at the ends: refuses what does not exist, and
+   makes the table. Called by MpmSceneCreate.
+*/
+PetscErrorCode MpmSettingsScheme(const MpmSettings *settings, MpmScene *scene);
+
 /* Collective. The files a scene writes: each can be written, and no two are the same. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 
@@ -51,6 +66,33 @@ static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
 {
   return scene->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
 }
+
+/* Not collective. Whether the domain has no ends. */
+static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
+{
+  return scene->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. Whether every place of the layout has its particle. */
+static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
+{
+  return scene->particles == (PetscInt64)scene->cells * scene->ppc ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+   Not collective. The sign that a node field has beyond each end: nodes there are mirror images of those inside, of the
+   other sign for fields that are 0 at the wall.
+*/
+static inline void MpmSceneMirror(const MpmScene *scene, PetscBool odd, PetscReal sign[2])
+{
+  for (int end = 0; end < 2; end++) sign[end] = odd && MpmEndIsFixed(scene->ends[end]) ? -1 : 1;
+}
+
+/*
+   Not collective. Whether the solution of the scene's continuous problem is known: from such initial data, in a domain
+   filled from end to end, or a bar from the left end to a free one somewhere inside.
+*/
+PetscBool MpmSceneHasExact(const MpmScene *scene);
 
 /* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);

@@ -7,7 +7,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/fraction.h>
 
-typedef enum { MPM_WORD, MPM_INTEGER, MPM_REAL, MPM_FRACTION, MPM_SWITCH, MPM_PATH, MPM_RANGE } MpmOptionKind;
+typedef enum { MPM_WORD, MPM_INTEGER, MPM_REAL, MPM_FRACTION, MPM_SWITCH, MPM_PATH, MPM_RANGE, MPM_ENDS } MpmOptionKind;
 
 /*S
    MpmOption - one option: a scene key and the command-line option of the same name.
@@ -63,7 +63,7 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default).
+   (MpmSettingsGiven, or a default). Ends: two words, or one for both.
 */
 PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
@@ -71,11 +71,15 @@ PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[
 PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value);
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
 PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2]);
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether an option has a value, and who gave it. */
 PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[]);
 MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[]);
+
+/* Not collective. Whether a key of the scene has lost its sense because the command line changed another. */
+PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[]);
 
 /* Not collective. The name nearest to a misspelled one among n, or NULL when none is near. */
 const char *MpmSuggest(const char misspelled[], PetscInt n, const char *const names[]);

@@ -15,7 +15,7 @@
    share the maximum to rounding.
 
    per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests
-   at 1: of all factors but the fields x (ppc - 1) nearest to 1. With factors kept, factors[2 (size i + j)] is the
+   at 1: of all factors but those nearest to 1 (or to what the transfer leaves of it), ppc - 1 for each field; NULL for transfers without such a factor. With factors kept, factors[2 (size i + j)] is the
    real part of factor j of phase first + i, the next number its imaginary part, both divided by 2^exponents[i].
 
    Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.

@@ -8,7 +8,10 @@ const MpmBasis MpmLinear = {.name        = "linear",
                             .reach_right = 1,
                             .slope_sum   = 2,
                             .hat         = PETSC_TRUE,
-                            .p2g         = MpmHatP2G,
                             .p2g_mass    = MpmHatP2GMass,
-                            .g2p         = MpmHatG2P,
-                            .grad        = MpmHatGrad};
+                            .kernel      = {[MPM_P2G]        = MpmHatP2G,
+                                            [MPM_P2G_AFFINE] = MpmHatP2GAffine,
+                                            [MPM_DIV]        = MpmHatDiv,
+                                            [MPM_G2P]        = MpmHatG2P,
+                                            [MPM_G2P_AFFINE] = MpmHatGrad, /* phi (x_i - x_p) / D is -1 and 1 */
+                                            [MPM_GRAD]       = MpmHatGrad}};

@@ -2,9 +2,9 @@
 #include <mpmstab/basis.h>
 #include <string.h>
 
-extern const MpmBasis MpmLinear;
+extern const MpmBasis MpmLinear, MpmGimp, MpmQuadratic, MpmCubic;
 
-const MpmBasis *const MpmBases[] = {&MpmLinear, NULL};
+const MpmBasis *const MpmBases[] = {&MpmLinear, &MpmGimp, &MpmQuadratic, &MpmCubic, NULL};
 
 const MpmBasis *MpmBasisFind(const char name[])
 {

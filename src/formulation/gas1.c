@@ -6,14 +6,16 @@
    Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 1; after Brackbill 1988.
 */
 #include <mpmstab/formulation.h>
-#include <complex.h>
 #include <math.h>
 
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
 
 static const MpmOp ops[] = {
+    FILTER(U, U_I),        /*    the transfer's filter      */
+    FILTER(R, R_I),        /*    (flip: none)               */
     P2G(U_I, U),           /* 1. u_i  = sum_p S_ip u_p      */
+    IMPOSE(U_I),           /*    a wall reflects            */
     P2G(R_I, R),           /* 2. r_i  = sum_p S_ip r_p      */
     GRAD(U, R_I, COURANT), /* 3. u_p += k (r_{i+1} - r_i)   */
     GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)   */
@@ -28,11 +30,19 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return hypot(1, 2 * k * sin(beta));
 }
 
-/* C1 + C2 = 1 halves the slides' stencil; G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta. */
-static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal beta)
+/* C1 + C2 = 1 halves the slides' stencil; G = f (1 +- k mu), for the hat mu = e (1 - cos beta) + i sin beta. */
+static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const double complex mu = cell->e * (1 - cos(beta)) + I * sin(beta);
-  return fmax(cabs(1 + k * mu), cabs(1 - k * mu));
+  return cell->retained * fmax(cabs(1 + k * cell->mu), cabs(1 - k * cell->mu));
+}
+
+/* (1 + 2 k abs(Re mu) + k^2 abs(mu)^2) f^2 = 1. */
+static PetscReal Limit(const MpmCellSymbols *cell)
+{
+  const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->retained) - 1;
+
+  if (size == 0 || cell->retained == 0) return INFINITY;
+  return room / (re + sqrt(re * re + size * size * room));
 }
 
 const MpmFormulation MpmGas1 = {.name              = "gas1",
@@ -43,6 +53,7 @@ const MpmFormulation MpmGas1 = {.name              = "gas1",
                                 .nops              = PETSC_STATIC_ARRAY_LENGTH(ops),
                                 .ops               = ops,
                                 .staggered         = MPM_NONE,
+                                .affine            = MPM_NONE,
                                 .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
                                 .energy            = energy,
                                 .wave              = &MpmWaveFirstOrder,
@@ -50,6 +61,8 @@ const MpmFormulation MpmGas1 = {.name              = "gas1",
                                 .published_slip    = "with C1 + C2 = 1 the stencil of P2G GRAD is half as "
                                                      "wide as the slides print it: gamma = i k sin beta",
                                 .published_centred = PETSC_TRUE,
-                                .corrected_text    = "G = 1 +- k mu, mu = e (1 - cos beta) + i sin beta",
+                                .corrected_text    = "G = f (1 +- k mu)",
+                                .limit_text        = "none for flip: abs(G) > 1 wherever mu is not 0",
                                 .published         = Published,
-                                .corrected         = Corrected};
+                                .corrected         = Corrected,
+                                .limit             = Limit};

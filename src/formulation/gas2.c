@@ -5,17 +5,19 @@
 
    Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 2; after Brackbill 1988.
 */
-#include <mpmstab/formulation.h>
-#include "quadratic.h"
+#include "closed_forms.h"
 #include <math.h>
 
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
 
 static const MpmOp ops[] = {
+    FILTER(U, U_I),        /*    the transfer's filter                        */
+    FILTER(R, R_I),        /*    (flip: none)                                 */
     P2G(R_I, R),           /* 1. r_i  = sum_p S_ip r_p                        */
     GRAD(U, R_I, COURANT), /* 2. u_p += k (r_{i+1} - r_i)                     */
     P2G(U_I, U),           /* 3. u_i  = sum_p S_ip u_p    (the old weights)   */
+    IMPOSE(U_I),           /*    a wall reflects                              */
     GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)                     */
     DRIFT,                 /* 5. x_p += U0 dt                                 */
 };
@@ -28,11 +30,28 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return k <= M_SQRT1_2 ? sqrt(1 - 2 * PetscSqr(k * sin(beta))) : NAN;
 }
 
-/* (gamma^2 + 2)^2 - 4 = gamma^4 + 4 gamma^2, and the lost half restored: G^2 - (2 + k^2 mu^2) G + 1 = 0. */
-static PetscReal Corrected(const MpmCellMoments *cell, PetscReal k, PetscReal beta)
+/* (gamma^2 + 2)^2 - 4 = gamma^4 + 4 gamma^2, and the lost half restored: G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0. */
+static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const double complex mu = cell->e * (1 - cos(beta)) + I * sin(beta);
-  return MpmQuadraticRadius(2 + k * k * mu * mu, 1);
+  return cell->retained * MpmQuadraticRadius(2 + k * k * cell->mu * cell->mu, 1);
+}
+
+/*
+   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse of half axes 1/f + f and 1/f - f around -2. For flip the
+   ellipse is the line from -4 to 0: only a purely imaginary mu (centred particles) lies on it, up to k = 2 / abs(mu).
+*/
+static PetscReal Limit(const MpmCellSymbols *cell)
+{
+  const double complex square = cell->mu * cell->mu;
+  const PetscReal      size = cabs(square), f = cell->retained, a = 1 / f + f, b = 1 / f - f;
+  PetscReal            c, p, q;
+
+  if (size == 0 || cell->retained == 0) return INFINITY;
+  c = creal(square) / size;
+  if (b == 0) return fabs(cimag(square)) <= 1e-12 * size && c < 0 ? 2 / sqrt(size) : 0;
+  p = c * c / (a * a) + (1 - c * c) / (b * b);
+  q = 2 * c / (a * a);
+  return sqrt((-q + sqrt(q * q + p * (1 - 4 / (a * a)))) / p / size);
 }
 
 const MpmFormulation MpmGas2 = {.name              = "gas2",
@@ -43,6 +62,7 @@ const MpmFormulation MpmGas2 = {.name              = "gas2",
                                 .nops              = PETSC_STATIC_ARRAY_LENGTH(ops),
                                 .ops               = ops,
                                 .staggered         = U,
+                                .affine            = MPM_NONE,
                                 .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
                                 .energy            = energy,
                                 .wave              = &MpmWaveFirstOrder,
@@ -50,6 +70,8 @@ const MpmFormulation MpmGas2 = {.name              = "gas2",
                                 .published_slip    = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
                                                      "and gamma has lost the half of C1 = C2 = 1/2",
                                 .published_centred = PETSC_TRUE,
-                                .corrected_text = "G^2 - (2 + k^2 mu^2) G + 1 = 0, mu = e (1 - cos beta) + i sin beta",
-                                .published      = Published,
-                                .corrected      = Corrected};
+                                .corrected_text    = "G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0",
+                                .limit_text        = "2 / max abs(mu) for centred particles, none for others (flip)",
+                                .published         = Published,
+                                .corrected         = Corrected,
+                                .limit             = Limit};

@@ -22,13 +22,13 @@ static void Scatter(Cloud *c)
   memset(c->mass, 0, sizeof c->mass);
 }
 
-static void CheckConstants(const MpmBasis *basis)
+static void CheckConstants(const MpmBasis *basis, PetscReal width)
 {
   Cloud     c;
   PetscReal total = 0, sum = 0;
 
   Scatter(&c);
-  basis->p2g_mass(N, c.cell, c.xi, c.q, c.node + PAD, c.mass + PAD);
+  basis->p2g_mass(N, c.cell, c.xi, width, c.q, c.node + PAD, c.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) {
     total += c.mass[i];
     sum += c.node[i];
@@ -39,46 +39,115 @@ static void CheckConstants(const MpmBasis *basis)
 
   Scatter(&c);
   for (PetscInt p = 0; p < N; p++) c.q[p] = 1;
-  basis->p2g_mass(N, c.cell, c.xi, c.q, c.node + PAD, c.mass + PAD);
+  basis->p2g_mass(N, c.cell, c.xi, width, c.q, c.node + PAD, c.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(c.node[i], c.mass[i], 1e-14);
 }
 
-static void CheckAffine(const MpmBasis *basis)
+static void CheckAffine(const MpmBasis *basis, PetscReal width)
 {
   Cloud c;
 
   /* G2P reproduces 3 + 2x, GRAD gives 2 with a = 1 and h = 1; both add to what was there, times a */
   Scatter(&c);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) c.node[i] = 3 + 2.0 * (i - PAD);
-  basis->g2p(N, c.cell, c.xi, 0.5, c.q, c.node + PAD);
+  basis->kernel[MPM_G2P](N, c.cell, c.xi, width, 0.5, c.q, c.node + PAD);
   for (PetscInt p = 0; p < N; p++)
     CHECK_NEAR(c.q[p], MpmHash(5, p) - 0.5 + 0.5 * (3 + 2 * (c.cell[p] + c.xi[p])), 1e-13);
   Scatter(&c);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) c.node[i] = 3 + 2.0 * (i - PAD);
-  basis->grad(N, c.cell, c.xi, 0.5, c.q, c.node + PAD);
+  basis->kernel[MPM_GRAD](N, c.cell, c.xi, width, 0.5, c.q, c.node + PAD);
   for (PetscInt p = 0; p < N; p++) CHECK_NEAR(c.q[p], MpmHash(5, p) - 0.5 + 0.5 * 2, 1e-13);
 }
 
 /* Undivided P2G is the adjoint of G2P: sum_i (P q)_i f_i = sum_p q_p (G f)_p. */
-static void CheckAdjoint(const MpmBasis *basis)
+static void CheckAdjoint(const MpmBasis *basis, PetscReal width)
 {
   Cloud     a, b;
   PetscReal left = 0, right = 0;
 
   Scatter(&a);
   Scatter(&b);
-  basis->p2g(N, a.cell, a.xi, 1, a.q, a.node + PAD);
+  basis->kernel[MPM_P2G](N, a.cell, a.xi, width, 1, a.q, a.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) b.node[i] = MpmHash(6, i);
   memset(b.q, 0, sizeof b.q);
-  basis->g2p(N, b.cell, b.xi, 1, b.q, b.node + PAD);
+  basis->kernel[MPM_G2P](N, b.cell, b.xi, width, 1, b.q, b.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) left += a.node[i] * b.node[i];
   for (PetscInt p = 0; p < N; p++) right += a.q[p] * b.q[p];
   CHECK_NEAR(left, right, 1e-12);
 
   /* with and without masses it is the same sum */
   Scatter(&b);
-  basis->p2g_mass(N, b.cell, b.xi, b.q, b.node + PAD, b.mass + PAD);
+  basis->p2g_mass(N, b.cell, b.xi, width, b.q, b.node + PAD, b.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(a.node[i], b.node[i], 1e-14);
+}
+
+/*
+   GRAD and DIV are adjoint; sum_i phi_ip (x_i - x_p) = 0; the affine part of 3 + 2x is 2 (per cell), and what P2G_AFFINE
+   spreads of it has no sum.
+*/
+static void CheckMoments(const MpmBasis *basis, PetscReal width)
+{
+  Cloud     a, b;
+  PetscReal left = 0, right = 0, sum = 0;
+
+  Scatter(&a);
+  Scatter(&b);
+  basis->kernel[MPM_DIV](N, a.cell, a.xi, width, 0.5, a.q, a.node + PAD);
+  for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) b.node[i] = MpmHash(6, i);
+  memset(b.q, 0, sizeof b.q);
+  basis->kernel[MPM_GRAD](N, b.cell, b.xi, width, 0.5, b.q, b.node + PAD);
+  for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) left += a.node[i] * b.node[i];
+  for (PetscInt p = 0; p < N; p++) right += a.q[p] * b.q[p];
+  CHECK_NEAR(left, right, 1e-12);
+  for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) sum += a.node[i];
+  CHECK_NEAR(sum, 0, 1e-12); /* the gradients of all functions sum to 0 */
+
+  Scatter(&a);
+  basis->kernel[MPM_P2G_AFFINE](N, a.cell, a.xi, width, 1, a.q, a.node + PAD);
+  for (PetscInt p = 0; p < N; p++) { /* by the definition: phi from G2P of one node's 1 */
+    for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) {
+      PetscReal unit[CELLS + 2 * PAD] = {0}, phi = 0;
+
+      unit[i] = 1;
+      basis->kernel[MPM_G2P](1, &a.cell[p], &a.xi[p], width, 1, &phi, unit + PAD);
+      a.node[i] -= phi * a.q[p] * (i - PAD - a.cell[p] - a.xi[p]);
+    }
+  }
+  for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(a.node[i], 0, 1e-13);
+
+  Scatter(&a);
+  for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) a.node[i] = 3 + 2.0 * (i - PAD);
+  basis->kernel[MPM_G2P_AFFINE](N, a.cell, a.xi, width, 0.5, a.q, a.node + PAD);
+  for (PetscInt p = 0; p < N; p++) CHECK_NEAR(a.q[p], MpmHash(5, p) - 0.5 + 0.5 * 2, 1e-12);
+}
+
+/*
+   phi is continuous for every basis, and the integral of its slope; the slope is continuous too but for the hat, whose
+   jump belongs to the cell at the right.
+*/
+static void CheckContinuity(const MpmBasis *basis)
+{
+  const PetscInt  n    = 4000;
+  const PetscReal step = 1.0 / n, width = 0.25;
+  PetscReal       unit[2 * PAD + 1] = {0}, before = 0, slope_before = 0, integral = 0;
+
+  unit[PAD] = 1;
+  for (PetscInt i = 0; i <= 4 * n; i++) { /* from -2 to 2 cells of node 0 */
+    const PetscInt  cell = i / n - 2;
+    const PetscReal xi   = (PetscReal)(i % n) / n;
+    PetscReal       phi = 0, slope = 0;
+
+    basis->kernel[MPM_G2P](1, &cell, &xi, width, 1, &phi, unit + PAD);
+    basis->kernel[MPM_GRAD](1, &cell, &xi, width, 1, &slope, unit + PAD);
+    CHECK(fabs(phi - before) <= 1.01 * step, "%s: phi jumps from %g to %g at %g", basis->name, before, phi, cell + xi);
+    if (!basis->hat)
+      CHECK(fabs(slope - slope_before) <= 4.1 * step, "%s: slope jumps from %g to %g at %g", basis->name, slope_before,
+            slope, cell + xi);
+    integral += (basis->hat ? slope_before : (slope + slope_before) / 2) * step;
+    CHECK(fabs(integral - phi) <= 1e-6, "%s: slopes sum to %g, phi is %g at %g", basis->name, integral, phi, cell + xi);
+    before       = phi;
+    slope_before = slope;
+  }
 }
 
 static void CheckPlace(void)
@@ -109,8 +178,10 @@ static void CheckNodes(void)
 
   MpmNodeLaplacian(1, 4, 0.5, f, out);
   CHECK(out[0] == 7 && out[1] == 1 && out[2] == 1 && out[3] == 1.5 && out[4] == 7, "%g %g %g", out[1], out[2], out[3]);
-  MpmNodeAdd(0, 2, f, out);
-  CHECK(out[0] == 8 && out[1] == 5 && out[2] == 1, "%g %g %g", out[0], out[1], out[2]);
+  MpmNodeAdd(0, 2, 2, f, out);
+  CHECK(out[0] == 9 && out[1] == 9 && out[2] == 1, "%g %g %g", out[0], out[1], out[2]);
+  MpmNodeCopy(1, 3, -1, f, out);
+  CHECK(out[0] == 9 && out[1] == -4 && out[2] == -9, "%g %g %g", out[0], out[1], out[2]);
   CHECK_NEAR(MpmSumSquares(4, f), 1 + 16 + 81 + 256, 0);
 }
 
@@ -120,9 +191,13 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   (void)argv;
   for (PetscInt b = 0; MpmBases[b]; b++) {
-    CheckConstants(MpmBases[b]);
-    CheckAffine(MpmBases[b]);
-    CheckAdjoint(MpmBases[b]);
+    CheckContinuity(MpmBases[b]);
+    for (PetscReal width = 0.5; width > 0.01; width /= 3) {
+      CheckConstants(MpmBases[b], width);
+      CheckAffine(MpmBases[b], width);
+      CheckAdjoint(MpmBases[b], width);
+      CheckMoments(MpmBases[b], width);
+    }
   }
   CheckPlace();
   CheckNodes();

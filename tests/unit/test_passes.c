@@ -11,39 +11,47 @@ static PetscInt CountKind(const MpmSchedule *s, MpmPassOpKind kind)
   return n;
 }
 
-static PetscErrorCode Compiles(const char name[], PetscInt passes, PetscInt spares, PetscInt halo)
+static PetscErrorCode Compiles(const char name[], const char more[], PetscInt passes, PetscInt spares, PetscInt halo)
 {
-  const MpmFormulation *f = MpmFormulationFind(name);
-  MpmSchedule           s;
-  PetscInt              spare = 0;
+  char        options[256];
+  MpmScene   *scene;
+  MpmSchedule s     = {.npasses = 0};
+  PetscInt    spare = 0;
 
   PetscFunctionBegin;
-  PetscCall(MpmScheduleCompile(f, MpmBases[0], 0.5, PETSC_FALSE, PETSC_TRUE, &s));
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s", name, more));
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_FALSE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s at rest: %d passes", name, s.npasses);
   CHECK(s.halo == halo, "%s: halo %d", name, s.halo);
   CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs", name);
   CHECK(s.start.sums_mass, "%s: masses are never summed", name);
-  CHECK(CountKind(&s, MPM_PASS_SAMPLE) == MpmFormulationParticleFields(f), "%s: fields sampled", name);
+  CHECK(CountKind(&s, MPM_PASS_SAMPLE) == scene->table->nstate, "%s: fields sampled", name);
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) spare += s.spare[n];
   CHECK(spare == spares, "%s: %d spare arrays", name, spare);
 
-  PetscCall(MpmScheduleCompile(f, MpmBases[0], 0.5, PETSC_TRUE, PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_TRUE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s drifting: %d passes", name, s.npasses);
   CHECK(CountKind(&s, MPM_PASS_DRIFT) == 1 && CountKind(&s, MPM_PASS_MASS) == 1, "%s drifting", name);
 
-  PetscCall(MpmScheduleCompile(f, MpmBases[0], 0.5, PETSC_TRUE, PETSC_FALSE, &s));
+  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_TRUE, PETSC_FALSE, &s));
   CHECK(s.npasses == passes + 1, "%s migrating in each step: %d passes", name, s.npasses);
   CHECK(s.pass[passes - 1].rebase && !s.pass[passes].rebase, "%s migrates in the wrong pass", name);
+  PetscCall(MpmScheduleDestroy(&s));
+  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* One step bounds the state's largest number: follow the tables by hand for k = 1/2. */
-static void CheckBounds(void)
+static PetscErrorCode Bounds(const char options[], PetscReal bound)
 {
-  CHECK_NEAR(MpmScheduleBound(MpmFormulationFind("gas1"), MpmBases[0], 0.5), 2, 0);
-  CHECK_NEAR(MpmScheduleBound(MpmFormulationFind("gas2"), MpmBases[0], 0.5), 3, 0);
-  CHECK_NEAR(MpmScheduleBound(MpmFormulationFind("elastic"), MpmBases[0], 0.5), 3,
-             0); /* w: 1 + 4k; u: 1 + k (1 + 4k) */
+  MpmScene *scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  CHECK_NEAR(MpmScheduleBound(scene->table, MpmBases[0], 0.5, 2, 2), bound, 1e-14);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Test(int argc, char **argv)
@@ -51,10 +59,18 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  PetscCall(Compiles("gas1", 1, 2, 0));
-  PetscCall(Compiles("gas2", 2, 0, 0));
-  PetscCall(Compiles("elastic", 1, 1, 1));
-  CheckBounds();
+  PetscCall(Compiles("gas1", "", 1, 2, 0));
+  PetscCall(Compiles("gas2", "", 2, 0, 0));
+  PetscCall(Compiles("elastic", "", 1, 1, 1));
+  PetscCall(Compiles("usl", "", 1, 2, 0));
+  PetscCall(Compiles("usf", "", 2, 0, 0));
+  PetscCall(Compiles("musl", "", 2, 1, 0));
+  PetscCall(Compiles("usl", "-transfer pic", 2, 1, 0));
+  PetscCall(Compiles("usl", "-transfer xpic -xpic_order 4", 5, 1, 0));
+  PetscCall(Bounds("-formulation gas1", 2));
+  PetscCall(Bounds("-formulation gas2", 3));
+  PetscCall(Bounds("-formulation elastic", 3)); /* w: 1 + 4k; u: 1 + k (1 + 4k) */
+  PetscCall(Bounds("-formulation usl", 4));     /* a: 4k; v: 1 + 4k; s: 1 + 2k (1 + 4k) */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,14 +10,14 @@ static PetscErrorCode EqualsOneRank(const MpmScene *scene, const MpmMarch *march
 
   PetscFunctionBegin;
   PetscCall(MarchScene(PETSC_COMM_SELF, scene, &alone));
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
     PetscReal *many, *one;
 
-    PetscCall(GatherField(march, scene->formulation->particle_fields[f], &many));
-    PetscCall(GatherField(alone, scene->formulation->particle_fields[f], &one));
+    PetscCall(GatherField(march, scene->table->fields[f], &many));
+    PetscCall(GatherField(alone, scene->table->fields[f], &one));
     CHECK(LargestNumber(scene->particles, one) > 0, "%s: nothing there", options);
     CHECK(LargestDifference(scene->particles, many, one) <= 1e-12 * LargestNumber(scene->particles, one),
-          "%s: field %s differs by %g", options, scene->formulation->particle_fields[f],
+          "%s: field %s differs by %g", options, scene->table->fields[f],
           LargestDifference(scene->particles, many, one));
     PetscCall(PetscFree(many));
     PetscCall(PetscFree(one));
@@ -58,20 +58,20 @@ static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *m
   PetscFunctionBegin;
   if (MpmSceneDrifts(scene) || scene->jitter != 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &start));
-  for (PetscInt f = 0; scene->formulation->particle_fields[f]; f++) {
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
     PetscReal *first, *last, before = 0, after = 0;
 
     if (scene->formulation->staggered != MPM_NONE && scene->formulation->wave == &MpmWaveSecondOrder &&
         f != scene->formulation->staggered)
       continue; /* the bar's displacement moves with its momentum */
-    PetscCall(GatherField(start, scene->formulation->particle_fields[f], &first));
-    PetscCall(GatherField(march, scene->formulation->particle_fields[f], &last));
+    PetscCall(GatherField(start, scene->table->fields[f], &first));
+    PetscCall(GatherField(march, scene->table->fields[f], &last));
     for (PetscInt64 p = 0; p < scene->particles; p++) {
       before += first[p];
       after += last[p];
     }
     CHECK(fabs(after - before) <= 1e-13 * scene->particles * LargestNumber(scene->particles, last),
-          "%s: field %s: sum %.17g became %.17g", options, scene->formulation->particle_fields[f], before, after);
+          "%s: field %s: sum %.17g became %.17g", options, scene->table->fields[f], before, after);
     PetscCall(PetscFree(first));
     PetscCall(PetscFree(last));
   }

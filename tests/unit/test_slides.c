@@ -1,5 +1,5 @@
 /*
-   The march against the slides' algorithms, written here a second time as plain loops over particles and
+   The march against the slides' algorithms and the momentum schemes, written here a second time as plain loops over particles and
    nodes: the tables, the passes, the halo sums, drift and migration must all be right for these to agree.
 */
 #include "gather.h"
@@ -17,8 +17,8 @@ static PetscErrorCode PlainCreate(const MpmMarch *start, Plain *s)
   PetscFunctionBegin;
   s->cells = scene->cells;
   s->n     = (PetscInt)scene->particles;
-  PetscCall(GatherField(start, scene->formulation->particle_fields[0], &s->a));
-  PetscCall(GatherField(start, scene->formulation->particle_fields[1], &s->b));
+  PetscCall(GatherField(start, scene->table->fields[0], &s->a));
+  PetscCall(GatherField(start, scene->table->fields[1], &s->b));
   PetscCall(PetscMalloc6(s->n, &s->x, s->n, &s->rest, s->cells, &s->ai, s->cells, &s->bi, s->cells, &s->ci, s->cells,
                          &s->mass));
   for (PetscInt p = 0; p < s->n; p++) {
@@ -65,6 +65,35 @@ static void AddValue(const Plain *s, PetscReal k, const PetscReal g[], PetscReal
   }
 }
 
+/* g_i = sum_p V_p h dphi_ip/dx q_p / sum_p V_p phi_ip. */
+static void Divergence(const Plain *s, const PetscReal q[], PetscReal g[])
+{
+  for (PetscInt i = 0; i < s->cells; i++) g[i] = 0;
+  for (PetscInt p = 0; p < s->n; p++) {
+    const PetscInt i = (PetscInt)floor(s->x[p]);
+
+    g[i] -= q[p];
+    g[(i + 1) % s->cells] += q[p];
+  }
+  for (PetscInt i = 0; i < s->cells; i++) g[i] = s->mass[i] > 0 ? g[i] / s->mass[i] : 0;
+}
+
+/* a = v, b = s; ai = v_i, ci = a_i / -k. */
+static void MomentumStep(const char formulation[], PetscReal k, const Plain *s)
+{
+  SumToNodes(s, s->a, s->ai);
+  if (!strcmp(formulation, "usf")) AddGradient(s, k, s->ai, s->b);
+  Divergence(s, s->b, s->ci);
+  AddValue(s, -k, s->ci, s->a);
+  if (!strcmp(formulation, "usl")) {
+    for (PetscInt i = 0; i < s->cells; i++) s->ai[i] -= k * s->ci[i];
+    AddGradient(s, k, s->ai, s->b);
+  } else if (!strcmp(formulation, "musl")) {
+    SumToNodes(s, s->a, s->ai);
+    AddGradient(s, k, s->ai, s->b);
+  }
+}
+
 static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
 {
   if (!strcmp(formulation, "gas1")) {
@@ -77,6 +106,8 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
     AddGradient(s, k, s->bi, s->a);
     SumToNodes(s, s->a, s->ai);
     AddGradient(s, k, s->ai, s->b);
+  } else if (strcmp(formulation, "elastic")) {
+    MomentumStep(formulation, k, s);
   } else {
     SumToNodes(s, s->a, s->ai);
     SumToNodes(s, s->b, s->bi);
@@ -118,8 +149,8 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
     PlainStep(formulation, scene->courant, &plain);
     PlainDrift(scene, step + 1, &plain);
   }
-  PetscCall(GatherField(march, scene->formulation->particle_fields[0], &a));
-  PetscCall(GatherField(march, scene->formulation->particle_fields[1], &b));
+  PetscCall(GatherField(march, scene->table->fields[0], &a));
+  PetscCall(GatherField(march, scene->table->fields[1], &b));
   CHECK(LargestDifference(plain.n, a, plain.a) <= 1e-11 * LargestNumber(plain.n, a), "%s: %g", options,
         LargestDifference(plain.n, a, plain.a));
   CHECK(LargestDifference(plain.n, b, plain.b) <= 1e-11 * LargestNumber(plain.n, b), "%s: %g", options,

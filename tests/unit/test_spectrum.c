@@ -253,8 +253,8 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   PetscCall(SlepcInitializeNoArguments());
   CheckVerdicts();
-  PetscCall(OracleGrowth(argv[1], "", 15, CheckGrowth));
-  PetscCall(OracleRadius(argv[2], 3, CheckRadius));
+  PetscCall(OracleGrowth(argv[1], "", 24, CheckGrowth));
+  PetscCall(OracleRadius(argv[2], 5, CheckRadius));
   PetscCall(CheckNullSpace("gas2", 1, 1));
   PetscCall(CheckNullSpace("gas2", 2, 16));
   PetscCall(CheckNullSpace("gas1", 4, 48));

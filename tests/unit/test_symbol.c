@@ -141,7 +141,7 @@ static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   (void)argc;
-  PetscCall(OracleGrowth(argv[1], "", 15, CheckRow));
+  PetscCall(OracleGrowth(argv[1], "", 24, CheckRow));
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (int n = 0; n < 24; n++) PetscCall(CheckClosedForms(MpmFormulations[f]->name, n));
   PetscCall(CheckSlip("-formulation gas1 -cells 16 -courant 0.5", sqrt(2) - sqrt(1.25), PETSC_PI / 2));

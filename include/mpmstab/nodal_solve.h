@@ -1,0 +1,43 @@
+/* The nodal solve of the operation SOLVE on the march's grid. */
+#pragma once
+#include <mpmstab/particles.h>
+#include <petscksp.h>
+
+/*S
+   MpmNodalSolve - y with P W y = g, P = M^{-1} W^T: the normal equations W^T W y = M g by conjugate gradients
+   (-nodal_* to change that).
+
+   Where W^T W is singular (the checkerboard of one centred particle a cell) g = P q is in its range and iterations
+   from 0 stay there. The matrix is put together when particles have moved since the last solve.
+S*/
+typedef struct {
+  const MpmScene *scene;
+  const MpmGrid  *grid;
+  Mat             matrix;
+  Vec             right, solution;
+  KSP             ksp;
+  PetscInt64      step;
+  PetscBool       odd;
+} MpmNodalSolve;
+
+/* Collective. */
+PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, MpmNodalSolve **solve);
+PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
+
+/*
+   MpmNodalSolveApply - solves at the particles' present places; cell and xi are their fields. Local arrays, ghosts
+   included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the walls that impose it (fixed without reaction).
+
+   Collective.
+*/
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const PetscInt cell[],
+                                  const PetscReal xi[], PetscBool odd, const PetscReal inverse_mass[],
+                                  const PetscReal g[], PetscReal y[]);
+
+/*
+   Not collective. The nodes that a particle in a (global, unwrapped) cell sees, with what their values count for there:
+   nodes wrap around or, beyond a wall, become their images with the sign of odd or even fields. With drop, the wall nodes
+   that impose 0 count for nothing.
+*/
+void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
+                  PetscReal sign[]);

@@ -1,0 +1,36 @@
+/*
+   uGIMP: the hat averaged over the particle's domain, h / ppc wide. d in cells from the node, l the half width:
+
+     abs(d) < l            1 - (d^2 + l^2) / (2 l)
+     l <= abs(d) < 1 - l   1 - abs(d)
+     abs(d) < 1 + l        (1 + l - abs(d))^2 / (4 l)
+
+   Source: Bardenhagen and Kober 2004, contiguous particles of constant width.
+*/
+#include "four_nodes.h"
+#include <math.h>
+
+static inline void Values(PetscReal xi, PetscReal l, PetscReal phi[4])
+{
+  for (int d = 0; d < 4; d++) {
+    const PetscReal x = fabs(xi + 1 - d);
+
+    phi[d] = x < l ? 1 - (x * x + l * l) / (2 * l) : x <= 1 - l ? 1 - x : PetscSqr(PetscMax(1 + l - x, 0)) / (4 * l);
+  }
+}
+
+static inline void Slopes(PetscReal xi, PetscReal l, PetscReal slope[4])
+{
+  for (int d = 0; d < 4; d++) {
+    const PetscReal x = fabs(xi + 1 - d);
+    const PetscReal s = x < l ? x / l : x <= 1 - l ? 1 : PetscMax(1 + l - x, 0) / (2 * l);
+
+    slope[d] = copysign(s, d - 1 - xi);
+  }
+}
+
+const MpmBasis MpmGimp = {.name      = "gimp",
+                          .summary   = "hat averaged over a particle's width h / ppc (uGIMP)",
+                          .reference = "Bardenhagen and Kober 2004",
+                          .slope_sum = 2,
+                          FOUR_NODES};

@@ -1,0 +1,111 @@
+/* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
+#include <mpmstab/critical.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/modes.h>
+#include <mpmstab/operator.h>
+#include <mpmstab/progress.h>
+#include <math.h>
+
+#define LARGEST 2048 /* order of which all eigenvalues are taken some fifty times */
+#define FROM 1e-2
+#define RATIO 1.2
+#define PRECISION 1e-7
+#define FADES 0.03
+
+typedef struct {
+  MpmScene    scene; /* with a Courant number of its own */
+  MpmProgress progress;
+  PetscInt64  evaluations;
+} Probe;
+
+static PetscErrorCode Solve(Probe *p, PetscReal courant, MpmOperator **op, MpmEigen **eigen)
+{
+  char note[128];
+
+  PetscFunctionBegin;
+  p->scene.courant = courant;
+  p->evaluations++;
+  PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
+  PetscCall(MpmProgressNote(&p->progress, note));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene, op));
+  PetscCall(MpmEigenSolve((*op)->A, NULL, MPM_EIGEN_DENSE, NULL, eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal GrowthOf(const MpmOperator *op, const MpmEigen *eigen)
+{
+  if (!eigen->complete) return INFINITY;
+  return MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), op->exponent, op->period);
+}
+
+static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
+{
+  MpmOperator *op;
+  MpmEigen    *eigen;
+
+  PetscFunctionBegin;
+  PetscCall(Solve((Probe *)context, courant, &op, &eigen));
+  *growth = GrowthOf(op, eigen);
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mode that grows first. beta is on the first rank. */
+static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
+{
+  MpmOperator *op;
+  MpmEigen    *eigen;
+  MpmModes     modes;
+
+  PetscFunctionBegin;
+  PetscCall(Solve(p, c->unstable_at, &op, &eigen));
+  eigen->n = PetscMin(eigen->n, 1);
+  PetscCall(MpmModesCreate(op, eigen, &modes));
+  c->beta       = modes.beta[0];
+  c->null_share = modes.null_share[0];
+  PetscCallMPI(MPI_Bcast(&c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCall(MpmModesDestroy(&modes));
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmFinding *finding)
+{
+  PetscFunctionBegin;
+  PetscCall(Growth(p, courant, &finding->growth));
+  finding->verdict = MpmVerdictOf(finding);
+  PetscCall(PetscStrncpy(finding->evidence, "all eigenvalues", sizeof finding->evidence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
+{
+  Probe     probe = {.scene = *scene};
+  PetscReal bracket[2], at[2];
+
+  PetscFunctionBegin;
+  c->assembled = PETSC_TRUE;
+  c->order     = (PetscInt)(scene->table->nstate * scene->particles);
+  MpmCheckInput(c->order <= LARGEST,
+                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
+                "%" PetscInt_FMT " unknowns; allowed: at most %d, so fewer cells",
+                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), c->order, LARGEST);
+  PetscCall(MpmProgressBegin(scene, "", &probe.progress));
+  PetscCall(MpmCriticalCross(Growth, &probe, scene->tolerance, FROM, MPM_CRITICAL_TO, RATIO, PRECISION, bracket));
+  c->stable_at   = bracket[0];
+  c->unstable_at = bracket[1];
+  if (c->stable_at > 0 && isfinite(c->unstable_at)) {
+    PetscCall(Growth(&probe, c->unstable_at, &at[0]));
+    PetscCall(Growth(&probe, c->unstable_at / 2, &at[1]));
+    c->threshold = at[1] - 1 <= FADES * scene->tolerance ? PETSC_TRUE : PETSC_FALSE;
+    if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
+  }
+  c->courant = !isfinite(c->unstable_at) ? INFINITY : c->stable_at;
+  if (isfinite(c->unstable_at)) PetscCall(LimitingMode(&probe, c));
+  PetscCall(Asked(&probe, scene->courant, &c->asked));
+  PetscCall(MpmProgressEnd(&probe.progress));
+  c->evaluations = probe.evaluations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

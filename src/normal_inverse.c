@@ -1,0 +1,120 @@
+/* (W^T W)^+ M by all eigenvalues and vectors. */
+#include <mpmstab/errors.h>
+#include <mpmstab/normal_inverse.h>
+#include <petscblaslapack.h>
+#include <math.h>
+
+#define MOST_NODES 3000
+#define SINGULAR 1e-12   /* of the largest eigenvalue */
+#define NEGLIGIBLE 1e-18 /* of the largest number of the inverse */
+
+/* W^T W as a dense matrix on every rank. */
+static PetscErrorCode Square(Mat W, PetscInt n, PetscReal square[])
+{
+  Mat         product, *whole;
+  IS          all;
+  PetscScalar value;
+
+  PetscFunctionBegin;
+  PetscCall(MatTransposeMatMult(W, W, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+  PetscCall(ISCreateStride(PETSC_COMM_SELF, n, 0, 1, &all));
+  PetscCall(MatCreateSubMatrices(product, 1, &all, &all, MAT_INITIAL_MATRIX, &whole));
+  PetscCall(PetscArrayzero(square, (size_t)n * n));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscInt    *columns;
+    const PetscScalar *values;
+    PetscInt           count;
+
+    PetscCall(MatGetRow(whole[0], i, &count, &columns, &values));
+    for (PetscInt c = 0; c < count; c++) {
+      value                              = values[c];
+      square[(size_t)columns[c] * n + i] = value;
+    }
+    PetscCall(MatRestoreRow(whole[0], i, &count, &columns, &values));
+  }
+  PetscCall(MatDestroySubMatrices(1, &whole));
+  PetscCall(ISDestroy(&all));
+  PetscCall(MatDestroy(&product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In place: eigenvectors, as columns, divided by the square roots of their eigenvalues; 0 where that is 0. */
+static PetscErrorCode HalfInverse(PetscInt n, PetscReal a[])
+{
+  PetscBLASInt order, room, info;
+  PetscReal   *lambda, *work, query;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCall(PetscMalloc1(n, &lambda));
+  room = -1;
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, &query, &room, &info));
+  room = (PetscBLASInt)query;
+  PetscCall(PetscMalloc1(room, &work));
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, work, &room, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyev failed: %d", (int)info);
+  for (PetscInt j = 0; j < n; j++) {
+    const PetscReal scale = lambda[j] > SINGULAR * lambda[n - 1] ? 1 / sqrt(lambda[j]) : 0;
+
+    for (PetscInt i = 0; i < n; i++) a[(size_t)j * n + i] *= scale;
+  }
+  PetscCall(PetscFree(work));
+  PetscCall(PetscFree(lambda));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* This rank's rows of half half^T, without what is lost in rounding. */
+static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
+{
+  PetscReal      *rows, largest = 0;
+  PetscInt       *columns, begin, end;
+  PetscBLASInt    order, count;
+  const PetscReal one = 1, zero = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(inverse, &begin, &end));
+  PetscCall(PetscMalloc2((size_t)n * (end - begin) + 1, &rows, n, &columns));
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCall(PetscBLASIntCast(end - begin, &count));
+  if (count)
+    PetscCallBLAS("BLASgemm", BLASgemm_("N", "T", &order, &count, &order, &one, half, &order, half + begin, &order,
+                                        &zero, rows, &order));
+  for (size_t i = 0; i < (size_t)n * (end - begin); i++) largest = PetscMax(largest, fabs(rows[i]));
+  for (PetscInt i = begin; i < end; i++) {
+    PetscReal *row  = rows + (size_t)n * (i - begin);
+    PetscInt   kept = 0;
+
+    for (PetscInt j = 0; j < n; j++) {
+      if (fabs(row[j]) <= NEGLIGIBLE * largest) continue;
+      columns[kept] = j;
+      row[kept++]   = row[j];
+    }
+    PetscCall(MatSetValues(inverse, 1, &i, kept, columns, row, INSERT_VALUES));
+  }
+  PetscCall(PetscFree2(rows, columns));
+  PetscCall(MatAssemblyBegin(inverse, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(inverse, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
+{
+  PetscInt   n, local;
+  PetscReal *half;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(W, NULL, &n));
+  PetscCall(MatGetLocalSize(W, NULL, &local));
+  MpmCheckInput(n <= MOST_NODES,
+                "cells: an operator with transfer nullspace inverts a matrix of as many nodes, %" PetscInt_FMT
+                "; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
+                n, MOST_NODES);
+  PetscCall(PetscMalloc1((size_t)n * n, &half));
+  PetscCall(Square(W, n, half));
+  PetscCall(HalfInverse(n, half));
+  PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)W), local, local, n, n, local, NULL, n - local, NULL, inverse));
+  PetscCall(FillRows(n, half, *inverse));
+  PetscCall(PetscFree(half));
+  PetscCall(MatDiagonalScale(*inverse, NULL, masses));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

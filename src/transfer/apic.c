@@ -1,0 +1,14 @@
+/*
+   APIC: particles take values from the grid, and an affine field C_p (x - x_p) with them.
+
+   P2G takes v_p + C_p (x_i - x_p); C_p = sum_i phi_ip v_i (x_i - x_p) / D_p, D_p = sum_i phi_ip (x_i - x_p)^2.
+   Source: Jiang, Schroeder, Selle, Teran and Stomakhin 2015.
+*/
+#include <mpmstab/transfer.h>
+
+const MpmTransfer MpmApic = {.name = "apic",
+                             .summary =
+                                 "particles take values and an affine field from the grid; momentum schemes only",
+                             .reference = "Jiang, Schroeder, Selle, Teran and Stomakhin 2015",
+                             .affine    = PETSC_TRUE,
+                             .filter    = MpmTransferFromGrid};

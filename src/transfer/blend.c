@@ -1,0 +1,38 @@
+/*
+   A blend of FLIP and PIC with the share blend_ratio of FLIP, F = ratio + (1 - ratio) W P.
+
+   Source: Zhu and Bridson 2005; also Stomakhin et al. 2013, where 0.95 is used.
+*/
+#include <mpmstab/table.h>
+
+static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTableAppend(table, MPM_SCALE, particle, particle, numbers->ratio));
+  PetscCall(MpmTableAppend(table, MPM_G2P, particle, node, 1 - numbers->ratio));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+{
+  return numbers->ratio + (1 - numbers->ratio) * alpha;
+}
+
+static PetscReal Unseen(const MpmTransferNumbers *numbers)
+{
+  return numbers->ratio;
+}
+
+static PetscReal Number(const MpmTransferNumbers *numbers)
+{
+  return numbers->ratio;
+}
+
+const MpmTransfer MpmBlend = {.name      = "blend",
+                              .summary   = "blend_ratio of flip, the rest of pic",
+                              .reference = "Zhu and Bridson 2005",
+                              .option    = "blend_ratio",
+                              .number    = Number,
+                              .filter    = Filter,
+                              .retains   = Retains,
+                              .unseen    = Unseen};

@@ -1,0 +1,14 @@
+/* The list of transfers. */
+#include <mpmstab/transfer.h>
+#include <string.h>
+
+extern const MpmTransfer MpmFlip, MpmPic, MpmBlend, MpmXpic, MpmNullspace, MpmApic;
+
+const MpmTransfer *const MpmTransfers[] = {&MpmFlip, &MpmPic, &MpmBlend, &MpmXpic, &MpmNullspace, &MpmApic, NULL};
+
+const MpmTransfer *MpmTransferFind(const char name[])
+{
+  for (PetscInt t = 0; MpmTransfers[t]; t++)
+    if (!strcmp(MpmTransfers[t]->name, name)) return MpmTransfers[t];
+  return NULL;
+}

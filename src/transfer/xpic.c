@@ -1,0 +1,57 @@
+/*
+   XPIC of order m: F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m. Order 1 is pic, a large order nullspace.
+
+   Source: Hammerquist and Nairn 2017.
+*/
+#include <mpmstab/table.h>
+#include <math.h>
+
+/* term -= P W term, through scratch particles; sum += term. */
+static PetscErrorCode NextTerm(MpmTable *table, PetscInt scratch, PetscInt smoothed, PetscInt term, PetscInt sum)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTableAppend(table, MPM_SCALE, scratch, scratch, 0));
+  PetscCall(MpmTableAppend(table, MPM_G2P, scratch, term, 1));
+  PetscCall(MpmTableAppend(table, MPM_P2G, smoothed, scratch, 1));
+  PetscCall(MpmTableImpose(table, smoothed));
+  PetscCall(MpmTableAppend(table, MPM_ADD, term, smoothed, -1));
+  PetscCall(MpmTableAppend(table, MPM_ADD, sum, term, 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+{
+  PetscInt scratch, smoothed, term, sum = node;
+
+  PetscFunctionBegin;
+  if (numbers->order > 1) {
+    PetscCall(MpmTableScratch(table, &scratch));
+    PetscCall(MpmTableNode(table, node, &smoothed));
+    PetscCall(MpmTableNode(table, node, &term));
+    PetscCall(MpmTableNode(table, node, &sum));
+    PetscCall(MpmTableAppend(table, MPM_COPY, term, node, 1));
+    PetscCall(MpmTableAppend(table, MPM_COPY, sum, node, 1));
+    for (PetscInt r = 1; r < numbers->order; r++) PetscCall(NextTerm(table, scratch, smoothed, term, sum));
+  }
+  PetscCall(MpmTransferFromGrid(table, numbers, particle, sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+{
+  return 1 - pow(1 - alpha, (double)numbers->order);
+}
+
+static PetscReal Number(const MpmTransferNumbers *numbers)
+{
+  return (PetscReal)numbers->order;
+}
+
+const MpmTransfer MpmXpic = {.name      = "xpic",
+                             .summary   = "pic with its smoothing taken back, to xpic_order terms",
+                             .reference = "Hammerquist and Nairn 2017",
+                             .option    = "xpic_order",
+                             .number    = Number,
+                             .filter    = Filter,
+                             .retains   = Retains,
+                             .unseen    = MpmTransferForgets};

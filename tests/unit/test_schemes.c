@@ -1,0 +1,105 @@
+/*
+   Every formulation with every transfer and basis: A q = march(q), spectrum = symbol, corrected = symbol; at rest,
+   jittered, drifting, and between walls, where there is no symbol.
+*/
+#include "check.h"
+#include <mpmstab/eigen.h>
+#include <mpmstab/operator.h>
+#include <mpmstab/predict.h>
+
+static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t, const char rest[])
+{
+  if (t->affine && f->affine == MPM_NONE) return PETSC_FALSE;
+  if (strstr(rest, "reaction") && !MpmFormulationHas(f, MPM_REACT)) return PETSC_FALSE;
+  return strstr(rest, "free") && !f->free_ends ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* The largest abs of all eigenvalues, per step. */
+static PetscErrorCode Growth(const MpmOperator *op, PetscReal *growth)
+{
+  MpmEigen *eigen;
+
+  PetscFunctionBegin;
+  PetscCall(MpmEigenSolve(op->A, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+  CHECK(eigen->complete, "%d of %d eigenvalues", (int)eigen->n, (int)op->order);
+  *growth = eigen->n ? MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), op->exponent, op->period) : NAN;
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
+{
+  MpmSymbol    *symbol;
+  MpmPredictor  predictor;
+  MpmComparison comparison;
+  PetscReal     growth = NAN;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->scene, op->scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(Growth(op, &growth));
+  /* defective eigenvalues at 1, in blocks of up to three, and periods of several steps */
+  CHECK_NEAR(growth, symbol->growth, (fabs(symbol->growth - 1) < 1e-4 ? 3e-5 : 1e-8) * symbol->growth);
+  PetscCall(MpmPredictorCreate(op->scene, &predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  CHECK(predictor.why_not || comparison.corrected <= 1e-7 * symbol->growth, "%s: corrected off by %g at %g", options,
+        comparison.corrected, comparison.corrected_beta);
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Agrees(const char options[])
+{
+  MpmScene    *scene;
+  MpmOperator *op;
+  PetscReal    mismatch;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
+  PetscCall(MpmOperatorMismatch(op, &mismatch));
+  CHECK(mismatch <= (MpmTableHas(scene->table, MPM_SOLVE) ? 1e-12 : 1e-14) * op->period, "%s: %.3g", options, mismatch);
+  if (!MpmSymbolWhyNot(scene)) PetscCall(Symbols(options, op));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  static const char *const rests[] = {
+      "-cells 12 -courant 0.4",
+      "-cells 15 -ppc 1 -offset 0.2 -courant 1.3",
+      "-cells 16 -ppc 3 -jitter 0.7 -courant 0.6",
+      "-cells 12 -drift 1/4 -courant 0.2",
+      "-cells 15 -drift -2/5 -courant 0.3 -ppc 1 -offset 0.1",
+      "-cells 13 -boundary fixed -courant 0.7",
+      "-cells 16 -boundary fixed,free -jitter 0.9 -courant 0.5",
+      "-cells 12 -boundary fixed_reaction,free -ppc 1 -courant 0.6",
+      "-cells 16 -boundary free,fixed_reaction -ppc 3 -jitter 0.6 -courant 0.3",
+      "-cells 18 -boundary fixed,free -fill 0,13.5 -courant 0.5",
+  };
+  char     options[512];
+  PetscInt tried = 0;
+
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  PetscCall(SlepcInitializeNoArguments());
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (PetscInt t = 0; MpmTransfers[t]; t++)
+      for (PetscInt b = 0; MpmBases[b]; b++)
+        for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
+          if (!Exists(MpmFormulations[f], MpmTransfers[t], rests[r])) continue;
+          PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s %s",
+                                  MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
+                                  strcmp(MpmTransfers[t]->name, "xpic") ? "" : "-xpic_order 3", rests[r]));
+          PetscCall(Agrees(options));
+          tried++;
+        }
+  CHECK(tried > 1000, "only %d schemes", (int)tried);
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
