@@ -10,6 +10,7 @@
 #define RATIO 1.25      /* steps in Courant number at rest, where a phase that is unstable stays so */
 #define DRIFT_RATIO 1.1 /* and under drift */
 #define PRECISION 1e-10 /* of a bracket, relative */
+#define SAME 1e-5       /* closed form and search, relative */
 #define FADES 0.03      /* growth at half a limit, in tolerances, that says there is no threshold */
 
 /* The symbol as a function of Courant number and phase. */
@@ -100,7 +101,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
 /* At rest: the phase that allows least, from pi down; a phase that allows more than the least so far is passed over. */
 static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
 {
-  PetscReal g, limit;
+  PetscReal g, limit = INFINITY;
 
   PetscFunctionBegin;
   p->limit[0] = MPM_CRITICAL_FROM;
@@ -116,29 +117,53 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
     c->unstable_at = limit;
     c->beta        = Phase(m);
   }
-  if (!isfinite(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Under drift: where growth over all phases first leaves tolerance. */
+static PetscErrorCode SearchCourant(Probe *p, MpmCritical *c)
+{
+  PetscReal bracket[2], g;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCriticalCross(GrowthOfAll, p, p->scene.tolerance, MPM_CRITICAL_FROM, MPM_CRITICAL_TO, DRIFT_RATIO,
+                             PRECISION, bracket));
+  c->unstable_at = bracket[1];
+  if (isfinite(c->unstable_at)) PetscCall(GrowthOfAll(p, c->unstable_at, &g));
+  c->beta = p->worst_beta;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit of the phases beside the one found, and its bracket. */
+static PetscErrorCode Refine(Probe *p, MpmCritical *c)
+{
+  PetscReal limit = INFINITY, beta = 0, bracket[2];
+
+  PetscFunctionBegin;
   p->limit[0] = c->unstable_at / 2;
   p->limit[1] = c->unstable_at * 2;
-  PetscCall(
-      MpmGoldenSection(LimitOfPhase, p, c->beta - Phase(1), PetscMin(c->beta + Phase(1), PETSC_PI), &p->beta, &limit));
+  PetscCall(MpmGoldenSection(LimitOfPhase, p, PetscMax(c->beta - Phase(1), 0), PetscMin(c->beta + Phase(1), PETSC_PI),
+                             &beta, &limit));
   if (limit < c->unstable_at * (1 - PRECISION)) {
     c->unstable_at = limit;
-    c->beta        = p->beta;
+    c->beta        = beta;
   }
   p->beta = c->beta;
+  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, PetscMin(MPM_CRITICAL_FROM, c->unstable_at / 2),
+                             2 * c->unstable_at, RATIO, PRECISION, bracket));
+  c->stable_at   = bracket[0];
+  c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether growth at half the limit is none but for rounding, and if not, with which power of k it goes. */
-static PetscErrorCode FindThreshold(MpmCriticalGrowth growth, Probe *p, MpmCritical *c)
+static PetscErrorCode FindThreshold(Probe *p, MpmCritical *c)
 {
   PetscReal at[2];
 
   PetscFunctionBegin;
-  c->threshold = PETSC_TRUE;
-  if (c->stable_at == 0 || !isfinite(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(growth(p, c->unstable_at, &at[0]));
-  PetscCall(growth(p, c->unstable_at / 2, &at[1]));
+  PetscCall(GrowthOfPhase(p, c->unstable_at, &at[0]));
+  PetscCall(GrowthOfPhase(p, c->unstable_at / 2, &at[1]));
   c->threshold = at[1] - 1 <= FADES * p->scene.tolerance ? PETSC_TRUE : PETSC_FALSE;
   if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,33 +172,16 @@ static PetscErrorCode FindThreshold(MpmCriticalGrowth growth, Probe *p, MpmCriti
 static PetscErrorCode Search(Probe *p, MpmCritical *c)
 {
   const PetscBool drifts = MpmSceneDrifts(&p->scene);
-  PetscReal       bracket[2];
 
   PetscFunctionBegin;
-  if (drifts) {
-    PetscCall(MpmCriticalCross(GrowthOfAll, p, p->scene.tolerance, MPM_CRITICAL_FROM, MPM_CRITICAL_TO, DRIFT_RATIO,
-                               PRECISION, bracket));
-    c->beta = p->worst_beta;
-    if (isfinite(bracket[1])) {
-      PetscReal g;
-
-      PetscCall(GrowthOfAll(p, bracket[1], &g));
-      c->beta = p->worst_beta;
-    }
-  } else {
-    PetscCall(SearchPhases(p, c));
-    if (isfinite(c->unstable_at))
-      PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, PetscMin(MPM_CRITICAL_FROM, c->unstable_at / 2),
-                                 2 * c->unstable_at, RATIO, PRECISION, bracket));
-    else {
-      bracket[0] = MPM_CRITICAL_TO;
-      bracket[1] = INFINITY;
-    }
-  }
-  c->stable_at   = bracket[0];
-  c->unstable_at = bracket[1];
-  PetscCall(FindThreshold(drifts ? GrowthOfAll : GrowthOfPhase, p, c));
-  c->courant = !isfinite(c->unstable_at) ? INFINITY : c->threshold || drifts ? c->stable_at : 0;
+  PetscCall(drifts ? SearchCourant(p, c) : SearchPhases(p, c));
+  c->courant = c->stable_at = INFINITY;
+  if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  c->courant = c->stable_at = 0;
+  if (c->unstable_at <= MPM_CRITICAL_FROM) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Refine(p, c));
+  PetscCall(FindThreshold(p, c));
+  if (c->threshold || drifts) c->courant = c->stable_at;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -269,6 +277,8 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
     if (!alone) PetscCall(Asked(scene, &c->asked));
   }
   PetscCall(ByClosedForm(scene, c));
+  /* long waves may grow by less than tolerance per step: the closed form knows */
+  if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -62,8 +62,8 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
   MpmCheckInput(!scene->json[0], "json: a survey has none; allowed: csv");
   PetscCall(MakeScenes(scene, &n, &scenes));
   PetscCall(PetscMalloc2(n, &critical, n, &each));
-  MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT ", offset %g, drift %g, xpic_order %" PetscInt_FMT
-           ", blend_ratio %g\nscheme   transfer  ",
+  MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
+           ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
            MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->ppc, scene->offset.value,
            scene->drift.value, scene->numbers.order, scene->numbers.ratio);
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
@@ -76,7 +76,7 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
     PetscCall(MpmCriticalFind(&scenes[i], PETSC_TRUE, &critical[i]));
     PetscCall(PrintCell(critical[i].courant));
   }
-  MpmPrint("\n0: grows at every Courant number; none: no limit up to %g\n", MPM_CRITICAL_TO);
+  MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g\n", MPM_CRITICAL_TO);
   if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, n, each, critical));
   for (PetscInt i = 0; i < n; i++) PetscCall(MpmTableDestroy(&scenes[i].table));
   PetscCall(PetscFree2(critical, each));

@@ -1,4 +1,5 @@
 /* Wavenumber and null-space share of eigenvectors. */
+#include <mpmstab/assemble.h>
 #include <mpmstab/modes.h>
 #include <mpmstab/verdict.h>
 #include <complex.h> /* before fftw3.h, whose numbers are then C's */
@@ -162,16 +163,17 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
+/* Columns minus rank. */
+static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
 {
-  PetscInt  found, rank    = 0, particles;
+  PetscInt  found, rank    = 0, columns;
   PetscReal sigma, largest = 0;
   SVD       svd;
 
   PetscFunctionBegin;
-  PetscCall(MatGetSize(op->p2g, NULL, &particles));
-  PetscCall(SVDCreate(PetscObjectComm((PetscObject)op->p2g), &svd));
-  PetscCall(SVDSetOperators(svd, op->p2g, NULL));
+  PetscCall(MatGetSize(map, NULL, &columns));
+  PetscCall(SVDCreate(PetscObjectComm((PetscObject)map), &svd));
+  PetscCall(SVDSetOperators(svd, map, NULL));
   PetscCall(SVDSetType(svd, SVDLAPACK));
   PetscCall(SVDSetFromOptions(svd));
   PetscCall(SVDSolve(svd));
@@ -182,7 +184,40 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
     if (sigma > RANK * largest) rank++;
   }
   PetscCall(SVDDestroy(&svd));
-  *nullity = particles - rank;
+  *nullity = columns - rank;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operation through which nodes see a particle field. */
+static const MpmOp *SeenBy(const MpmTable *table, PetscInt field)
+{
+  for (PetscInt o = 0; o < table->nops; o++)
+    if (MpmOpTraitsOf(table->ops[o].kind).dst == MPM_ON_NODES &&
+        MpmOpTraitsOf(table->ops[o].kind).src == MPM_ON_PARTICLES && table->ops[o].src == field)
+      return &table->ops[o];
+  return NULL;
+}
+
+PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
+{
+  const MpmTable *table = op->scene->table;
+  MpmRegisters    registers;
+  PetscInt        unseen = 0;
+  Mat             map;
+
+  PetscFunctionBegin;
+  *nullity = 0;
+  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
+  for (PetscInt f = 0; f < table->nstate; f++) {
+    const MpmOp *seen = SeenBy(table, f);
+
+    if (table->filtered[f] || !seen) continue;
+    PetscCall(MpmRegistersMap(&registers, seen->kind, table->odd[seen->dst], 0, &map));
+    PetscCall(Nullity(map, &unseen));
+    PetscCall(MatDestroy(&map));
+    *nullity += unseen;
+  }
+  PetscCall(MpmRegistersDestroy(&registers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

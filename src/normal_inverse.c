@@ -1,4 +1,5 @@
 /* (W^T W)^+ M by all eigenvalues and vectors. */
+#include <mpmstab/dense.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/normal_inverse.h>
 #include <petscblaslapack.h>
@@ -9,31 +10,13 @@
 #define NEGLIGIBLE 1e-18 /* of the largest number of the inverse */
 
 /* W^T W as a dense matrix on every rank. */
-static PetscErrorCode Square(Mat W, PetscInt n, PetscReal square[])
+static PetscErrorCode Square(Mat W, PetscReal square[])
 {
-  Mat         product, *whole;
-  IS          all;
-  PetscScalar value;
+  Mat product;
 
   PetscFunctionBegin;
   PetscCall(MatTransposeMatMult(W, W, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, n, 0, 1, &all));
-  PetscCall(MatCreateSubMatrices(product, 1, &all, &all, MAT_INITIAL_MATRIX, &whole));
-  PetscCall(PetscArrayzero(square, (size_t)n * n));
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscInt    *columns;
-    const PetscScalar *values;
-    PetscInt           count;
-
-    PetscCall(MatGetRow(whole[0], i, &count, &columns, &values));
-    for (PetscInt c = 0; c < count; c++) {
-      value                              = values[c];
-      square[(size_t)columns[c] * n + i] = value;
-    }
-    PetscCall(MatRestoreRow(whole[0], i, &count, &columns, &values));
-  }
-  PetscCall(MatDestroySubMatrices(1, &whole));
-  PetscCall(ISDestroy(&all));
+  PetscCall(MpmDenseCopy(product, square));
   PetscCall(MatDestroy(&product));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -110,7 +93,7 @@ PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
                 "; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
                 n, MOST_NODES);
   PetscCall(PetscMalloc1((size_t)n * n, &half));
-  PetscCall(Square(W, n, half));
+  PetscCall(Square(W, half));
   PetscCall(HalfInverse(n, half));
   PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)W), local, local, n, n, local, NULL, n - local, NULL, inverse));
   PetscCall(FillRows(n, half, *inverse));

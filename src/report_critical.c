@@ -11,15 +11,17 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
 
   PetscFunctionBegin;
   if (isinf(c->courant))
-    MpmPrint("%s: none up to %g is unstable\n", name, MPM_CRITICAL_TO);
-  else if (c->courant == 0 && c->threshold)
-    MpmPrint("%s: 0, growth is beyond tolerance from %g on\n", name, c->unstable_at);
+    MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
+  else if (c->courant == 0 && c->stable_at == 0)
+    MpmPrint("%s: 0, growth is beyond tolerance from %.6g on\n", name, c->unstable_at);
   else if (c->courant == 0)
     MpmPrint("%s: 0, the scheme grows at every one\n", name);
+  else if (c->courant < c->stable_at)
+    MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
   else
     MpmPrint("%s: %.6g\n", name, c->courant);
   if (c->stable_at > 0 && isfinite(c->unstable_at))
-    MpmPrint("  bracket      growth within 1 + %g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
+    MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
              c->unstable_at);
   if (!isnan(c->closed) && isfinite(c->closed))
     MpmPrint("  closed form  %.10g: %s\n", c->closed, s->formulation->limit_text);
@@ -30,8 +32,8 @@ static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!c->threshold)
-    MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %g sets the limit\n",
+  if (!isnan(c->fading))
+    MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
              c->fading, s->tolerance);
   MpmPrint("  limited by   ");
   if (isnan(c->beta))

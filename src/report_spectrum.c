@@ -68,7 +68,8 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
   if (s->at_one != MPM_UNCOUNTED) {
     MpmPrint("eigenvalues at 1: %" PetscInt_FMT, s->at_one);
     if (s->nullity != MPM_UNCOUNTED)
-      MpmPrint(", of them %" PetscInt_FMT " for what no node sees: fields x (particles - rank of P2G)", s->nullity);
+      MpmPrint(", of them %" PetscInt_FMT " for what no node sees (for each field particles - rank of its map)",
+               s->nullity);
     MpmPrint("\n");
   }
   PetscCall(MpmReportComparison(&s->predictor, &s->comparison));

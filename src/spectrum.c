@@ -48,7 +48,6 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
       s->at_one++;
   if (MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmModesNullity(s->op, &s->nullity));
-  s->nullity *= s->op->fields;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +148,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                                          : "none, the solver did not converge (up to order 4096 all are found)";
   }
   PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
-  if (!MpmLayoutIsUniform(s->scene) && s->eigen->n) {
+  if (s->scene->jitter != 0 && s->eigen->n) {
     PetscCall(PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->seed));
     PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
   }

@@ -141,6 +141,7 @@ static PetscErrorCode Filter(Builder *b, const MpmOp *op)
     PetscCall(MpmTableImpose(t, op->src));
   }
   PetscCall(b->transfer->filter(t, b->numbers, op->dst, op->src));
+  t->filtered[op->dst] = PETSC_TRUE;
   t->unfiltered--;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -199,7 +200,10 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
     t->fields[t->nstate++] = "c";
   }
   t->nparticles = t->unfiltered = t->nstate;
-  if (transfer->affine) t->unfiltered--;
+  if (transfer->affine) {
+    t->filtered[t->affine_part] = PETSC_TRUE;
+    t->unfiltered--;
+  }
   for (PetscInt o = 0; o < formulation->nops; o++)
     if (formulation->ops[o].kind == MPM_IMPOSE || formulation->ops[o].kind == MPM_REACT)
       t->odd[formulation->ops[o].dst] = PETSC_TRUE;

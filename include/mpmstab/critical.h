@@ -6,8 +6,8 @@
 /*S
    MpmCritical - the result of the task critical.
 
-   courant: the largest Courant number up to which growth stays within 1 + tolerance; 0 when there is none, infinite when
-   none was found that is unstable. Growth is within tolerance at stable_at and beyond it at unstable_at. beta: phase of
+   courant: the largest Courant number up to which growth stays within 1 + tolerance, or the closed form's where that is less
+   (growth within tolerance); 0 when there is none, infinite when none was found that is unstable. Growth is within tolerance at stable_at and beyond it at unstable_at. beta: phase of
    the mode that grows there first (NaN: none, or its trace has no phase); null_share: the part of it that no node sees
    (NaN: not known). threshold: whether below stable_at there is no growth at all; if not, it fades as the Courant number
    to the power of fading, and only tolerance gives a limit. At rest such a scheme has courant 0.

@@ -18,7 +18,8 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
 PetscErrorCode MpmModesDestroy(MpmModes *modes);
 
 /*
-   MpmModesNullity - particles minus rank of P2G: for each field as many states that the grid does not see.
+   MpmModesNullity - states that the grid does not see and no filter takes away, at the first step: for each field
+   particles minus the rank of the map by which nodes see it (P2G, or DIV).
 
    Collective. By singular values; for orders that are solved whole.
 */

@@ -9,7 +9,7 @@
 
    radius: largest abs of the listed eigenvalues of the operator, growth: per step. symbol is NULL on layouts that are
    not uniform; mismatch from it is the largest distance of a listed eigenvalue from the symbol's set. at_one: listed
-   eigenvalues within 1e-6 of 1; nullity: states that P2G sends to 0 (fields x (particles - rank)); both MPM_UNCOUNTED
+   eigenvalues within 1e-6 of 1; nullity: states that no node sees (see MpmModesNullity); both MPM_UNCOUNTED
    unless all eigenvalues are listed, nullity also under drift. condition: of the eigenvalue that the verdict rests
    on; NaN for a stable one. memory: bytes that the task took at its peak, on all ranks. run: random data marched,
    NULL when that was not asked for or would take too long.

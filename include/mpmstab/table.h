@@ -8,14 +8,14 @@
 
    Particle registers [0, nstate) are the state, those up to nparticles scratch that holds nothing from one operation
    sequence P2G or G2P to the next. odd[n]: node field n is 0 at fixed ends, so that nodes beyond one are its mirror
-   images with the other sign. unfiltered: state fields that no filter acts on.
+   images with the other sign. filtered[f]: a filter acts on state field f; unfiltered: how many have none.
 S*/
 struct MpmTable_ {
   PetscInt    nops, room;
   MpmOp      *ops;
   PetscInt    nstate, nparticles, nnodes, unfiltered;
   const char *fields[MPM_MAX_FIELDS + 1];
-  PetscBool   odd[MPM_MAX_FIELDS];
+  PetscBool   odd[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
   PetscInt    affine; /* the field that has an affine part, or MPM_NONE */
   PetscInt    affine_part;
   MpmEnd      ends[2];

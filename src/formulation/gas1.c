@@ -41,7 +41,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->retained) - 1;
 
-  if (size == 0 || cell->retained == 0) return INFINITY;
+  if (size < 1e-13 || cell->retained == 0) return INFINITY; /* mu is 0 but for rounding */
   return room / (re + sqrt(re * re + size * size * room));
 }
 

@@ -8,6 +8,8 @@
 #include "closed_forms.h"
 #include <math.h>
 
+#define ROUNDING 1e-13 /* of mu */
+
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
 
@@ -46,9 +48,9 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   const PetscReal      size = cabs(square), f = cell->retained, a = 1 / f + f, b = 1 / f - f;
   PetscReal            c, p, q;
 
-  if (size == 0 || cell->retained == 0) return INFINITY;
+  if (size < PetscSqr(ROUNDING) || f == 0) return INFINITY;
+  if (b == 0) return fabs(creal(cell->mu)) <= ROUNDING ? 2 / sqrt(size) : 0;
   c = creal(square) / size;
-  if (b == 0) return fabs(cimag(square)) <= 1e-12 * size && c < 0 ? 2 / sqrt(size) : 0;
   p = c * c / (a * a) + (1 - c * c) / (b * b);
   q = 2 * c / (a * a);
   return sqrt((-q + sqrt(q * q + p * (1 - 4 / (a * a)))) / p / size);

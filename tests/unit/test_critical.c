@@ -1,0 +1,178 @@
+/*
+   Largest stable Courant numbers: an independent program's, the closed forms of THEORY.md for the hat at random places,
+   closed form = search for every scheme, walls, an isolated particle, a partly filled end cell, drift.
+*/
+#include "oracle.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/layout.h>
+#include <slepcsys.h>
+
+static PetscErrorCode Find(const char options[], MpmCritical *c)
+{
+  MpmScene *scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, c));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The oracle bisects gas2, elastic and splines on 64 phases to 2e-3; what has a closed form is given to four digits. */
+static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
+{
+  const PetscBool coarse = strstr(row, "elastic") || strstr(row, "quadratic") || strstr(row, "cubic") ||
+                                   strstr(row, "usf") || strstr(row, "musl")
+                               ? PETSC_TRUE
+                               : PETSC_FALSE;
+  MpmCritical     c;
+
+  PetscFunctionBegin;
+  PetscCall(Find(options, &c));
+  CHECK(fabs(c.courant / oracle - 1) <= (coarse ? 4e-3 : 1e-4), "%s: %.8g", row, c.courant);
+  CHECK(c.threshold && c.stable_at <= c.unstable_at, "%s: [%g, %g]", row, c.stable_at, c.unstable_at);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* THEORY.md, section 4: q = mean of xi (1 - xi). */
+static PetscErrorCode CheckHat(int n)
+{
+  const int    ppc    = 1 + n % 4;
+  const double offset = MpmHash(11, n);
+  char         options[256];
+  double       q = 0;
+  MpmCritical  c;
+
+  PetscFunctionBegin;
+  for (int j = 0; j < ppc; j++) {
+    const double xi = (j + offset) / ppc;
+
+    q += xi * (1 - xi) / ppc;
+  }
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -ppc %d -offset %.16f", ppc, offset));
+  PetscCall(Find(options, &c));
+  CHECK(fabs(c.courant * sqrt(1 + 4 * q) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
+  CHECK(fabs(c.closed * sqrt(1 + 4 * q) - 1) <= 1e-9, "%s: closed form %.9g", options, c.closed);
+  CHECK_NEAR(c.beta, PETSC_PI, 1e-12);
+  PetscCall(PetscStrlcat(options, " -transfer pic", sizeof options));
+  PetscCall(Find(options, &c));
+  CHECK(fabs(c.courant / sqrt(1 - 2 * q) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -ppc %d -offset %.16f", n % 2 ? "usf" : "musl", ppc,
+                          offset));
+  PetscCall(Find(options, &c));
+  CHECK(fabs(c.courant / (q <= 0.125 ? 1 / sqrt(1 - 4 * q) : 4 * sqrt(q)) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Search = closed form, for all that have one; where they have none for flip, both say 0. */
+static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t, const MpmBasis *b, const char rest[])
+{
+  char        options[256];
+  MpmCritical c;
+
+  PetscFunctionBegin;
+  if (t->affine && f->affine == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s", f->name, t->name,
+                          b->name, rest));
+  PetscCall(Find(options, &c));
+  CHECK(isnan(c.closed) == !t->retains, "%s: closed form %g", options, c.closed);
+  if (isnan(c.closed)) PetscFunctionReturn(PETSC_SUCCESS);
+  CHECK(c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) &&
+            c.stable_at >= c.closed * (1 - 1e-9),
+        "%s: %.9g, closed form %.9g at %g, stable at %.9g", options, c.courant, c.closed, c.closed_beta, c.stable_at);
+  /* gas with a filter loses stability at the longest waves first, by less than tolerance */
+  CHECK(c.stable_at <= c.closed * (1 + 1e-5) || c.stable_at - c.closed < (t->filter ? 0.04 : 2e-3),
+        "%s: stable at %.9g, closed form %.9g", options, c.stable_at, c.closed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckNumber(const char options[], PetscReal courant, PetscReal tolerance)
+{
+  MpmCritical c;
+
+  PetscFunctionBegin;
+  PetscCall(Find(options, &c));
+  CHECK(fabs(c.courant / courant - 1) <= tolerance, "%s: %.9g, not %.9g", options, c.courant, courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A lone particle at xi: usl falls to 0 with its distance from a face, usf and musl do not. */
+static PetscErrorCode CheckIsolated(PetscReal xi)
+{
+  char        options[256];
+  MpmCritical c;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -cells 8 -ppc 1 -fill 3,4 -offset %.16f", xi));
+  PetscCall(CheckNumber(options, sqrt(2 * xi * (1 - xi)), 1e-5));
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usf -cells 8 -ppc 1 -fill 3,4 -offset %.16f", xi));
+  PetscCall(Find(options, &c));
+  CHECK(isinf(c.courant), "%s: %g", options, c.courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   A bar whose last cell holds one particle of two, at xi = eps of its cell: the node behind it has mass eps alone, and
+   usl's limit goes to 0 with it; by how much is that of its one stiff mode, k^2 (1/eps + ...) <= 2.
+*/
+static PetscErrorCode CheckPartlyFilled(void)
+{
+  MpmCritical near, nearer, musl;
+
+  PetscFunctionBegin;
+  PetscCall(Find("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.02", &near));
+  PetscCall(Find("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", &nearer));
+  PetscCall(Find("-formulation musl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", &musl));
+  CHECK_NEAR(near.courant / sqrt(2 * 0.01), 1, 0.05);
+  CHECK_NEAR(nearer.courant / sqrt(2 * 0.0025), 1, 0.02);
+  CHECK(musl.courant > 0.5, "musl: %g", musl.courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckDrift(void)
+{
+  MpmCritical c, half;
+
+  PetscFunctionBegin;
+  PetscCall(Find("-drift 1/8 -courant 0.1", &c)); /* beyond tolerance wherever one looks */
+  CHECK(c.courant == 0 && c.unstable_at == MPM_CRITICAL_FROM, "gas2: %g", c.courant);
+  CHECK(c.asked.verdict == MPM_UNSTABLE && fabs(c.asked.growth - 1.0149) < 1e-4, "gas2: growth %.9g", c.asked.growth);
+  PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2", &c));
+  CHECK(c.courant > 0.01 && c.courant < 0.0125 && !c.threshold && fabs(c.fading - 2) < 0.05, "musl: %g, power %g",
+        c.courant, c.fading);
+  PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2 -tolerance 4e-6", &half));
+  CHECK(fabs(half.courant / c.courant - 2) < 0.05, "musl: four times the tolerance gives %g times",
+        half.courant / c.courant);
+  PetscCall(Find("-drift 1/2 -courant 0.1", &c)); /* two places take turns */
+  CHECK(c.courant > 1 && c.threshold, "gas2 at 1/2: %g", c.courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  PetscCall(SlepcInitializeNoArguments());
+  PetscCall(OracleCritical(argv[3], 11, CheckRow));
+  for (int n = 0; n < 12; n++) PetscCall(CheckHat(n));
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (PetscInt t = 0; MpmTransfers[t]; t++)
+      for (PetscInt b = 0; MpmBases[b]; b++) {
+        PetscCall(CheckScheme(MpmFormulations[f], MpmTransfers[t], MpmBases[b], "-ppc 2"));
+        PetscCall(CheckScheme(MpmFormulations[f], MpmTransfers[t], MpmBases[b], "-ppc 3 -offset 0.2"));
+      }
+  /* Bai and Schroeder 2022, as THEORY.md quotes them */
+  PetscCall(CheckNumber("-formulation usl -transfer apic -basis quadratic -ppc 1", 1, 2e-6));
+  /* theory of the two kinds of wall, to the digits given */
+  PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed,free", 2.0097, 2e-5));
+  PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed_reaction,free", 1.9366, 2e-5));
+  /* between walls and for a random layout of jitter 0 the limit comes near to that of all phases */
+  PetscCall(CheckNumber("-formulation usl -ppc 2 -cells 32 -boundary fixed,free", 1 / sqrt(1.75), 2e-3));
+  for (PetscReal xi = 0.3; xi > 1e-4; xi /= 7) PetscCall(CheckIsolated(xi));
+  PetscCall(CheckPartlyFilled());
+  PetscCall(CheckDrift());
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
