@@ -100,6 +100,7 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define P2G(node, particle)                {MPM_P2G, node, particle, MPM_ONE, 1, 0}
 #define G2P(particle, node, coefficient)   {MPM_G2P, particle, node, MPM_##coefficient, 1, 0}
 #define GRAD(particle, node, coefficient)  {MPM_GRAD, particle, node, MPM_##coefficient, 1, 0}
+#define HALF_GRAD(particle, node, coefficient) {MPM_GRAD, particle, node, MPM_##coefficient, 0.5, 0}
 #define MINUS_DIV(node, particle, coefficient) {MPM_DIV, node, particle, MPM_##coefficient, -1, 0}
 #define LAP(node, other, coefficient)      {MPM_LAP, node, other, MPM_##coefficient, 1, 0}
 #define ADD(node, other)                   {MPM_ADD, node, other, MPM_ONE, 1, 0}

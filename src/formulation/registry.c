@@ -2,9 +2,10 @@
 #include <mpmstab/formulation.h>
 #include <string.h>
 
-extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl;
+extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg;
 
-const MpmFormulation *const MpmFormulations[] = {&MpmGas1, &MpmGas2, &MpmElastic, &MpmUsl, &MpmUsf, &MpmMusl, NULL};
+const MpmFormulation *const MpmFormulations[] = {&MpmGas1, &MpmGas2, &MpmElastic, &MpmUsl,
+                                                 &MpmUsf,  &MpmMusl, &MpmUsavg,   NULL};
 
 const MpmFormulation *MpmFormulationFind(const char name[])
 {

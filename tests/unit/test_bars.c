@@ -211,6 +211,8 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Orders("-formulation elastic -boundary fixed,free -initial step -courant 0.4 -time 2.5", 1, 0.6, 0.15));
   PetscCall(CheckTip());
   /* energy at rest: usf and musl keep it (but for its swing within a step), usl and pic lose it */
+  PetscCall(Orders("-formulation usavg -basis quadratic -boundary fixed,free -courant 0.4 -time 1.7", 2, 2, 0.1));
+  PetscCall(Energy("-formulation usavg -courant 0.5", 0.75, 1.25));
   PetscCall(Energy("-formulation usf -courant 0.5", 0.75, 1.25));
   PetscCall(Energy("-formulation musl -courant 0.5", 0.75, 1.25));
   PetscCall(Energy("-formulation musl -courant 1.7", 0.1, 10));

@@ -57,8 +57,8 @@ static PetscErrorCode CheckHat(int n)
   PetscCall(PetscStrlcat(options, " -transfer pic", sizeof options));
   PetscCall(Find(options, &c));
   CHECK(fabs(c.courant / sqrt(1 - 2 * q) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
-  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -ppc %d -offset %.16f", n % 2 ? "usf" : "musl", ppc,
-                          offset));
+  PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -ppc %d -offset %.16f",
+                          n % 3 ? n % 3 == 1 ? "usf" : "usavg" : "musl", ppc, offset));
   PetscCall(Find(options, &c));
   CHECK(fabs(c.courant / (q <= 0.125 ? 1 / sqrt(1 - 4 * q) : 4 * sqrt(q)) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,14 +83,15 @@ static void MomentumStep(const char formulation[], PetscReal k, const Plain *s)
 {
   SumToNodes(s, s->a, s->ai);
   if (!strcmp(formulation, "usf")) AddGradient(s, k, s->ai, s->b);
+  if (!strcmp(formulation, "usavg")) AddGradient(s, k / 2, s->ai, s->b);
   Divergence(s, s->b, s->ci);
   AddValue(s, -k, s->ci, s->a);
   if (!strcmp(formulation, "usl")) {
     for (PetscInt i = 0; i < s->cells; i++) s->ai[i] -= k * s->ci[i];
     AddGradient(s, k, s->ai, s->b);
-  } else if (!strcmp(formulation, "musl")) {
+  } else if (strcmp(formulation, "usf")) {
     SumToNodes(s, s->a, s->ai);
-    AddGradient(s, k, s->ai, s->b);
+    AddGradient(s, strcmp(formulation, "usavg") ? k : k / 2, s->ai, s->b);
   }
 }
 
