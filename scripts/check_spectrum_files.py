@@ -15,7 +15,7 @@ import numpy
 
 CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
-TOP = {"version", "task", "formulation", "basis", "transfer", "dim", "cells", "ppc", "particles", "courant", "drift",
+TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant", "drift",
        "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted"}
 PREDICTED = {"published", "corrected", "symbol", "corrected_off_by"}
 SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "solver", "converged", "listed",

@@ -9,7 +9,8 @@
 
 #define LARGEST 2048 /* order of which all eigenvalues are taken some forty times */
 #define FROM 1e-2
-#define RATIO 1.5
+#define RATIO 1.5        /* steps at rest */
+#define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
 #define PRECISION 1e-7
 #define FADES 0.03
 
@@ -66,40 +67,63 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmFinding *finding)
+/* Whether growth at half the limit is none but for rounding, and if not, with which power of k it goes. */
+static PetscErrorCode FindThreshold(Probe *p, MpmCritical *c)
 {
+  PetscReal at[2];
+
   PetscFunctionBegin;
-  PetscCall(Growth(p, courant, &finding->growth));
-  finding->verdict = MpmVerdictOf(finding);
-  PetscCall(PetscStrncpy(finding->evidence, "all eigenvalues", sizeof finding->evidence));
+  if (c->stable_at == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Growth(p, c->unstable_at, &at[0]));
+  PetscCall(Growth(p, c->unstable_at / 2, &at[1]));
+  c->threshold = at[1] - 1 <= FADES * p->scene.tolerance ? PETSC_TRUE : PETSC_FALSE;
+  if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Up to the scene's own Courant number first: if that grows, the limit is below. */
+static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
+{
+  const PetscBool  drifts = MpmSceneDrifts(&p->scene);
+  MpmFinding      *asked  = &c->asked;
+  MpmCriticalSteps steps  = {
+       .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
+  PetscReal bracket[2] = {0, INFINITY};
+
+  PetscFunctionBegin;
+  PetscCall(Growth(p, courant, &asked->growth));
+  asked->verdict = MpmVerdictOf(asked);
+  PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
+  if (!(asked->growth <= 1 + p->scene.tolerance)) {
+    steps.to   = courant;
+    steps.from = PetscMin(FROM, courant / 2);
+  }
+  PetscCall(MpmCriticalCross(Growth, p, p->scene.tolerance, &steps, PRECISION, bracket));
+  c->stable_at   = bracket[0];
+  c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
 {
-  Probe     probe = {.scene = *scene};
-  PetscReal bracket[2], at[2];
+  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
+  Probe            probe    = {.scene = *scene};
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
-  c->order     = (PetscInt)(scene->table->nstate * scene->particles);
-  MpmCheckInput(c->order <= LARGEST,
+  MpmCheckInput(unknowns <= LARGEST,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
-                "%" PetscInt_FMT " unknowns; allowed: at most %d, so fewer cells",
-                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), c->order, LARGEST);
+                "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
+                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, LARGEST);
+  c->order = (PetscInt)unknowns;
   PetscCall(MpmProgressBegin(scene, "", &probe.progress));
-  PetscCall(MpmCriticalCross(Growth, &probe, scene->tolerance, FROM, MPM_CRITICAL_TO, RATIO, PRECISION, bracket));
-  c->stable_at   = bracket[0];
-  c->unstable_at = bracket[1];
-  if (c->stable_at > 0 && isfinite(c->unstable_at)) {
-    PetscCall(Growth(&probe, c->unstable_at, &at[0]));
-    PetscCall(Growth(&probe, c->unstable_at / 2, &at[1]));
-    c->threshold = at[1] - 1 <= FADES * scene->tolerance ? PETSC_TRUE : PETSC_FALSE;
-    if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
+  PetscCall(Search(&probe, scene->courant, c));
+  c->courant = INFINITY;
+  if (isfinite(c->unstable_at)) {
+    PetscCall(FindThreshold(&probe, c));
+    PetscCall(LimitingMode(&probe, c));
+    c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
   }
-  c->courant = !isfinite(c->unstable_at) ? INFINITY : c->stable_at;
-  if (isfinite(c->unstable_at)) PetscCall(LimitingMode(&probe, c));
-  PetscCall(Asked(&probe, scene->courant, &c->asked));
   PetscCall(MpmProgressEnd(&probe.progress));
   c->evaluations = probe.evaluations;
   PetscFunctionReturn(PETSC_SUCCESS);

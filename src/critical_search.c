@@ -2,33 +2,56 @@
 #include <mpmstab/critical.h>
 #include <math.h>
 
+#define LEAST 1e-9 /* Courant number */
 #define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 34 /* the interval becomes 8e-8 of itself: a minimum is flat below */
 
-PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal from,
-                                PetscReal to, PetscReal ratio, PetscReal precision, PetscReal bracket[2])
+/* Down from a Courant number that is unstable, by halves, to one that is not; 0 when there is none. */
+static PetscErrorCode FindStable(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal bracket[2])
 {
-  PetscReal g, stable = 0, k = from;
+  PetscReal g;
 
   PetscFunctionBegin;
-  for (;; k = PetscMin(k * ratio, to)) {
+  for (PetscReal k = bracket[1] / 2; k >= LEAST; k /= 2) {
     PetscCall(growth(context, k, &g));
-    if (!(g <= 1 + tolerance)) break;
-    stable = k;
-    if (k >= to) {
-      bracket[0] = to;
-      bracket[1] = INFINITY;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
+    bracket[g <= 1 + tolerance ? 0 : 1] = k;
+    if (bracket[0] > 0) break;
   }
-  bracket[0] = stable;
-  bracket[1] = k;
-  if (stable == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  while (bracket[1] - bracket[0] > precision * bracket[1]) {
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Bisect(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal precision,
+                             PetscReal bracket[2])
+{
+  PetscReal g, k;
+
+  PetscFunctionBegin;
+  while (bracket[0] > 0 && bracket[1] - bracket[0] > precision * bracket[1]) {
     k = (bracket[0] + bracket[1]) / 2;
     PetscCall(growth(context, k, &g));
     bracket[g <= 1 + tolerance ? 0 : 1] = k;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
+                                const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2])
+{
+  PetscReal g, k = steps->from;
+
+  PetscFunctionBegin;
+  bracket[0] = 0;
+  for (;; k = PetscMin(PetscMin(k * steps->ratio, k + steps->width), steps->to)) {
+    PetscCall(growth(context, k, &g));
+    if (!(g <= 1 + tolerance)) break;
+    bracket[0] = k;
+    if (k < steps->to) continue;
+    bracket[1] = INFINITY;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  bracket[1] = k;
+  if (bracket[0] == 0) PetscCall(FindStable(growth, context, tolerance, bracket));
+  PetscCall(Bisect(growth, context, tolerance, precision, bracket));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,4 +81,14 @@ PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, Pets
   *x     = at_a <= at_b ? a : b;
   *value = PetscMin(at_a, at_b);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmCriticalPhase(PetscReal m)
+{
+  return PETSC_PI / 2 * (1 - cos(PETSC_PI * PetscMin(PetscMax(m, 0), MPM_CRITICAL_PHASES) / MPM_CRITICAL_PHASES));
+}
+
+PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d)
+{
+  return MpmCriticalPhase(acos(1 - 2 * beta / PETSC_PI) / PETSC_PI * MPM_CRITICAL_PHASES + d);
 }

@@ -38,6 +38,8 @@ static PetscErrorCode PrintCell(PetscReal courant)
     MpmPrint("  %9s", "none");
   else if (courant == 0)
     MpmPrint("  %9s", "0");
+  else if (courant < 1e-3)
+    MpmPrint("  %9.1e", courant);
   else
     MpmPrint("  %9.4f", courant);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -58,8 +60,8 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
   MpmCritical     *critical;
 
   PetscFunctionBegin;
-  MpmCheckInput(!MpmSymbolWhyNot(scene), "survey: for uniform layouts; here %s", MpmSymbolWhyNot(scene));
-  MpmCheckInput(!scene->json[0], "json: a survey has none; allowed: csv");
+  MpmCheckInput(!MpmSymbolWhyNot(scene), "survey: %s; allowed: the same particles in every cell, and boundary periodic",
+                MpmSymbolWhyNot(scene));
   PetscCall(MakeScenes(scene, &n, &scenes));
   PetscCall(PetscMalloc2(n, &critical, n, &each));
   MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT

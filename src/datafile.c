@@ -61,6 +61,9 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer
   PetscCall(WriteNumber(viewer, "jitter", s->jitter));
   PetscCall(WriteNumber(viewer, "amplitude", s->amplitude));
   PetscCall(WriteNumber(viewer, "tolerance", s->tolerance));
+  PetscCall(WriteNumber(viewer, "first", (PetscReal)s->first));
+  PetscCall(WriteNumber(viewer, "particles", (PetscReal)s->particles));
+  if (s->transfer->option) PetscCall(WriteNumber(viewer, s->transfer->option, s->transfer->number(&s->numbers)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

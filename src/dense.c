@@ -62,5 +62,7 @@ PetscErrorCode MpmDenseRadius(Mat matrix, PetscReal *radius)
     for (PetscInt i = 0; i < n; i++) *radius = fmax(*radius, hypot(re[i], im[i]));
   }
   PetscCall(PetscFree3(a, re, im));
+  /* ranks whose LAPACK differs in the last digit must not part ways */
+  PetscCallMPI(MPI_Bcast(radius, 1, MPIU_REAL, 0, PetscObjectComm((PetscObject)matrix)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

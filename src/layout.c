@@ -58,8 +58,8 @@ PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period)
 {
   PetscFunctionBegin;
   MpmCheckInput(scene->drift.den > 0 && scene->drift.den <= LONGEST_PERIOD,
-                "drift %.17g: particles are not back in their places within %d steps; allowed: a fraction such as 1/8 "
-                "with a denominator of at most %d ('mpmstab run' takes any drift)",
+                "drift %.17g: particles are not back in their places within %d steps; allowed: -drift as a fraction "
+                "such as 1/8 with a denominator of at most %d ('mpmstab run' takes any drift)",
                 scene->drift.value, LONGEST_PERIOD, LONGEST_PERIOD);
   *period = (PetscInt)scene->drift.den;
   PetscFunctionReturn(PETSC_SUCCESS);

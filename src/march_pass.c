@@ -7,7 +7,7 @@
    the nodes that a block sees are complete, while its particles are in the second-level cache. Only the
    blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
 */
-#include <mpmstab/march.h>
+#include <mpmstab/march_nodes.h>
 
 #define BLOCK 128 /* particles: larger blocks are slower here, though they would fit the cache */
 
@@ -209,31 +209,6 @@ static PetscErrorCode Follow(const Stage *before, Stage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What particles near a wall gave to nodes beyond it belongs to those nodes' images. */
-static void FoldBeyondWalls(const Stage *s)
-{
-  const MpmScene *scene   = s->arrays->march->scene;
-  const PetscReal even[2] = {1, 1};
-  PetscReal       sign[2];
-
-  for (PetscInt f = 0; f < s->pass->nsums; f++) {
-    MpmSceneMirror(scene, scene->table->odd[s->pass->sum[f]], sign);
-    MpmGridFold(s->arrays->march->grid, sign, s->sum[s->pass->sum[f]]);
-  }
-  if (s->pass->sums_mass) MpmGridFold(s->arrays->march->grid, even, s->arrays->mass);
-}
-
-static void ReflectBeyondWalls(const Stage *s)
-{
-  const MpmScene *scene = s->arrays->march->scene;
-  PetscReal       sign[2];
-
-  for (PetscInt f = 0; f < s->pass->nsums; f++) {
-    MpmSceneMirror(scene, scene->table->odd[s->pass->sum[f]], sign);
-    MpmGridReflect(s->arrays->march->grid, sign, s->sum[s->pass->sum[f]]);
-  }
-}
-
 /* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
 static PetscErrorCode FinishStage(Stage *s)
 {
@@ -252,47 +227,13 @@ static PetscErrorCode FinishStage(Stage *s)
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
   sums[s->pass->nsums] = s->arrays->mass;
-  FoldBeyondWalls(s);
+  MpmMarchFold(s->arrays->march, s->pass, s->sum, s->arrays->mass);
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
   Complete(s, 0, PetscMin(s->lo, grid->nodes));
   Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
   PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
-  ReflectBeyondWalls(s);
+  MpmMarchReflect(s->arrays->march, s->pass, s->sum);
   PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the wall node of one end, wherever it is among this rank's nodes and ghosts. */
-static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
-{
-  const PetscInt wall = (op->end ? grid->cells : 0) - grid->first;
-
-  if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
-}
-
-static PetscErrorCode RunNodeOps(const Stage *s)
-{
-  const MpmMarch *march = s->arrays->march;
-  const MpmGrid  *grid  = march->grid;
-
-  PetscFunctionBegin;
-  for (const MpmNodeOp *op = s->pass->node_op; op < s->pass->node_op + s->pass->nnode_ops; op++) {
-    const PetscInt beyond = grid->ghost - op->depth, lo = -beyond, hi = grid->nodes + beyond;
-    PetscReal     *dst = s->sum[op->dst] ? s->sum[op->dst] : s->node[op->dst];
-    PetscReal     *src = s->sum[op->src] ? s->sum[op->src] : s->node[op->src];
-
-    if (op->kind == MPM_LAP)
-      MpmNodeLaplacian(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_ADD)
-      MpmNodeAdd(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_COPY)
-      MpmNodeCopy(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_WALL)
-      SetWall(grid, op, src, dst);
-    else
-      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, s->arrays->cell, s->arrays->xi,
-                                   march->scene->table->odd[op->dst], s->arrays->mass, src, dst));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -319,9 +260,9 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
   march->particles->step = step;
-  PetscCall(RunNodeOps(&stage[n - 1]));
   for (PetscInt f = 0; f < march->nnodes; f++)
     if (stage[n - 1].sum[f]) stage[n - 1].node[f] = stage[n - 1].sum[f];
+  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].node, arrays.mass, arrays.cell, arrays.xi));
   PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -95,6 +95,9 @@ PetscErrorCode MpmModeFileCheck(const MpmScene *s)
   PetscCall(SameNumber(viewer, path, "jitter", s->jitter));
   if (s->jitter != 0) PetscCall(SameNumber(viewer, path, "seed", (PetscReal)s->seed));
   PetscCall(SameNumber(viewer, path, "courant", s->courant));
+  PetscCall(SameNumber(viewer, path, "first", (PetscReal)s->first));
+  PetscCall(SameNumber(viewer, path, "particles", (PetscReal)s->particles));
+  if (s->transfer->option) PetscCall(SameNumber(viewer, path, s->transfer->option, s->transfer->number(&s->numbers)));
   PetscCall(SameNumber(viewer, path, "drift", s->drift.value));
   PetscCall(Group(s, group, sizeof group));
   PetscCall(PetscViewerHDF5HasAttribute(viewer, group, "growth", &has));

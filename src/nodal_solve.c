@@ -1,6 +1,9 @@
 /* W^T W y = M g on the grid of the march. */
+#include <mpmstab/errors.h>
 #include <mpmstab/maps.h>
 #include <mpmstab/nodal_solve.h>
+
+#define MOST_ITERATIONS 20000
 
 void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
                   PetscReal sign[])
@@ -51,7 +54,7 @@ PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, M
   PetscCall(KSPSetType(s->ksp, KSPCG));
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSetTolerances(s->ksp, 1e-15, PETSC_DEFAULT, PETSC_DEFAULT, 500));
+  PetscCall(KSPSetTolerances(s->ksp, 1e-14, PETSC_DEFAULT, PETSC_DEFAULT, MOST_ITERATIONS));
   PetscCall(KSPSetFromOptions(s->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -110,9 +113,10 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particle
                                   const PetscReal xi[], PetscBool odd, const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[])
 {
-  const PetscInt   last = s->grid->nodes - 1;
-  const PetscReal *a;
-  PetscReal       *b, mirror[2];
+  const PetscInt     last = s->grid->nodes - 1;
+  const PetscReal   *a;
+  PetscReal         *b, mirror[2];
+  KSPConvergedReason reason;
 
   PetscFunctionBegin;
   if (s->step < 0 || odd != s->odd || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
@@ -126,6 +130,11 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particle
     if (s->grid->wall[end] && odd && s->scene->ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
+  PetscCall(KSPGetConvergedReason(s->ksp, &reason));
+  MpmCheckInput(reason > 0,
+                "the nodal system of transfer %s did not converge (%s), as where particles almost coincide; allowed: "
+                "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",
+                s->scene->transfer->name, KSPConvergedReasons[reason]);
   PetscCall(VecGetArrayRead(s->solution, &a));
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));

@@ -89,8 +89,8 @@ PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
   PetscCall(MatGetSize(W, NULL, &n));
   PetscCall(MatGetLocalSize(W, NULL, &local));
   MpmCheckInput(n <= MOST_NODES,
-                "cells: an operator with transfer nullspace inverts a matrix of as many nodes, %" PetscInt_FMT
-                "; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
+                "cells: the operator of this transfer holds an inverse of %" PetscInt_FMT
+                " nodes; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
                 n, MOST_NODES);
   PetscCall(PetscMalloc1((size_t)n * n, &half));
   PetscCall(Square(W, half));

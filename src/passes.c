@@ -235,15 +235,16 @@ PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal c
   for (PetscInt o = 0; o < t->nops; o++) {
     const MpmOp      *op     = &t->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-    const PetscReal   a      = PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
-    PetscReal        *dst    = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
-    const PetscReal  *src    = traits.src == MPM_ON_NODES ? &node[op->src] : &particle[op->src];
+    PetscReal        *dst, from;
 
     if (traits.dst == MPM_NOWHERE) continue;
+    dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
+    from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
+    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
     if (op->kind == MPM_WALL)
-      *dst = PetscMax(*dst, a * *src);
+      *dst = PetscMax(*dst, from);
     else
-      *dst = a * *src + (traits.accumulates ? *dst : 0);
+      *dst = from + (traits.accumulates ? *dst : 0);
   }
   for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
   return bound;

@@ -13,16 +13,21 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
   if (isinf(c->courant))
     MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
   else if (c->courant == 0 && c->stable_at == 0)
-    MpmPrint("%s: 0, growth is beyond tolerance from %.6g on\n", name, c->unstable_at);
+    MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
   else if (c->courant == 0)
     MpmPrint("%s: 0, the scheme grows at every one\n", name);
   else if (c->courant < c->stable_at)
     MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
   else
-    MpmPrint("%s: %.6g\n", name, c->courant);
+    MpmPrint("%s: %.6g%s\n", name, c->courant,
+             MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
              c->unstable_at);
+  if (MpmSceneDrifts(s))
+    MpmPrint(
+        "  under drift windows of instability open and close; the first one found counts, a very narrow one may be "
+        "missed\n");
   if (!isnan(c->closed) && isfinite(c->closed))
     MpmPrint("  closed form  %.10g: %s\n", c->closed, s->formulation->limit_text);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -88,11 +88,15 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
 
 json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
 {
-  return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
-                   "task", task, "formulation", s->formulation->name, "basis", s->basis->name, "transfer",
-                   s->transfer->name, "dim", (int)s->dim, "cells", (int)s->cells, "ppc", (int)s->ppc, "particles",
-                   (json_int_t)s->particles, "courant", s->courant, "drift", s->drift.value, "ranks", (int)ranks,
-                   "wall_s", wall_s);
+  json_t *object = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version",
+                             MPMSTAB_VERSION, "task", task, "formulation", s->formulation->name, "basis",
+                             s->basis->name, "transfer", s->transfer->name, "boundary", s->boundary, "dim", (int)s->dim,
+                             "cells", (int)s->cells, "ppc", (int)s->ppc, "particles", (json_int_t)s->particles,
+                             "courant", s->courant, "drift", s->drift.value, "ranks", (int)ranks, "wall_s", wall_s);
+
+  if (s->transfer->option)
+    json_object_set_new(object, s->transfer->option, json_real(s->transfer->number(&s->numbers)));
+  return object;
 }
 
 void MpmJsonSet(json_t *object, const char key[], PetscReal value)

@@ -67,7 +67,7 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
   }
   if (MpmSettingsGiven(settings, "velocity")) {
     PetscCall(MpmSettingsReal(settings, "velocity", &value));
-    scene->drift = (MpmFraction){.num = 0, .den = 0, .value = value * scene->dt / scene->cell_width};
+    scene->drift = (MpmFraction){.num = 0, .den = value == 0, .value = value * scene->dt / scene->cell_width};
     if (!(PetscAbsReal(scene->drift.value) <= 1e6))
       PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
   } else
@@ -93,7 +93,7 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
     scene->stagger = PETSC_FALSE;
     if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
       PetscCall(MpmSettingsRefuse(settings, "stagger",
-                                  "this formulation updates its fields at once; allowed: with two-stage formulations"));
+                                  "no field of this formulation lags half a step; allowed: with those where one does"));
   }
   if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE) {
     scene->stagger = PETSC_FALSE;
@@ -123,6 +123,19 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A survey is of all schemes, whatever Courant number a scene has. */
+static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmScene *scene)
+{
+  static const char *const idle[] = {"formulation", "basis",  "transfer",        "courant",
+                                     "dt",          "expect", "expect_critical", "json"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; scene->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
+    if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
+      PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* How finely the symbol is read, and what the spectrum keeps. */
 static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
 {
@@ -138,6 +151,7 @@ static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
   scene->modes = (PetscInt)n;
   PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
   PetscCall(MpmSettingsSwitch(settings, "survey", &scene->survey));
+  PetscCall(CheckSurvey(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -258,51 +272,4 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   PetscCall(MpmTableDestroy(&(*scene)->table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
-static void SetWave(const MpmScene *scene, MpmProfile *p)
-{
-  const PetscBool fixed[2] = {MpmEndIsFixed(scene->ends[0]), MpmEndIsFixed(scene->ends[1])};
-
-  p->wavenumber = 2 * PETSC_PI * scene->mode / p->length;
-  if (MpmSceneIsPeriodic(scene)) return;
-  p->wavenumber = (fixed[0] == fixed[1] ? scene->mode : scene->mode - 0.5) * PETSC_PI / p->length;
-  p->phase      = fixed[0] ? 0 : PETSC_PI / 2;
-  for (int end = 0; end < 2; end++) p->image[end] = fixed[end] ? -1 : 1;
-}
-
-PetscBool MpmSceneHasExact(const MpmScene *scene)
-{
-  if (!MpmInitialHasExact(scene->initial)) return PETSC_FALSE;
-  return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Of the material: a bar may end before its domain does. */
-static PetscReal LengthOf(const MpmScene *scene)
-{
-  return MpmSceneIsPeriodic(scene) ? scene->length : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
-}
-
-MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude)
-{
-  MpmProfile profile = {.initial    = scene->initial,
-                        .length     = LengthOf(scene),
-                        .wave_speed = scene->wave_speed,
-                        .cell_width = scene->cell_width,
-                        .amplitude  = amplitude};
-
-  SetWave(scene, &profile);
-  return profile;
-}
-
-PetscInt MpmSceneExponent(const MpmScene *scene)
-{
-  const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
-  PetscReal        largest = 0;
-
-  if (!MpmInitialHasExact(scene->initial)) return ilogb(scene->amplitude);
-  for (PetscInt f = 0; scene->table->fields[f]; f++)
-    largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
-  return ilogb(largest);
 }

@@ -63,10 +63,11 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
 /* Options of the libraries below us: they read theirs while the task runs, so only the family can be known before. */
 static PetscBool IsLibraryOption(const char name[])
 {
-  static const char *const families[] = {
-      "log_",    "malloc",        "objects_", "options_", "on_error_", "info",    "dm_",      "da_",      "vec_",
-      "mat_",    "sf_",           "viewer_",  "mpi_",     "memory_",   "fp_trap", "debugger", "start_in", "saws",
-      "version", "check_pointer", "eps_",     "st_",      "bv_",       "ds_",     "svd_",     "ksp_",     "pc_"};
+  static const char *const families[] = {"log_",    "malloc",        "objects_", "options_", "on_error_", "info",
+                                         "dm_",     "da_",           "vec_",     "mat_",     "sf_",       "viewer_",
+                                         "mpi_",    "memory_",       "fp_trap",  "debugger", "start_in",  "saws",
+                                         "version", "check_pointer", "eps_",     "st_",      "bv_",       "ds_",
+                                         "svd_",    "ksp_",          "pc_",      "nodal_"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(families); i++)
     if (!strncmp(name, families[i], strlen(families[i]))) return PETSC_TRUE;

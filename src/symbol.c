@@ -70,8 +70,8 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 }
 
 /*
-   The largest abs without what no node sees, for each field ppc - 1 factors: that part rests, with the factor 1, or with
-   what the transfer leaves of it.
+   The largest abs without what no node sees, for each field ppc - 1 factors: that part rests, with the factor 1, or
+   with what the transfer leaves of it.
 */
 static PetscReal LargestSeen(Reader *r)
 {

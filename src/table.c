@@ -153,8 +153,9 @@ static PetscErrorCode Translate(Builder *b)
 
   PetscFunctionBegin;
   for (PetscInt o = 0; o < f->nops; o++) {
-    const MpmOp    *op       = &f->ops[o];
-    const PetscBool filtered = o + 1 < f->nops && op[1].kind == MPM_FILTER ? PETSC_TRUE : PETSC_FALSE;
+    const MpmOp    *op = &f->ops[o];
+    const PetscBool filtered =
+        o + 1 < f->nops && op[1].kind == MPM_FILTER && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
 
     if (op->kind == MPM_IMPOSE) {
       PetscCall(MpmTableImpose(b->table, op->dst));

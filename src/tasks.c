@@ -32,12 +32,12 @@ PetscErrorCode MpmPrintUsage(void)
 {
   PetscFunctionBegin;
   PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                        "mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n\n"
+                        "mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
                         "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n\n",
                         MPMSTAB_VERSION));
   for (const MpmTask *task = MpmTasks; task->name; task++)
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %-9s%s\n", task->name, task->summary));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "\n  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
                                           "  mpmstab list options                                  every option\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

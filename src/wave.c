@@ -1,15 +1,11 @@
 /*
-   Exact solutions, X = x - U0 t:
-     first order   u_t = c r_x, r_t = c u_x
-       mode        u = A sin(KX + phase) cos(Kct),  r = A cos(KX + phase) sin(Kct)
-       pulse       u = A f(X - ct),                 r = -A f(X - ct)      (d'Alembert: u - r travels to the right)
-       step        r = -A and u = 0 at first
-     second order  u_t = v, v_t = c^2 u_xx, written with w = v h / c
-       mode        u = (A/omega) sin(omega t) sin(KX + phase), v = A cos(omega t) sin(KX + phase), omega = K c
-       pulse       u = A f(X - ct),                            v = -c A f'(X - ct)
-       step        u = -(A/c) X and v = 0 at first
-   f is a Gaussian of standard deviation L/20 around L/4, repeated with period L, or between ends with its mirror images:
-   those beyond a fixed end have velocities of the other sign.
+   Exact solutions, X = x - U0 t: first order   u_t = c r_x, r_t = c u_x mode        u = A sin(KX + phase) cos(Kct),  r
+   = A cos(KX + phase) sin(Kct) pulse       u = A f(X - ct),                 r = -A f(X - ct)      (d'Alembert: u - r
+   travels to the right) step        r = -A and u = 0 at first second order  u_t = v, v_t = c^2 u_xx, written with w = v
+   h / c mode        u = (A/omega) sin(omega t) sin(KX + phase), v = A cos(omega t) sin(KX + phase), omega = K c pulse
+   u = A f(X - ct),                            v = -c A f'(X - ct) step        u = -(A/c) X and v = 0 at first f is a
+   Gaussian of standard deviation L/20 around L/4, repeated with period L, or between ends with its mirror images: those
+   beyond a fixed end have velocities of the other sign.
 
    A step load A rho0 c on the free end of a bar at rest, from time 0 on: the equations are linear, so stress and
    displacement are counted from the loaded bar's equilibrium, r = A, u = (A/c) X, and the load itself drops out.

@@ -25,15 +25,16 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegis
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
-   MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by the
-   nodal masses (0 where there is none). odd: of the node field, see MpmTable.
+   MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by
+   the nodal masses (0 where there is none). odd: of the node field, see MpmTable.
 
    Collective.
 */
 PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map);
 
 /*
-   MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose 0.
+   MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose
+   0.
 
    Collective. By all eigenvalues of W^T W; refuses grids too large for that.
 */

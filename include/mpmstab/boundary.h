@@ -11,9 +11,9 @@
                         before the wall was imposed (as Uintah's one-dimensional code does)
    MPM_FREE           - nothing imposed
 
-   Nodes beyond a wall are mirror images of those inside: of the other sign for fields that are imposed there, of the same
-   sign for others. So every basis keeps its one shape, partition of unity and linear reproduction up to the wall, a
-   fixed wall's velocity is 0 at the wall itself, and LAP at a free end is 2 (f_{N-1} - f_N).
+   Nodes beyond a wall are mirror images of those inside: of the other sign for fields that are imposed there, of the
+   same sign for others. So every basis keeps its one shape, partition of unity and linear reproduction up to the wall,
+   a fixed wall's velocity is 0 at the wall itself, and LAP at a free end is 2 (f_{N-1} - f_N).
 E*/
 typedef enum { MPM_PERIODIC, MPM_FIXED, MPM_FIXED_REACTION, MPM_FREE } MpmEnd;
 extern const char *const MpmEndNames[], *const MpmEndSummaries[];

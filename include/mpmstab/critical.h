@@ -6,14 +6,15 @@
 /*S
    MpmCritical - the result of the task critical.
 
-   courant: the largest Courant number up to which growth stays within 1 + tolerance, or the closed form's where that is less
-   (growth within tolerance); 0 when there is none, infinite when none was found that is unstable. Growth is within tolerance at stable_at and beyond it at unstable_at. beta: phase of
-   the mode that grows there first (NaN: none, or its trace has no phase); null_share: the part of it that no node sees
-   (NaN: not known). threshold: whether below stable_at there is no growth at all; if not, it fades as the Courant number
-   to the power of fading, and only tolerance gives a limit. At rest such a scheme has courant 0.
+   courant: the largest Courant number up to which growth stays within 1 + tolerance, or the closed form's where that is
+   less (growth within tolerance); 0 when there is none, infinite when none was found that is unstable. Growth is within
+   tolerance at stable_at and beyond it at unstable_at. beta: phase of the mode that grows there first (NaN: none, or
+   its trace has no phase); null_share: the part of it that no node sees (NaN: not known). threshold: whether below
+   stable_at there is no growth at all; if not, it fades as the Courant number to the power of fading, and only
+   tolerance gives a limit. At rest such a scheme has courant 0.
 
-   closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at the
-   scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
+   closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
+   the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, closed, closed_beta, seconds;
@@ -24,36 +25,53 @@ typedef struct {
   MpmFinding     asked;
 } MpmCritical;
 
-/* Courant numbers that are looked at. */
+/* Courant numbers that are looked at, and how many phases in (0, pi] at first. */
+#define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
+#define MPM_CRITICAL_STEP 0.003 /* under drift, at most */
 
 /*
    MpmCriticalFind - searches upwards; scheme alone: without growth at the scene's own Courant number.
 
-   Collective on PETSC_COMM_WORLD. Through the symbol on uniform layouts: at rest the limit of each phase, the least of
-   them refined over all phases (golden section), so that it does not depend on those looked at first; under drift growth
-   over all phases at each Courant number. Else through all eigenvalues of the assembled operator, which needs SLEPc
-   initialized; refuses orders too large for that.
+   Collective on PETSC_COMM_WORLD. Through the symbol on uniform layouts: the limit of each phase, the least of them
+   refined over all phases (golden section), so that it does not depend on those looked at first. At rest a phase that
+   is unstable stays so; under drift windows of instability open where two factors meet, and close again, so steps are
+   small (MPM_CRITICAL_STEP) and each near approach is looked at more closely.
+   Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
+   that.
 */
 PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
 
 /* Growth per step at a Courant number. */
 typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);
 
+/* Where a search looks: from, then on by a ratio but by no more than width, to the end. */
+typedef struct {
+  PetscReal from, to, ratio, width;
+} MpmCriticalSteps;
+
 /*
-   MpmCriticalCross - where growth first leaves 1 + tolerance: [stable_at, unstable_at], 0 when it is beyond at from, infinite
-   when nowhere up to `to`. Steps of ratio, then bisection.
+   MpmCriticalCross - where growth first leaves 1 + tolerance: [stable_at, unstable_at], infinite when nowhere; 0 when
+   there is no stable Courant number, found by halving where growth is beyond at the first. Then bisection.
 
    Collective when growth is. A window of instability narrower than a step may be missed.
 */
-PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal from,
-                                PetscReal to, PetscReal ratio, PetscReal precision, PetscReal bracket[2]);
+PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
+                                const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2]);
+
+/*
+   Not collective. Phase m of those looked at, more of them near 0 and pi, where what happens may be squeezed against the
+   end; and the phase looked at d after that of beta.
+*/
+PetscReal MpmCriticalPhase(PetscReal m);
+PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);
 
 /* Not collective. Golden section: the place in [lo, hi] of the least value of a function with one minimum there. */
 typedef PetscErrorCode (*MpmFunction)(void *context, PetscReal x, PetscReal *value);
 PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, PetscReal hi, PetscReal *x,
                                 PetscReal *value);
 
-/* Collective. The search through the assembled operator, a part of MpmCriticalFind. */
+/* Collective. The searches through symbol and assembled operator, parts of MpmCriticalFind. */
+PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
 PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);

@@ -2,8 +2,8 @@
    A formulation is data: a table of linear operations, one per line of the algorithm as it is published.
 
    Readers of a table (march, assemble and symbol) know these operations and nothing of gas or bar; what they read is
-   the formulation's table with transfer and boundary worked into it (see table.h). Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and
-   the papers named in each formulation's file.
+   the formulation's table with transfer and boundary worked into it (see table.h). Source of the maps: Berzins, Kirby
+   and Gritton, Stability Analysis of Material Point Method, 2013, and the papers named in each formulation's file.
 */
 #pragma once
 #include <mpmstab/compat.h>

@@ -26,7 +26,8 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
    MpmNodalSolveApply - solves at the particles' present places; cell and xi are their fields. Local arrays, ghosts
-   included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the walls that impose it (fixed without reaction).
+   included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the walls that impose it (fixed without
+   reaction).
 
    Collective.
 */
@@ -36,8 +37,8 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *part
 
 /*
    Not collective. The nodes that a particle in a (global, unwrapped) cell sees, with what their values count for there:
-   nodes wrap around or, beyond a wall, become their images with the sign of odd or even fields. With drop, the wall nodes
-   that impose 0 count for nothing.
+   nodes wrap around or, beyond a wall, become their images with the sign of odd or even fields. With drop, the wall
+   nodes that impose 0 count for nothing.
 */
 void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
                   PetscReal sign[]);

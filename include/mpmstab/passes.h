@@ -81,8 +81,8 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
 /*
    MpmScheduleBound - a bound on how much one step can enlarge the largest number of the state.
 
-   Not collective. Follows the table with the maps' maximum norms; used to rescale in time. least_mass: a bound from below
-   on the nodal masses that DIV divides by, in particles.
+   Not collective. Follows the table with the maps' maximum norms; used to rescale in time. least_mass: a bound from
+   below on the nodal masses that DIV divides by, in particles.
 */
 PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
                            PetscReal least_mass);

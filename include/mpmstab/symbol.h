@@ -14,9 +14,10 @@
    how far it may have split a defective pair at 1 (see verdict.h), beta_at_max its phase: the least of those that
    share the maximum to rounding.
 
-   per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests
-   at 1: of all factors but those nearest to 1 (or to what the transfer leaves of it), ppc - 1 for each field; NULL for transfers without such a factor. With factors kept, factors[2 (size i + j)] is the
-   real part of factor j of phase first + i, the next number its imaginary part, both divided by 2^exponents[i].
+   per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests at
+   1: of all factors but those nearest to 1 (or to what the transfer leaves of it), ppc - 1 for each field; NULL for
+   transfers without such a factor. With factors kept, factors[2 (size i + j)] is the real part of factor j of phase
+   first + i, the next number its imaginary part, both divided by 2^exponents[i].
 
    Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
 */

@@ -24,9 +24,9 @@ struct MpmTable_ {
 /*
    MpmTableCreate - works a transfer and a boundary into a formulation's table.
 
-   Not collective. FILTER becomes the transfer's operations (none for flip); IMPOSE and REACT become WALL at the ends that
-   are fixed, nothing at others. With a transfer that has an affine part, what is done to the velocity is done to that
-   part too.
+   Not collective. FILTER becomes the transfer's operations (none for flip); IMPOSE and REACT become WALL at the ends
+   that are fixed, nothing at others. With a transfer that has an affine part, what is done to the velocity is done to
+   that part too.
 */
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
                               const MpmTransferNumbers *numbers, const MpmEnd ends[2], MpmTable **table);

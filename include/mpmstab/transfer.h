@@ -11,13 +11,13 @@ typedef struct {
 } MpmTransferNumbers;
 
 /*S
-   MpmTransfer - a transfer: the filter F that acts on a particle field q once g = P q is on the nodes (P = P2G, W = G2P).
+   MpmTransfer - a transfer: the filter F that acts on a particle field q once g = P q is on the nodes (P = P2G, W =
+   G2P).
 
    filter appends the operations of F to a table; NULL: F is the identity. retains is what F leaves of a Fourier mode as
-   the grid sees it, the symbol of P F over that of P, in terms of alpha, the symbol of P W; NULL: there is no closed form.
-   unseen: the factor F has on what no node sees; NULL with retains.
-   affine: particles carry an affine velocity field. option: the one that it reads, NULL: none; number: what
-   that is set to.
+   the grid sees it, the symbol of P F over that of P, in terms of alpha, the symbol of P W; NULL: there is no closed
+   form. unseen: the factor F has on what no node sees; NULL with retains. affine: particles carry an affine velocity
+   field. option: the one that it reads, NULL: none; number: what that is set to.
 S*/
 typedef struct {
   const char *name, *summary, *reference, *option;

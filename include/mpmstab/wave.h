@@ -27,8 +27,8 @@ static inline PetscBool MpmInitialHasExact(MpmInitial initial)
 /*S
    MpmProfile - which exact solution: its shape and its numbers.
 
-   length L, wave_speed c, cell_width h, amplitude A, wavenumber K, phase of the mode at X = 0. image[end]: the sign that
-   velocities have in the mirror image of a pulse beyond an end, -1 fixed, 1 free, 0 for a periodic domain.
+   length L, wave_speed c, cell_width h, amplitude A, wavenumber K, phase of the mode at X = 0. image[end]: the sign
+   that velocities have in the mirror image of a pulse beyond an end, -1 fixed, 1 free, 0 for a periodic domain.
 S*/
 typedef struct {
   MpmInitial initial;

@@ -13,9 +13,9 @@ enum { U, W };          /* particles */
 enum { U_I, W_I, A_I }; /* nodes     */
 
 static const MpmOp ops[] = {
-    FILTER(W, W_I),         /*    the transfer's filter (flip: none)       */
     P2G(U_I, U),            /* 1. u_i  = sum_p S_ip u_p                    */
     IMPOSE(U_I),            /*    u_i  = 0 at fixed ends                   */
+    FILTER(W, W_I),         /*    the transfer's filter (flip: none)       */
     P2G(W_I, W),            /* 2. w_i  = sum_p S_ip w_p                    */
     IMPOSE(W_I),            /*    w_i  = 0 at fixed ends                   */
     LAP(A_I, U_I, COURANT), /* 3. a_i  = k (u_{i+1} - 2 u_i + u_{i-1})     */

@@ -62,7 +62,7 @@ const MpmFormulation MpmGas1 = {.name              = "gas1",
                                                      "wide as the slides print it: gamma = i k sin beta",
                                 .published_centred = PETSC_TRUE,
                                 .corrected_text    = "G = f (1 +- k mu)",
-                                .limit_text        = "none for flip: abs(G) > 1 wherever mu is not 0",
+                                .limit_text        = "f^2 (1 + 2 k abs(Re mu) + k^2 abs(mu)^2) <= 1; for flip none",
                                 .published         = Published,
                                 .corrected         = Corrected,
                                 .limit             = Limit};

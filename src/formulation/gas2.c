@@ -8,7 +8,7 @@
 #include "closed_forms.h"
 #include <math.h>
 
-#define ROUNDING 1e-13 /* of mu */
+#define ROUNDING 1e-13 /* of mu and f */
 
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
@@ -39,8 +39,9 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 }
 
 /*
-   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse of half axes 1/f + f and 1/f - f around -2. For flip the
-   ellipse is the line from -4 to 0: only a purely imaginary mu (centred particles) lies on it, up to k = 2 / abs(mu).
+   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse of half axes 1/f + f and 1/f - f around -2. For flip
+   the ellipse is the line from -4 to 0: only a purely imaginary mu (centred particles) lies on it, up to k = 2 /
+   abs(mu).
 */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
@@ -49,7 +50,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   PetscReal            c, p, q;
 
   if (size < PetscSqr(ROUNDING) || f == 0) return INFINITY;
-  if (b == 0) return fabs(creal(cell->mu)) <= ROUNDING ? 2 / sqrt(size) : 0;
+  if (b < ROUNDING) return fabs(creal(cell->mu)) <= ROUNDING ? 2 / sqrt(size) : 0;
   c = creal(square) / size;
   p = c * c / (a * a) + (1 - c * c) / (b * b);
   q = 2 * c / (a * a);
@@ -73,7 +74,8 @@ const MpmFormulation MpmGas2 = {.name              = "gas2",
                                                      "and gamma has lost the half of C1 = C2 = 1/2",
                                 .published_centred = PETSC_TRUE,
                                 .corrected_text    = "G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0",
-                                .limit_text        = "2 / max abs(mu) for centred particles, none for others (flip)",
-                                .published         = Published,
-                                .corrected         = Corrected,
-                                .limit             = Limit};
+                                .limit_text =
+                                    "f abs(g) <= 1; for flip k <= 2 / abs(mu) where Re mu = 0, none elsewhere",
+                                .published = Published,
+                                .corrected = Corrected,
+                                .limit     = Limit};

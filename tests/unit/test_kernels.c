@@ -82,8 +82,8 @@ static void CheckAdjoint(const MpmBasis *basis, PetscReal width)
 }
 
 /*
-   GRAD and DIV are adjoint; sum_i phi_ip (x_i - x_p) = 0; the affine part of 3 + 2x is 2 (per cell), and what P2G_AFFINE
-   spreads of it has no sum.
+   GRAD and DIV are adjoint; sum_i phi_ip (x_i - x_p) = 0; the affine part of 3 + 2x is 2 (per cell), and what
+   P2G_AFFINE spreads of it has no sum.
 */
 static void CheckMoments(const MpmBasis *basis, PetscReal width)
 {

@@ -1,6 +1,6 @@
 /*
-   The march against the slides' algorithms and the momentum schemes, written here a second time as plain loops over particles and
-   nodes: the tables, the passes, the halo sums, drift and migration must all be right for these to agree.
+   The march against the slides' algorithms and the momentum schemes, written here a second time as plain loops over
+   particles and nodes: the tables, the passes, the halo sums, drift and migration must all be right for these to agree.
 */
 #include "gather.h"
 

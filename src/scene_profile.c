@@ -1,0 +1,50 @@
+/* The exact solution of a scene: which, and how large. */
+#include <mpmstab/scene.h>
+#include <math.h>
+
+PetscBool MpmSceneHasExact(const MpmScene *scene)
+{
+  if (!MpmInitialHasExact(scene->initial)) return PETSC_FALSE;
+  return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Of the material: a bar may end before its domain does. */
+static PetscReal LengthOf(const MpmScene *scene)
+{
+  return MpmSceneIsPeriodic(scene) ? scene->length : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
+}
+
+/* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
+static void SetWave(const MpmScene *scene, MpmProfile *p)
+{
+  const PetscBool fixed[2] = {MpmEndIsFixed(scene->ends[0]), MpmEndIsFixed(scene->ends[1])};
+
+  p->wavenumber = 2 * PETSC_PI * scene->mode / p->length;
+  if (MpmSceneIsPeriodic(scene)) return;
+  p->wavenumber = (fixed[0] == fixed[1] ? scene->mode : scene->mode - 0.5) * PETSC_PI / p->length;
+  p->phase      = fixed[0] ? 0 : PETSC_PI / 2;
+  for (int end = 0; end < 2; end++) p->image[end] = fixed[end] ? -1 : 1;
+}
+
+MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude)
+{
+  MpmProfile profile = {.initial    = scene->initial,
+                        .length     = LengthOf(scene),
+                        .wave_speed = scene->wave_speed,
+                        .cell_width = scene->cell_width,
+                        .amplitude  = amplitude};
+
+  SetWave(scene, &profile);
+  return profile;
+}
+
+PetscInt MpmSceneExponent(const MpmScene *scene)
+{
+  const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
+  PetscReal        largest = 0;
+
+  if (!MpmInitialHasExact(scene->initial)) return ilogb(scene->amplitude);
+  for (PetscInt f = 0; scene->table->fields[f]; f++)
+    largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
+  return ilogb(largest);
+}
