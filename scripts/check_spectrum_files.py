@@ -15,7 +15,8 @@ import numpy
 
 CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
-TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant", "drift",
+TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
+       "drift",
        "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted"}
 PREDICTED = {"published", "corrected", "symbol", "corrected_off_by"}
 SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "solver", "converged", "listed",
@@ -166,6 +167,36 @@ def check_turned(mpmstab):
     check(math.isclose(growth, 1.5625, rel_tol=1e-6), f"the turned mode grows by {growth}")
 
 
+def check_critical(mpmstab):
+    """The object and the rows of critical: a limit with its reason; none; and a survey of all schemes."""
+    def ask(*options):
+        done = subprocess.run([mpmstab, "critical", *options], capture_output=True, text=True, check=False)
+        check(done.returncode == 0, f"critical {options}: {done.stderr}")
+
+    ask("-formulation", "usl", "-json", "usl.json", "-csv", "usl.csv")
+    with open("usl.json") as file:
+        result = json.load(file)
+    limit = 1 / math.sqrt(1.75)  # q = 3/16
+    keys = {"critical_courant", "limited_by_beta", "evaluations", "seconds", "stable_at", "unstable_at", "closed_form",
+            "threshold"}
+    check(result["task"] == "critical" and result["boundary"] == "periodic" and result["verdict"] == "stable", "usl")
+    check(set(result["critical"]) == keys, f"keys of critical {set(result['critical']) ^ keys}")
+    for key in ("critical_courant", "closed_form", "stable_at", "unstable_at"):
+        check(math.isclose(result["critical"][key], limit, rel_tol=3e-6), f"usl: {key} {result['critical'][key]}")
+    check(math.isclose(result["critical"]["limited_by_beta"], math.pi), "usl: phase")
+    with open("usl.csv") as file:
+        rows = list(csv.DictReader(file))
+    check(len(rows) == 1 and math.isclose(float(rows[0]["critical_courant"]), limit, rel_tol=3e-6), f"usl: {rows}")
+    ask("-formulation", "usf", "-cells", "8", "-ppc", "1", "-fill", "3,4", "-json", "lone.json")
+    with open("lone.json") as file:
+        check("critical_courant" not in json.load(file)["critical"], "a lone particle has no limit with usf")
+    ask("-survey", "-ppc", "1", "-csv", "survey.csv")
+    with open("survey.csv") as file:
+        rows = {(r["formulation"], r["transfer"], r["basis"]): float(r["critical_courant"]) for r in csv.DictReader(file)}
+    check(len(rows) == 4 * (3 * 5 + 4 * 6), f"{len(rows)} schemes in the survey")
+    check(math.isclose(rows["usf", "flip", "linear"], 2, rel_tol=3e-6), f"usf {rows['usf', 'flip', 'linear']}")
+
+
 def main(mpiexec, mpmstab):
     first = None
     for ranks in (1, 2):
@@ -177,6 +208,7 @@ def main(mpiexec, mpmstab):
     for ranks in (1, 3):
         check_symbol(run(mpiexec, mpmstab, ranks, "symbol", "-phases", "60"), 60)
     check_turned(mpmstab)
+    check_critical(mpmstab)
 
 
 if __name__ == "__main__":
