@@ -125,6 +125,8 @@ PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define SEPARATORS ", -" /* between two words: fixed,free or fixed-free */
+
 /* Refuses a word that is not one of an option's. */
 static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[], const char text[])
 {
@@ -169,13 +171,15 @@ PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], P
 
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
 {
-  const char *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
-  char        first[64];
+  const char  *text = settings->text[MpmOptionIndex(name)];
+  const size_t ends = strcspn(text, SEPARATORS);
+  const char  *rest = text + ends + strspn(text + ends, SEPARATORS);
+  char         first[64];
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(first, text, comma ? PetscMin((size_t)(comma - text) + 1, sizeof first) : sizeof first));
+  PetscCall(PetscStrncpy(first, text, PetscMin(ends + 1, sizeof first)));
   PetscCall(FindWord(settings, name, first, &index[0]));
-  PetscCall(FindWord(settings, name, comma ? comma + 1 : first, &index[1]));
+  PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,7 @@
 const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};
 const char *const MpmEndSummaries[] = {
     "no ends (as in the slides)",
-    "velocity 0 at the wall node, and no increment for particles; gas is reflected (Bardenhagen 2002)",
+    "velocity 0 at the wall node, and no increment for particles; gas is reflected (Sulsky, Chen and Schreyer 1994)",
     "the same, but particles get the wall's reaction as their increment (Uintah's 1-D code)",
     "nothing imposed: no stress (a bar's end)", NULL};
 

@@ -196,7 +196,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckNumber("-formulation usl -transfer apic -basis quadratic -ppc 1", 1, 2e-6));
   /* theory of the two kinds of wall, to the digits given */
   PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed,free", 2.0097, 2e-5));
-  PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed_reaction,free", 1.9366, 2e-5));
+  PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed_reaction-free", 1.9366, 2e-5));
   /* between walls and for a random layout of jitter 0 the limit comes near to that of all phases */
   PetscCall(CheckNumber("-formulation usl -ppc 2 -cells 32 -boundary fixed,free", 1 / sqrt(1.75), 2e-3));
   for (PetscReal xi = 0.3; xi > 1e-6; xi /= 7) PetscCall(CheckIsolated(xi));
