@@ -43,6 +43,20 @@ static PetscErrorCode ByClosedForm(const MpmScene *scene, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether it rings when particles move: a limit at rest does not say. */
+static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
+{
+  MpmScene   drifting = *scene;
+  MpmSymbol *symbol;
+
+  PetscFunctionBegin;
+  drifting.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &drifting, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  c->moving = symbol->growth;
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin = MPI_Wtime();
@@ -52,6 +66,7 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
                      .beta        = NAN,
                      .null_share  = NAN,
                      .fading      = NAN,
+                     .moving      = NAN,
                      .closed      = NAN,
                      .closed_beta = NAN,
                      .threshold   = PETSC_TRUE,
@@ -60,6 +75,7 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
     PetscCall(MpmCriticalAssembled(scene, c));
   else
     PetscCall(MpmCriticalBySymbol(scene, alone, c));
+  if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
   PetscCall(ByClosedForm(scene, c));
   /* long waves may grow by less than tolerance per step: the closed form knows */
   if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;

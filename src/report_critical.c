@@ -67,7 +67,11 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
   MpmPrint("\n");
   PetscCall(PrintLimit(s, c));
   PetscCall(PrintReason(s, c));
-  MpmPrint("\nat Courant number %.6g: growth %.9g per step\n", s->courant, c->asked.growth);
+  MpmPrint("\nat Courant number %.6g: growth %.9g per step", s->courant, c->asked.growth);
+  if (!isnan(c->moving))
+    MpmPrint("; if particles drift by 1/%d cell per step: %.9g%s", MPM_CRITICAL_DRIFT, c->moving,
+             c->moving > 1 + s->tolerance ? ", it rings" : "");
+  MpmPrint("\n");
   PetscCall(MpmReportFinding(&c->asked, NAN));
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
@@ -94,6 +98,7 @@ PetscErrorCode MpmCriticalWriteJson(const MpmScene *s, const MpmCritical *c, Pet
   MpmJsonSet(critical, "unstable_at", c->unstable_at);
   MpmJsonSet(critical, "closed_form", c->closed);
   MpmJsonSet(critical, "fading", c->fading);
+  MpmJsonSet(critical, "growth_when_drifting", c->moving);
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));
   json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
   MpmJsonSet(critical, "seconds", c->seconds);

@@ -13,11 +13,13 @@
    stable_at there is no growth at all; if not, it fades as the Courant number to the power of fading, and only
    tolerance gives a limit. At rest such a scheme has courant 0.
 
+   moving: growth at the scene's own Courant number if particles at rest drifted by MPM_CRITICAL_DRIFT (NaN: not asked).
+
    closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
    the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
-  PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, closed, closed_beta, seconds;
+  PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, moving, closed, closed_beta, seconds;
   PetscBool      threshold, assembled;
   PetscInt       order;
   PetscInt64     evaluations;
@@ -29,6 +31,7 @@ typedef struct {
 #define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
+#define MPM_CRITICAL_DRIFT 8    /* one cell in so many steps, where it is asked what motion does */
 #define MPM_CRITICAL_STEP 0.003 /* under drift, at most */
 
 /*

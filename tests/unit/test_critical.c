@@ -165,6 +165,9 @@ static PetscErrorCode CheckDrift(void)
   PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2 -tolerance 4e-6", &half));
   CHECK(fabs(half.courant / c.courant - 2) < 0.05, "musl: four times the tolerance gives %g times",
         half.courant / c.courant);
+  PetscCall(Find("-formulation musl -basis quadratic -courant 0.2", &half)); /* at rest, and what motion would do */
+  CHECK(half.threshold && fabs(half.moving - c.asked.growth) < 1e-9, "musl: %.9g when moving, %.9g", half.moving,
+        c.asked.growth);
   PetscCall(Find("-drift 1/2 -courant 0.1", &c)); /* two places take turns */
   CHECK(c.courant > 1 && c.threshold, "gas2 at 1/2: %g", c.courant);
   /* windows that open and close: an independent program's, found by fine scans */
