@@ -7,7 +7,6 @@
 */
 #include <mpmstab/assemble.h>
 #include <mpmstab/layout.h>
-#include <mpmstab/nodal_solve.h>
 #include <mpmstab/normal_inverse.h>
 
 /* The identity's rows of one field: particle p of this rank is number fields p + field of the state. */
@@ -161,26 +160,18 @@ PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool odd, PetscInt64 step
 static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool odd, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscInt    last   = r->scene->nodes - 1;
-  PetscReal         sign[2];
 
   PetscFunctionBegin;
-  MpmSceneMirror(r->scene, odd, sign);
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
                          PetscMin(2, r->scene->nodes - r->nodes), NULL, map));
-  for (PetscInt i = r->first; i < r->first + r->nodes; i++)
+  for (PetscInt i = r->first; i < r->first + r->nodes; i++) {
     for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
-      PetscInt  j     = i + d;
-      PetscReal value = traits.stencil[d + 1];
+      PetscReal      sign;
+      const PetscInt j = MpmNodeImage(r->scene, i + d, odd, &sign);
 
-      if (MpmSceneIsPeriodic(r->scene))
-        j = (j + r->scene->cells) % r->scene->cells;
-      else if (j < 0 || j > last) {
-        value *= sign[j > last];
-        j = j < 0 ? -j : 2 * last - j;
-      }
-      PetscCall(MatSetValue(*map, i, j, value, ADD_VALUES));
+      PetscCall(MatSetValue(*map, i, j, sign * traits.stencil[d + 1], ADD_VALUES));
     }
+  }
   PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*map, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);

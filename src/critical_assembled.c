@@ -12,7 +12,6 @@
 #define RATIO 1.5        /* steps at rest */
 #define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
 #define PRECISION 1e-7
-#define FADES 0.03
 
 typedef struct {
   MpmScene    scene; /* with a Courant number of its own */
@@ -67,20 +66,6 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth at half the limit is none but for rounding, and if not, with which power of k it goes. */
-static PetscErrorCode FindThreshold(Probe *p, MpmCritical *c)
-{
-  PetscReal at[2];
-
-  PetscFunctionBegin;
-  if (c->stable_at == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Growth(p, c->unstable_at, &at[0]));
-  PetscCall(Growth(p, c->unstable_at / 2, &at[1]));
-  c->threshold = at[1] - 1 <= FADES * p->scene.tolerance ? PETSC_TRUE : PETSC_FALSE;
-  if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Up to the scene's own Courant number first: if that grows, the limit is below. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
@@ -120,7 +105,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
   PetscCall(Search(&probe, scene->courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    PetscCall(FindThreshold(&probe, c));
+    PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));
     PetscCall(LimitingMode(&probe, c));
     c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
   }

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #define LEAST 1e-9 /* Courant number */
+#define FADES 0.03 /* growth at half a limit, in tolerances, that says there is no threshold */
 #define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 34 /* the interval becomes 8e-8 of itself: a minimum is flat below */
 
@@ -52,6 +53,19 @@ PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscRe
   bracket[1] = k;
   if (bracket[0] == 0) PetscCall(FindStable(growth, context, tolerance, bracket));
   PetscCall(Bisect(growth, context, tolerance, precision, bracket));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalThreshold(MpmCriticalGrowth growth, void *context, PetscReal tolerance, MpmCritical *c)
+{
+  PetscReal at[2];
+
+  PetscFunctionBegin;
+  if (c->stable_at == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(growth(context, c->unstable_at, &at[0]));
+  PetscCall(growth(context, c->unstable_at / 2, &at[1]));
+  c->threshold = at[1] - 1 <= FADES * tolerance ? PETSC_TRUE : PETSC_FALSE;
+  if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

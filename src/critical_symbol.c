@@ -9,7 +9,6 @@
 #define RATIO 1.25 /* steps in Courant number at rest, where a phase that is unstable stays so */
 #define DRIFT_RATIO 1.05
 #define PRECISION 1e-10 /* of a bracket, relative */
-#define FADES 0.03      /* growth at half a limit, in tolerances, that says there is no threshold */
 #define COINCIDE 1e-6   /* factors nearer than this count as one */
 #define TURN 0.1        /* of a factor, in radians over a period, between two Courant numbers: about twice this */
 #define BETWEEN 8       /* phases looked at to either side when a limit is refined */
@@ -121,7 +120,9 @@ static PetscErrorCode LimitUnderDrift(Probe *p, PetscReal beta, PetscReal *limit
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* At rest a phase that is stable at the least limit so far allows more; under drift it must be looked at all the way. */
+/*
+   At rest a phase that is stable at the least limit so far allows more; under drift it must be looked at all the way.
+*/
 static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 {
   const PetscBool drifts = MpmSceneDrifts(&p->scene);
@@ -214,19 +215,6 @@ static PetscErrorCode Refine(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth at half the limit is none but for rounding, and if not, with which power of k it goes. */
-static PetscErrorCode FindThreshold(Probe *p, MpmCritical *c)
-{
-  PetscReal at[2];
-
-  PetscFunctionBegin;
-  PetscCall(GrowthOfPhase(p, c->unstable_at, &at[0]));
-  PetscCall(GrowthOfPhase(p, c->unstable_at / 2, &at[1]));
-  c->threshold = at[1] - 1 <= FADES * p->scene.tolerance ? PETSC_TRUE : PETSC_FALSE;
-  if (!c->threshold) c->fading = log2((at[0] - 1) / (at[1] - 1));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Search(Probe *p, MpmCritical *c)
 {
   const PetscBool drifts = MpmSceneDrifts(&p->scene);
@@ -241,7 +229,7 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Refine(p, c));
-  PetscCall(FindThreshold(p, c));
+  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
   c->courant = c->threshold || drifts ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -265,7 +253,7 @@ static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmCritical *c)
     c->unstable_at = courant;
     c->beta        = symbol->beta_at_max;
     PetscCall(Refine(p, c));
-    PetscCall(FindThreshold(p, c));
+    PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
     c->courant = c->stable_at;
   }
   PetscCall(MpmSymbolDestroy(&symbol));

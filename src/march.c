@@ -43,9 +43,9 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 /* Nodes beyond a wall have the sign that the table's own P2G of the field has, or are images of the same sign. */
 static PetscBool IsOdd(const MpmTable *table, PetscInt field)
 {
-  for (PetscInt o = 0; o < table->nops; o++)
-    if (table->ops[o].kind == MPM_P2G && table->ops[o].src == field) return table->odd[table->ops[o].dst];
-  return PETSC_FALSE;
+  const MpmOp *seen = MpmTableSeenBy(table, field);
+
+  return seen && seen->kind == MPM_P2G ? table->odd[seen->dst] : PETSC_FALSE;
 }
 
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)

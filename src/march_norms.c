@@ -33,18 +33,6 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The node field that the table sums from a particle field: by P2G, or DIV for a stress. */
-static PetscInt NodeFieldOf(const MpmTable *table, PetscInt field)
-{
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
-
-    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
-      return table->ops[o].dst;
-  }
-  return MPM_NONE;
-}
-
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 {
   const MpmScene       *scene       = march->scene;
@@ -60,7 +48,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
     const MpmEnergyTerm *term         = &formulation->energy[t];
     const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-    const PetscInt       node         = on_particles ? NodeFieldOf(scene->table, term->field) : term->field;
+    const PetscInt       node         = on_particles ? MpmTableSeenBy(scene->table, term->field)->dst : term->field;
 
     PetscCall(NodeSquares(march, node, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
     sums[2] += h * squares;

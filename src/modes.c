@@ -188,16 +188,6 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operation through which nodes see a particle field. */
-static const MpmOp *SeenBy(const MpmTable *table, PetscInt field)
-{
-  for (PetscInt o = 0; o < table->nops; o++)
-    if (MpmOpTraitsOf(table->ops[o].kind).dst == MPM_ON_NODES &&
-        MpmOpTraitsOf(table->ops[o].kind).src == MPM_ON_PARTICLES && table->ops[o].src == field)
-      return &table->ops[o];
-  return NULL;
-}
-
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 {
   const MpmTable *table = op->scene->table;
@@ -209,7 +199,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
   *nullity = 0;
   PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
   for (PetscInt f = 0; f < table->nstate; f++) {
-    const MpmOp *seen = SeenBy(table, f);
+    const MpmOp *seen = MpmTableSeenBy(table, f);
 
     if (table->filtered[f] || !seen) continue;
     PetscCall(MpmRegistersMap(&registers, seen->kind, table->odd[seen->dst], 0, &map));

@@ -5,32 +5,6 @@
 
 #define MOST_ITERATIONS 20000
 
-void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
-                  PetscReal sign[])
-{
-  const PetscInt last = scene->nodes - 1;
-  PetscReal      mirror[2];
-
-  MpmSceneMirror(scene, odd, mirror);
-  for (PetscInt d = 0; d < MpmMapReach(scene->basis); d++) {
-    node[d] = cell - scene->basis->reach_left + d;
-    sign[d] = 1;
-    if (MpmSceneIsPeriodic(scene)) {
-      node[d] %= scene->cells;
-      if (node[d] < 0) node[d] += scene->cells;
-      continue;
-    }
-    for (PetscInt end = 0; end < 2; end++) {
-      const PetscInt beyond = end ? node[d] - last : -node[d];
-
-      if (drop && odd && beyond == 0 && scene->ends[end] == MPM_FIXED) sign[d] = 0;
-      if (beyond <= 0) continue;
-      node[d] = end ? last - beyond : beyond;
-      sign[d] *= mirror[end];
-    }
-  }
-}
-
 PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, MpmNodalSolve **solve)
 {
   const PetscInt reach = MpmMapReach(scene->basis), width = PetscMin(2 * reach - 1, scene->nodes);

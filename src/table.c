@@ -220,6 +220,17 @@ PetscErrorCode MpmTableDestroy(MpmTable **table)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
+{
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
+
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
+      return &table->ops[o];
+  }
+  return NULL;
+}
+
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
 {
   for (PetscInt o = 0; o < table->nops; o++)

@@ -64,8 +64,17 @@ PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscRe
                                 const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2]);
 
 /*
-   Not collective. Phase m of those looked at, more of them near 0 and pi, where what happens may be squeezed against the
-   end; and the phase looked at d after that of beta.
+   MpmCriticalThreshold - whether growth at half the limit found is none but for rounding, and if not, with which power
+   of the Courant number it fades.
+
+   Collective when growth is.
+*/
+PetscErrorCode MpmCriticalThreshold(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
+                                    MpmCritical *critical);
+
+/*
+   Not collective. Phase m of those looked at, more of them near 0 and pi, where what happens may be squeezed against
+   the end; and the phase looked at d after that of beta.
 */
 PetscReal MpmCriticalPhase(PetscReal m);
 PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);

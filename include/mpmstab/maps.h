@@ -2,6 +2,7 @@
 #pragma once
 #include <mpmstab/basis.h>
 #include <mpmstab/formulation.h>
+#include <mpmstab/scene.h>
 
 #define MPM_MAX_REACH 8 /* nodes that one particle may see */
 
@@ -18,3 +19,17 @@ static inline PetscInt MpmMapReach(const MpmBasis *basis)
    Not collective. They are what the operation's kernel does to unit vectors: what is analysed is what runs.
 */
 void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal width, PetscReal row[]);
+
+/*
+   Not collective. The node that a node of the unbounded grid stands for: the grid's end meets its beginning, or what is
+   beyond a wall is an image. *sign becomes that of the image of an odd or even field, 1 for a node itself.
+*/
+PetscInt MpmNodeImage(const MpmScene *scene, PetscInt node, PetscBool odd, PetscReal *sign);
+
+/*
+   Not collective. The nodes that a particle in a (global, unwrapped) cell sees, with what their values count for there:
+   nodes wrap around or, beyond a wall, become their images with the sign of odd or even fields. With drop, the wall
+   nodes that impose 0 count for nothing.
+*/
+void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
+                  PetscReal sign[]);

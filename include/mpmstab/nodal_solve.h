@@ -34,11 +34,3 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const PetscInt cell[],
                                   const PetscReal xi[], PetscBool odd, const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[]);
-
-/*
-   Not collective. The nodes that a particle in a (global, unwrapped) cell sees, with what their values count for there:
-   nodes wrap around or, beyond a wall, become their images with the sign of odd or even fields. With drop, the wall
-   nodes that impose 0 count for nothing.
-*/
-void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
-                  PetscReal sign[]);

@@ -40,5 +40,8 @@ PetscErrorCode MpmTableScratch(MpmTable *table, PetscInt *particle);
 /* Not collective. For transfers: a node field that P2G has just filled is 0 at fixed ends. */
 PetscErrorCode MpmTableImpose(MpmTable *table, PetscInt node);
 
+/* Not collective. The first operation through which nodes see a particle field (P2G; DIV for a stress), or NULL. */
+const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field);
+
 /* Not collective. Whether the table has an operation of a kind. */
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind);

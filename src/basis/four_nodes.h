@@ -11,43 +11,94 @@
 static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[4]);
 static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[4]);
 
+/* Weights of a particle's four nodes; returns what a gather divides by. */
+typedef PetscReal (*Weights)(PetscReal xi, PetscReal width, PetscReal weight[4]);
+
+static inline PetscReal Phi(PetscReal xi, PetscReal width, PetscReal weight[4])
+{
+  Values(xi, width, weight);
+  return 1;
+}
+
+static inline PetscReal Gradient(PetscReal xi, PetscReal width, PetscReal weight[4])
+{
+  Slopes(xi, width, weight);
+  return 1;
+}
+
 /* phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
-static inline PetscReal Moments(PetscReal xi, PetscReal width, PetscReal moment[4])
+static inline PetscReal Moment(PetscReal xi, PetscReal width, PetscReal weight[4])
 {
   PetscReal sum = 0;
 
-  Values(xi, width, moment);
+  Values(xi, width, weight);
   for (int d = 0; d < 4; d++) {
     const PetscReal distance = d - 1 - xi;
 
-    moment[d] *= distance;
-    sum += moment[d] * distance;
+    weight[d] *= distance;
+    sum += weight[d] * distance;
   }
   return sum;
 }
 
-static inline void Scatter(PetscReal q, const PetscReal weight[4], PetscReal *restrict node)
+/* The compiler knows which weights: they are inlined. */
+static inline void Scatter(Weights weights, PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
+                           PetscReal width, PetscReal a, const PetscReal *restrict particle, PetscReal *restrict node)
 {
-  for (int d = 0; d < 4; d++) node[d - 1] += weight[d] * q;
+  for (PetscInt p = 0; p < n; p++) {
+    PetscReal weight[4];
+
+    (void)weights(xi[p], width, weight);
+    for (int d = 0; d < 4; d++) node[cell[p] + d - 1] += weight[d] * (a * particle[p]);
+  }
 }
 
-static inline PetscReal Gather(const PetscReal weight[4], const PetscReal *restrict node)
+static inline void Gather(Weights weights, PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
+                          PetscReal width, PetscReal a, PetscReal *restrict particle, const PetscReal *restrict node)
 {
-  PetscReal sum = 0;
+  for (PetscInt p = 0; p < n; p++) {
+    PetscReal       weight[4], sum = 0;
+    const PetscReal divisor = weights(xi[p], width, weight);
 
-  for (int d = 0; d < 4; d++) sum += weight[d] * node[d - 1];
-  return sum;
+    for (int d = 0; d < 4; d++) sum += weight[d] * node[cell[p] + d - 1];
+    particle[p] += a / divisor * sum;
+  }
 }
 
 static void P2G_(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
                  PetscReal *restrict particle, PetscReal *restrict node)
 {
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal phi[4];
+  Scatter(Phi, n, cell, xi, width, a, particle, node);
+}
 
-    Values(xi[p], width, phi);
-    Scatter(a * particle[p], phi, node + cell[p]);
-  }
+static void P2GAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
+                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(Moment, n, cell, xi, width, a, particle, node);
+}
+
+static void Div(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
+                PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(Gradient, n, cell, xi, width, a, particle, node);
+}
+
+static void G2P_(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
+                 PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Gather(Phi, n, cell, xi, width, a, particle, node);
+}
+
+static void G2PAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
+                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Gather(Moment, n, cell, xi, width, a, particle, node);
+}
+
+static void Grad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
+                 PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Gather(Gradient, n, cell, xi, width, a, particle, node);
 }
 
 static void P2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
@@ -57,63 +108,10 @@ static void P2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *
     PetscReal phi[4];
 
     Values(xi[p], width, phi);
-    Scatter(particle[p], phi, node + cell[p]);
-    Scatter(1, phi, mass + cell[p]);
-  }
-}
-
-static void P2GAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
-{
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal moment[4];
-
-    (void)Moments(xi[p], width, moment);
-    Scatter(a * particle[p], moment, node + cell[p]);
-  }
-}
-
-static void Div(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                PetscReal *restrict particle, PetscReal *restrict node)
-{
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal slope[4];
-
-    Slopes(xi[p], width, slope);
-    Scatter(a * particle[p], slope, node + cell[p]);
-  }
-}
-
-static void G2P_(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                 PetscReal *restrict particle, PetscReal *restrict node)
-{
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal phi[4];
-
-    Values(xi[p], width, phi);
-    particle[p] += a * Gather(phi, node + cell[p]);
-  }
-}
-
-static void G2PAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
-{
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal       moment[4];
-    const PetscReal D = Moments(xi[p], width, moment);
-
-    particle[p] += a / D * Gather(moment, node + cell[p]);
-  }
-}
-
-static void Grad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                 PetscReal *restrict particle, PetscReal *restrict node)
-{
-  for (PetscInt p = 0; p < n; p++) {
-    PetscReal slope[4];
-
-    Slopes(xi[p], width, slope);
-    particle[p] += a * Gather(slope, node + cell[p]);
+    for (int d = 0; d < 4; d++) {
+      node[cell[p] + d - 1] += phi[d] * particle[p];
+      mass[cell[p] + d - 1] += phi[d];
+    }
   }
 }
 

@@ -14,3 +14,16 @@ PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);
 
 /* The energy of velocity and stress, the first two particle fields. */
 extern const MpmEnergyTerm MpmMomentumEnergy[2];
+
+/* What formulations of velocity v and stress s have in common, among their initialisers; ops is the file's table. */
+/* clang-format off */
+#define MOMENTUM                                                                                                       \
+  .particle_fields = {"v", "s"}, .node_fields = {"v_i", "a_i"}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,    \
+  .affine = V, .free_ends = PETSC_TRUE, .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                       \
+  .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum
+
+/* The closed forms of those whose stress sees the velocity it goes on with. */
+#define STRESS_AHEAD                                                                                                   \
+  .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
+  .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit
+/* clang-format on */

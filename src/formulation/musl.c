@@ -24,20 +24,9 @@ static const MpmOp ops[] = {
 };
 
 const MpmFormulation MpmMusl = {
-    .name            = "musl",
-    .summary         = "momentum, modified update stress last: stress from the new particles' velocity on the grid",
-    .reference       = "Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002",
-    .particle_fields = {"v", "s"},
-    .node_fields     = {"v_i", "a_i"},
-    .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-    .ops             = ops,
-    .staggered       = V,
-    .affine          = V,
-    .free_ends       = PETSC_TRUE,
-    .nenergy         = 2,
-    .energy          = MpmMomentumEnergy,
-    .wave            = &MpmWaveMomentum,
-    .corrected_text  = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",
-    .limit_text      = "alpha s <= 2 (1 + f), s = k^2 kappa",
-    .corrected       = MpmStressAheadGrowth,
-    .limit           = MpmStressAheadLimit};
+    .name      = "musl",
+    .summary   = "momentum, modified update stress last: stress from the new particles' velocity on the grid",
+    .reference = "Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002",
+    .staggered = V,
+    MOMENTUM,
+    STRESS_AHEAD};

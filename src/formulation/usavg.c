@@ -24,20 +24,9 @@ static const MpmOp ops[] = {
     DRIFT,                      /* 7. x_p += U0 dt                              */
 };
 
-const MpmFormulation MpmUsavg = {.name            = "usavg",
-                                 .summary         = "momentum, update stress averaged: half first, half last",
-                                 .reference       = "Nairn 2003",
-                                 .particle_fields = {"v", "s"},
-                                 .node_fields     = {"v_i", "a_i"},
-                                 .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-                                 .ops             = ops,
-                                 .staggered       = MPM_NONE,
-                                 .affine          = V,
-                                 .free_ends       = PETSC_TRUE,
-                                 .nenergy         = 2,
-                                 .energy          = MpmMomentumEnergy,
-                                 .wave            = &MpmWaveMomentum,
-                                 .corrected_text  = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",
-                                 .limit_text      = "alpha s <= 2 (1 + f), s = k^2 kappa",
-                                 .corrected       = MpmStressAheadGrowth,
-                                 .limit           = MpmStressAheadLimit};
+const MpmFormulation MpmUsavg = {.name      = "usavg",
+                                 .summary   = "momentum, update stress averaged: half first, half last",
+                                 .reference = "Nairn 2003",
+                                 .staggered = MPM_NONE,
+                                 MOMENTUM,
+                                 STRESS_AHEAD};

@@ -24,18 +24,7 @@ static const MpmOp ops[] = {
 const MpmFormulation MpmUsf = {.name = "usf",
                                .summary =
                                    "momentum, update stress first: stress from the old nodal velocity, then forces",
-                               .reference       = "Bardenhagen 2002",
-                               .particle_fields = {"v", "s"},
-                               .node_fields     = {"v_i", "a_i"},
-                               .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-                               .ops             = ops,
-                               .staggered       = S,
-                               .affine          = V,
-                               .free_ends       = PETSC_TRUE,
-                               .nenergy         = 2,
-                               .energy          = MpmMomentumEnergy,
-                               .wave            = &MpmWaveMomentum,
-                               .corrected_text  = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",
-                               .limit_text      = "alpha s <= 2 (1 + f), s = k^2 kappa",
-                               .corrected       = MpmStressAheadGrowth,
-                               .limit           = MpmStressAheadLimit};
+                               .reference = "Bardenhagen 2002",
+                               .staggered = S,
+                               MOMENTUM,
+                               STRESS_AHEAD};

@@ -38,20 +38,12 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   return sqrt(2 * (1 + cell->retained) / ((1 + cell->retained - cell->alpha) * cell->kappa));
 }
 
-const MpmFormulation MpmUsl = {.name            = "usl",
-                               .summary         = "momentum, update stress last: stress from the new nodal velocity",
-                               .reference       = "Sulsky, Chen and Schreyer 1994; Bardenhagen 2002",
-                               .particle_fields = {"v", "s"},
-                               .node_fields     = {"v_i", "a_i"},
-                               .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
-                               .ops             = ops,
-                               .staggered       = V,
-                               .affine          = V,
-                               .free_ends       = PETSC_TRUE,
-                               .nenergy         = 2,
-                               .energy          = MpmMomentumEnergy,
-                               .wave            = &MpmWaveMomentum,
-                               .corrected_text  = "tr = 1 + f - s, det = f + (alpha - f) s, s = k^2 kappa",
-                               .limit_text      = "s = k^2 kappa <= 2 (1 + f) / (1 + f - alpha)",
-                               .corrected       = Corrected,
-                               .limit           = Limit};
+const MpmFormulation MpmUsl = {.name      = "usl",
+                               .summary   = "momentum, update stress last: stress from the new nodal velocity",
+                               .reference = "Sulsky, Chen and Schreyer 1994; Bardenhagen 2002",
+                               .staggered = V,
+                               MOMENTUM,
+                               .corrected_text = "tr = 1 + f - s, det = f + (alpha - f) s, s = k^2 kappa",
+                               .limit_text     = "s = k^2 kappa <= 2 (1 + f) / (1 + f - alpha)",
+                               .corrected      = Corrected,
+                               .limit          = Limit};
