@@ -2,8 +2,8 @@
 #include <mpmstab/critical.h>
 #include <math.h>
 
-#define LEAST 1e-9 /* Courant number */
-#define FADES 0.03 /* growth at half a limit, in tolerances, that says there is no threshold */
+#define LEAST 1e-24 /* Courant number: a second material may be that much stiffer and lighter */
+#define FADES 0.03  /* growth at half a limit, in tolerances, that says there is no threshold */
 #define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 34 /* the interval becomes 8e-8 of itself: a minimum is flat below */
 

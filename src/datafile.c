@@ -1,6 +1,7 @@
 /* HDF5 files through PETSc's parallel viewer: the scene as attributes, renamed when whole. */
 #include <mpmstab/datafile.h>
 #include <mpmstab/errors.h>
+#include <mpmstab/material.h>
 #include <petscvec.h>
 #include <petscviewerhdf5.h>
 #include <errno.h>
@@ -37,6 +38,8 @@ static PetscErrorCode WriteFraction(PetscViewer viewer, const char name[], const
 
 static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer)
 {
+  char counts[MPM_COUNTS_TEXT];
+
   PetscFunctionBegin;
   PetscCall(WriteText(viewer, "version", MPMSTAB_VERSION));
   PetscCall(WriteText(viewer, "formulation", s->formulation->name));
@@ -63,6 +66,13 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer
   PetscCall(WriteNumber(viewer, "tolerance", s->tolerance));
   PetscCall(WriteNumber(viewer, "first", (PetscReal)s->first));
   PetscCall(WriteNumber(viewer, "particles", (PetscReal)s->particles));
+  PetscCall(WriteNumber(viewer, "cluster_from", s->cluster[0]));
+  PetscCall(WriteNumber(viewer, "cluster_to", s->cluster[1]));
+  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
+  PetscCall(WriteText(viewer, "counts", counts));
+  PetscCall(WriteText(viewer, "material", MpmMaterialNames[s->material.kind]));
+  PetscCall(WriteNumber(viewer, "density_ratio", s->material.density));
+  PetscCall(WriteNumber(viewer, "stiffness_ratio", s->material.stiffness));
   if (s->transfer->option) PetscCall(WriteNumber(viewer, s->transfer->option, s->transfer->number(&s->numbers)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,6 +102,17 @@ PetscErrorCode MpmDataFileClose(MpmDataFile *file, const char also[])
   }
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDataFileDrop(MpmDataFile *file)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCall(PetscViewerDestroy(&file->viewer));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) (void)unlink(file->part);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /*
-   Uniform layout: particle j of cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed
-   from the number g = n ppc + j.
+   Particle j of the ppc in cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed from its number
+   g, and its part of a cell squeezed into the cluster.
 */
 #include <mpmstab/kernels.h>
 #include <mpmstab/layout.h>
@@ -19,21 +19,46 @@ PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
   return (PetscReal)(z >> 11) * 0x1p-53;
 }
 
+void MpmLayoutSite(const MpmScene *scene, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count)
+{
+  const MpmCounts *c    = &scene->counts;
+  const PetscInt64 turn = g / c->before[c->n], rest = g % c->before[c->n];
+  PetscInt         r = 0;
+
+  while (rest >= c->before[r + 1]) r++;
+  *cell  = (PetscInt)(turn * c->n + r);
+  *j     = (PetscInt)(rest - c->before[r]);
+  *count = c->of[r];
+}
+
+PetscInt64 MpmLayoutSitesBefore(const MpmScene *scene, PetscInt cell)
+{
+  const MpmCounts *c = &scene->counts;
+
+  return cell / c->n * c->before[c->n] + c->before[cell % c->n];
+}
+
+PetscInt MpmLayoutSitesIn(const MpmScene *scene, PetscInt cell)
+{
+  return scene->counts.of[cell % scene->counts.n];
+}
+
 void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscReal *xi)
 {
   const MpmFraction *offset = &scene->offset;
-  const PetscInt64   g      = scene->first + id;
-  const PetscInt     n = (PetscInt)(g / scene->ppc), j = (PetscInt)(g % scene->ppc);
+  const PetscReal   *part   = scene->cluster;
   PetscReal          place; /* in cells from the left end of cell n */
-  PetscInt           shift;
+  PetscInt           n, j, count, shift;
 
+  MpmLayoutSite(scene, scene->first + id, &n, &j, &count);
   if (scene->jitter == 0 && offset->den && offset->den <= 1000000000)
     /* rounded once, so that positions that meet a node meet it exactly */
-    place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(scene->ppc * offset->den);
+    place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(count * offset->den);
   else {
-    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, g) - 0.5);
-    place                        = (j + offset->value + displacement) / scene->ppc;
+    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, scene->first + id) - 0.5);
+    place                        = (j + offset->value + displacement) / count;
   }
+  if (part[1] - part[0] < 1) place = part[0] + (part[1] - part[0]) * place;
   shift = (PetscInt)floor(place);
   *xi   = place - shift;
   if (*xi >= 1) { /* a place just left of a node, rounded onto it */

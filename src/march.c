@@ -56,7 +56,8 @@ PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
                                  .kernel   = march->scene->basis->kernel[MPM_P2G],
                                  .a        = 1,
                                  .particle = field,
-                                 .to_nodes = PETSC_TRUE}}};
+                                 .to_nodes = PETSC_TRUE,
+                                 .weight   = MpmTableWeight(march->scene->table, MPM_P2G)}}};
   MpmMarch view    = *march;
   MpmScene scene   = *march->scene;
   MpmTable table   = *scene.table;

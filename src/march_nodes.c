@@ -32,7 +32,7 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
 }
 
 PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const PetscInt cell[], const PetscReal xi[])
+                               const PetscReal inverse_mass[], const MpmPlaces *places)
 {
   const MpmGrid *grid = march->grid;
 
@@ -50,7 +50,7 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, Petsc
     else if (op->kind == MPM_WALL)
       SetWall(grid, op, src, dst);
     else
-      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, cell, xi, march->scene->table->odd[op->dst],
+      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places, march->scene->table->odd[op->dst],
                                    inverse_mass, src, dst));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

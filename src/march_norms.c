@@ -2,17 +2,57 @@
 #include <mpmstab/march.h>
 #include <math.h>
 
-/* Before the first step nothing has been sampled in passing. */
-static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
+/* Squares times a property that varies, or over it. */
+static PetscErrorCode Weigh(const MpmMarch *march, MpmProperty property, PetscBool divide, PetscReal square[])
 {
-  const char *name = march->scene->table->fields[field];
-  PetscReal  *q;
+  const PetscReal *w;
+
+  PetscFunctionBegin;
+  if (!march->scene->table->varies[property]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], &w));
+  for (PetscInt p = 0; p < march->particles->count; p++) square[p] *= divide ? 1 / w[p] : w[p];
+  PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], &w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Differ(const MpmTable *table)
+{
+  return table->varies[MPM_MASS] || table->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* By volume alone, or as the energy's term does. Particles that differ are gone through again at each sample. */
+static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm *term, const PetscReal q[],
+                                     PetscReal *sum)
+{
+  const PetscInt n = march->particles->count;
+  PetscReal     *square;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &square));
+  for (PetscInt p = 0; p < n; p++) square[p] = q[p] * q[p];
+  PetscCall(Weigh(march, term && !term->stress ? MPM_MASS : MPM_VOLUME, PETSC_FALSE, square));
+  if (term && term->stress) PetscCall(Weigh(march, MPM_STIFFNESS, PETSC_TRUE, square));
+  *sum = 0;
+  for (PetscInt p = 0; p < n; p++) *sum += square[p];
+  PetscCall(PetscFree(square));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Before the first step nothing has been sampled in passing. */
+static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, const MpmEnergyTerm *term, PetscReal *sum)
+{
+  const char     *name   = march->scene->table->fields[field];
+  const PetscBool differ = Differ(march->scene->table);
+  PetscReal      *q;
 
   PetscFunctionBegin;
   *sum = march->squares[field];
-  if (march->step > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (march->step > 0 && !differ) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGet(march->particles, name, &q));
-  *sum = MpmSumSquares(march->particles->count, q);
+  if (differ)
+    PetscCall(WeighedSquares(march, term, q, sum));
+  else
+    *sum = MpmSumSquares(march->particles->count, q);
   PetscCall(MpmParticlesRestore(march->particles, name, &q));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -42,7 +82,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < scene->table->nstate; f++) {
-    PetscCall(ParticleSquares(march, f, &squares));
+    PetscCall(ParticleSquares(march, f, NULL, &squares));
     sums[0] += h / scene->ppc * squares;
   }
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
@@ -53,7 +93,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
     PetscCall(NodeSquares(march, node, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
     sums[2] += h * squares;
     if (on_particles) {
-      PetscCall(ParticleSquares(march, term->field, &squares));
+      PetscCall(ParticleSquares(march, term->field, term, &squares));
       squares /= scene->ppc;
     }
     sums[1] += h * squares;

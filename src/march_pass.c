@@ -15,7 +15,7 @@
 typedef struct {
   const MpmMarch *march;
   PetscInt       *cell;
-  PetscReal      *xi, *particle[MPM_MAX_FIELDS];
+  PetscReal      *xi, *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
   PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
 } Arrays;
 
@@ -41,6 +41,9 @@ static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
   for (PetscInt f = 0; march->scene->table->fields[f]; f++)
     PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &a->particle[f]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->scene->table->varies[w])
+      PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
   for (PetscInt f = 0; f < march->nnodes; f++) {
     PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
     if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
@@ -69,6 +72,9 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
     if (swap) SwapVec(&march->node[f], &march->spare[f]);
   }
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->scene->table->varies[w])
+      PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
   for (PetscInt f = 0; march->scene->table->fields[f]; f++)
     PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &a->particle[f]));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
@@ -101,6 +107,19 @@ static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A map whose particles differ: what they give, or get, times their weight. */
+static void RunWeighted(const Stage *s, const MpmPassOp *op, PetscInt n, const PetscInt cell[], const PetscReal xi[],
+                        PetscReal weight[], PetscReal q[])
+{
+  const PetscReal width = s->arrays->march->scene->width;
+  PetscReal       weighed[BLOCK];
+
+  for (PetscInt p = 0; p < n; p++) weighed[p] = op->to_nodes ? weight[p] * q[p] : 0;
+  op->kernel(n, cell, xi, width, op->a, weighed, (op->to_nodes ? s->sum : s->node)[op->node]);
+  if (op->kind == MPM_PASS_MASS) op->kernel(n, cell, xi, width, 1, weight, s->arrays->mass);
+  for (PetscInt p = 0; p < n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
+}
+
 /* Scratch fields live for a block: what a pass leaves in them no other reads. */
 static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
 {
@@ -119,7 +138,9 @@ static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
     PetscReal *q = a->particle[op->particle] ? a->particle[op->particle] + begin : scratch[op->particle];
 
-    if (op->kind == MPM_PASS_MAP)
+    if (op->weight)
+      RunWeighted(s, op, n, cell, xi, a->weight[op->weight] + begin, q);
+    else if (op->kind == MPM_PASS_MAP)
       op->kernel(n, cell, xi, width, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
     else if (op->kind == MPM_PASS_MASS)
       op->mass_kernel(n, cell, xi, width, q, s->sum[op->node], s->arrays->mass);
@@ -243,6 +264,7 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   PetscInt64     step                      = march->particles->step;
   Arrays         arrays                    = {0};
   Stage          stage[MPM_MAX_JOINED + 1] = {0};
+  MpmPlaces      places;
 
   PetscFunctionBegin;
   PetscCall(GetArrays(march, &arrays));
@@ -262,7 +284,8 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   march->particles->step = step;
   for (PetscInt f = 0; f < march->nnodes; f++)
     if (stage[n - 1].sum[f]) stage[n - 1].node[f] = stage[n - 1].sum[f];
-  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].node, arrays.mass, arrays.cell, arrays.xi));
+  places = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
+  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].node, arrays.mass, &places));
   PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

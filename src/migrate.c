@@ -138,6 +138,8 @@ static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
   PetscCall(Reorder(particles, MpmFieldXi, order, buffer));
   for (PetscInt f = 0; particles->table->fields[f]; f++)
     PetscCall(Reorder(particles, particles->table->fields[f], order, buffer));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (particles->table->varies[w]) PetscCall(Reorder(particles, MpmPropertyNames[w], order, buffer));
   PetscCall(PetscFree(buffer));
   PetscCall(PetscFree(order));
   PetscFunctionReturn(PETSC_SUCCESS);

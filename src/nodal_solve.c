@@ -1,4 +1,4 @@
-/* W^T W y = M g on the grid of the march. */
+/* W^T m W y = M g on the grid of the march, m: the particles' masses. */
 #include <mpmstab/errors.h>
 #include <mpmstab/maps.h>
 #include <mpmstab/nodal_solve.h>
@@ -45,8 +45,8 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a particle at xi in a cell adds to W^T W. */
-static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi)
+/* What a particle at xi in a cell adds to W^T m W. */
+static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi, PetscReal mass)
 {
   const PetscInt reach = MpmMapReach(s->scene->basis);
   PetscInt       node[MPM_MAX_REACH];
@@ -56,13 +56,12 @@ static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi)
   MpmMapRow(s->scene->basis, MPM_G2P, xi, s->scene->width, row);
   MpmNodesSeen(s->scene, cell, s->odd, PETSC_TRUE, node, sign);
   for (PetscInt i = 0; i < reach; i++)
-    for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = sign[i] * row[i] * sign[j] * row[j];
+    for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = mass * sign[i] * row[i] * sign[j] * row[j];
   PetscCall(MatSetValues(s->matrix, reach, node, reach, node, square, ADD_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, const PetscInt cell0[],
-                               const PetscReal xi0[])
+static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places)
 {
   PetscInt  whole;
   PetscReal part;
@@ -74,8 +73,8 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
     PetscInt  cell;
     PetscReal xi;
 
-    MpmPlaceBlock(1, &cell0[p], &xi0[p], whole, part, &cell, &xi);
-    PetscCall(AddParticle(s, s->grid->first + cell, xi));
+    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
+    PetscCall(AddParticle(s, s->grid->first + cell, xi, places->mass ? places->mass[p] : 1));
   }
   PetscCall(MatAssemblyBegin(s->matrix, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->matrix, MAT_FINAL_ASSEMBLY));
@@ -83,9 +82,8 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const PetscInt cell[],
-                                  const PetscReal xi[], PetscBool odd, const PetscReal inverse_mass[],
-                                  const PetscReal g[], PetscReal y[])
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
+                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[])
 {
   const PetscInt     last = s->grid->nodes - 1;
   const PetscReal   *a;
@@ -95,7 +93,7 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particle
   PetscFunctionBegin;
   if (s->step < 0 || odd != s->odd || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
     s->odd = odd;
-    PetscCall(Assemble(s, particles, cell, xi));
+    PetscCall(Assemble(s, particles, places));
   }
   s->step = particles->step;
   PetscCall(VecGetArray(s->right, &b));

@@ -1,5 +1,5 @@
 /* The options: one line each, with default, range and help. */
-#include <mpmstab/scene.h>
+#include <mpmstab/material.h>
 #include <string.h>
 
 static const char *FormulationWord(PetscInt i)
@@ -37,6 +37,11 @@ static const char *LayoutWord(PetscInt i)
   return i == 0 ? "uniform" : NULL;
 }
 
+static const char *MaterialWord(PetscInt i)
+{
+  return MpmMaterialNames[i];
+}
+
 static const char *EndWord(PetscInt i)
 {
   return MpmEndNames[i];
@@ -57,12 +62,18 @@ const MpmOption MpmOptions[] = {
   {"dim",          MPM_INTEGER,  "1",        "space dimensions", BETWEEN(1, 1)},
   {"cells",        MPM_INTEGER,  "64",       "cells of the grid", BETWEEN(1, 2147483646)},
   {"length",       MPM_REAL,     "1",        "length L of the domain", ABOVE(0)},
-  {"ppc",          MPM_INTEGER,  "2",        "particles per cell", BETWEEN(1, 1000000)},
+  {"ppc",          MPM_INTEGER,  "2",        "particles per cell", BETWEEN(1, 1000000), .rival = "counts"},
+  {"counts",       MPM_LIST,     NULL,       "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc", BETWEEN(0, 1000000), .rival = "ppc"},
   {"layout",       MPM_WORD,     "uniform",  "where particles start", .word = LayoutWord},
   {"offset",       MPM_FRACTION, "0.5",      "start of the first particle, in particle spacings", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2)},
   {"jitter",       MPM_REAL,     "0",        "random displacement, in particle spacings", BETWEEN(0, 1)},
+  {"cluster",      MPM_RANGE,    "0,1",      "the part lo,hi of each cell that its particles are squeezed into", BETWEEN(0, 1)},
   {"seed",         MPM_INTEGER,  "1",        "seed of jitter and random data", BETWEEN(0, 9007199254740992)},
   {"fill",         MPM_RANGE,    NULL,       "cells lo,hi between which there are particles (default: all)", ANY},
+  {"material",     MPM_WORD,     "uniform",  "momentum schemes: uniform, two (a second one in inclusion), or graded (from the first to the second)", .word = MaterialWord},
+  {"density_ratio", MPM_REAL,    "1",        "density of the second material over the first's", BETWEEN(1e-15, 1e15)},
+  {"stiffness_ratio", MPM_REAL,  "1",        "stiffness of the second material over the first's", BETWEEN(1e-15, 1e15)},
+  {"inclusion",    MPM_RANGE,    NULL,       "cells lo,hi between which the second material is (default: the right half)", ANY},
   {"boundary",     MPM_ENDS,     "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free", .word = EndWord},
   {"wave_speed",   MPM_REAL,     "1",        "wave speed c", ABOVE(0)},
   {"courant",      MPM_REAL,     "0.5",      "Courant number k = c dt / h", ABOVE(0), .rival = "dt"},
@@ -83,6 +94,9 @@ const MpmOption MpmOptions[] = {
   {"survey",       MPM_SWITCH,   "false",    "a table of the limits of all schemes at this layout", NO_RANGE, .tasks = "critical"},
   {"output",       MPM_PATH,     NULL,       "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum and symbol", NO_RANGE, .tasks = "run, spectrum, symbol"},
   {"output_every", MPM_INTEGER,  NULL,       "steps between outputs (default: first and last)", BETWEEN(1, 1e15), .tasks = "run"},
+  {"checkpoint",   MPM_PATH,     NULL,       "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps", NO_RANGE, .tasks = "run"},
+  {"checkpoint_every", MPM_INTEGER, NULL,    "steps between checkpoints", BETWEEN(1, 1e15), .tasks = "run"},
+  {"restart",      MPM_PATH,     NULL,       "checkpoint to go on from", NO_RANGE, .tasks = "run"},
   {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
   {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme", NO_RANGE},
   {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE},

@@ -187,14 +187,26 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOutputDestroy(MpmOutput **output)
+static PetscErrorCode NameFiles(MpmOutput *o)
 {
-  MpmOutput *o = *output;
-
   PetscFunctionBegin;
   PetscCall(MpmDataFileClose(&o->file, o->xmf.part));
   if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
   PetscCall(MpmTextFileClose(&o->xmf));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output)
+{
+  MpmOutput *o = *output;
+
+  PetscFunctionBegin;
+  if (keep)
+    PetscCall(NameFiles(o));
+  else {
+    PetscCall(MpmDataFileDrop(&o->file));
+    MpmTextFileDrop(&o->xmf);
+  }
   PetscCall(VecDestroy(&o->by_id));
   PetscCall(VecDestroy(&o->coordinates));
   PetscCall(VecDestroy(&o->local));

@@ -45,6 +45,9 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
   for (PetscInt f = 0; scene->table->fields[f]; f++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->table->fields[f], 1, PETSC_REAL));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (scene->table->varies[w])
+      PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmPropertyNames[w], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -61,8 +64,8 @@ static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 
     const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
 
     if (!grid->periodic && wrapped != c) continue;
-    for (PetscInt j = 0; j < scene->ppc; j++) {
-      const PetscInt64 g = (PetscInt64)wrapped * scene->ppc + j - scene->first;
+    for (PetscInt j = 0; j < MpmLayoutSitesIn(scene, wrapped); j++) {
+      const PetscInt64 g = MpmLayoutSitesBefore(scene, wrapped) + j - scene->first;
       PetscInt         place;
       PetscReal        part;
 
@@ -143,6 +146,23 @@ static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles)
+{
+  const PetscInt64 *id;
+  PetscReal        *weight;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
+    if (!scene->table->varies[w]) continue;
+    PetscCall(MpmParticlesGet(particles, MpmPropertyNames[w], &weight));
+    for (PetscInt p = 0; p < particles->count; p++) weight[p] = MpmMaterialProperty(scene, (MpmProperty)w, id[p]);
+    PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[w], &weight));
+  }
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
                                   MpmParticles **particles)
 {
@@ -153,6 +173,7 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
   (*particles)->total = scene->particles;
   PetscCall(CreateSwarm(scene, grid, *particles));
   PetscCall(Place(scene, grid, *particles));
+  PetscCall(MpmParticlesWeigh(scene, *particles));
   if (scene->initial == MPM_INITIAL_EIGENMODE)
     PetscCall(MpmModeFileFill(scene, exponent, *particles));
   else

@@ -2,6 +2,7 @@
 #include <mpmstab/passes.h>
 
 typedef struct {
+  const MpmTable *table;
   const MpmBasis *basis;
   PetscReal       courant;
   PetscBool       fused, mass_due;
@@ -44,7 +45,8 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
                                      .a           = MpmOpValue(op, c->courant),
                                      .particle    = particle,
                                      .node        = node,
-                                     .to_nodes    = to_nodes}));
+                                     .to_nodes    = to_nodes,
+                                     .weight      = MpmTableWeight(c->table, op->kind)}));
   if (with_mass) {
     pass->sums_mass = PETSC_TRUE;
     c->mass_due     = PETSC_FALSE;
@@ -181,8 +183,9 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, Pets
                                   PetscBool fused, MpmSchedule *schedule)
 {
   const PetscInt head = HeadLength(t);
-  Compiler       c = {.basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
-  MpmPass       *pass;
+  Compiler       c    = {
+               .table = t, .basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
+  MpmPass *pass;
 
   PetscFunctionBegin;
   PetscCall(MpmScheduleDestroy(schedule));
@@ -227,7 +230,7 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, Pet
 }
 
 PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
-                           PetscReal least_mass)
+                           PetscReal least_mass, PetscReal stiffness)
 {
   PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
 
@@ -241,6 +244,7 @@ PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal c
     dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
     from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
     from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
+    if (traits.weight == MPM_STIFFNESS) from *= stiffness;
     if (op->kind == MPM_WALL)
       *dst = PetscMax(*dst, from);
     else

@@ -32,9 +32,10 @@ static json_t *Errors(const MpmRun *run)
 static json_t *Run(const MpmRun *run)
 {
   json_t         *object = json_object(), *energy = json_object();
-  const PetscReal work = (PetscReal)run->steps * (PetscReal)run->scene->particles;
+  const PetscReal work = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->particles;
 
   json_object_set_new(object, "steps", json_integer(run->steps));
+  if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));
   MpmJsonSet(object, "time", run->steps * run->scene->dt);
   MpmJsonSet(object, "loop_s", run->loop_s);
   MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);

@@ -1,5 +1,6 @@
 /* The scene, as every task's table and JSON object begin. */
 #include <mpmstab/errors.h>
+#include <mpmstab/material.h>
 #include <mpmstab/output.h>
 #include <mpmstab/report.h>
 #include <math.h>
@@ -8,7 +9,10 @@
 
 PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt ranks)
 {
+  char counts[MPM_COUNTS_TEXT];
+
   PetscFunctionBegin;
+  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
   MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer", MPMSTAB_VERSION, task, s->formulation->name, s->basis->name,
            s->transfer->name);
   if (s->transfer->option) MpmPrint(" (%s %g)", s->transfer->option, s->transfer->number(&s->numbers));
@@ -21,9 +25,14 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt 
   else
     MpmPrint("%.6g", s->drift.value);
   MpmPrint(" cells per step, %d rank%s\n", ranks, ranks == 1 ? "" : "s");
-  if (!MpmSceneIsFull(s))
+  if (s->counts.n > 1)
+    MpmPrint("particles in cells: %s, repeated; %" PetscInt64_FMT " in all\n", counts, s->particles);
+  else if (!MpmSceneIsFull(s))
     MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n", (PetscReal)s->first / s->ppc,
              (PetscReal)(s->first + s->particles) / s->ppc, s->particles);
+  if (s->material.kind != MPM_MATERIAL_UNIFORM)
+    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g\n", MpmMaterialNames[s->material.kind],
+             s->material.density, s->material.stiffness);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,6 +105,10 @@ json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, Pe
 
   if (s->transfer->option)
     json_object_set_new(object, s->transfer->option, json_real(s->transfer->number(&s->numbers)));
+  if (s->material.kind != MPM_MATERIAL_UNIFORM)
+    json_object_set_new(object, "material",
+                        json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->material.kind], "density_ratio",
+                                  s->material.density, "stiffness_ratio", s->material.stiffness));
   return object;
 }
 

@@ -1,10 +1,13 @@
 /* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
+#include <mpmstab/checkpoint.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/material.h>
 #include <mpmstab/mode_file.h>
 #include <mpmstab/output.h>
 #include <mpmstab/progress.h>
 #include <mpmstab/run.h>
+#include <mpmstab/stop.h>
 #include <math.h>
 
 #define MOST_SAMPLES 256 /* equally spaced, unless growth asks for more */
@@ -13,7 +16,7 @@
 #define RESCALE_AT 100
 #define ROOM 380
 
-#define LEAST_MASS 1e-10 /* of a node in a layout that is not uniform, in particles */
+#define LEAST_MASS 0x1p-52 /* of a node in a layout that is not uniform, in particles */
 
 typedef struct {
   MpmRun     *run;
@@ -21,16 +24,20 @@ typedef struct {
   MpmOutput  *output; /* NULL: none asked */
   MpmTextFile csv;
   PetscInt64  gap; /* steps between samples */
-  PetscReal   aside_s, log_energy_first;
+  PetscReal   aside_s;
+  char       *csv_before; /* what a run that this one goes on from had written; NULL: none */
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
 static PetscInt64 SampleGap(const MpmScene *scene)
 {
-  const PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
-  const PetscReal bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least);
-  const PetscReal safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
+  PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
+  PetscReal extreme[MPM_PROPERTIES], bound, safe;
 
+  MpmMaterialBounds(scene, extreme);
+  least *= extreme[MPM_MASS] / extreme[MPM_VOLUME];
+  bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least, extreme[MPM_STIFFNESS]);
+  safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
 }
 
@@ -40,6 +47,10 @@ static PetscErrorCode WriteCsvHeader(const Loop *loop)
 
   PetscFunctionBegin;
   if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
+  if (loop->csv_before && *loop->csv_before) {
+    fputs(loop->csv_before, loop->csv.stream);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   fprintf(loop->csv.stream, "step,time,norm,energy,log10_norm");
   for (PetscInt f = 0; loop->run->has_errors && scene->table->fields[f]; f++)
     fprintf(loop->csv.stream, ",error_l2_%s", scene->table->fields[f]);
@@ -96,10 +107,10 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);
   if (march->step == 0) {
-    run->energy_initial    = run->energy_final;
-    loop->log_energy_first = log(norms.energy) + 2 * ln2;
+    run->energy_initial   = run->energy_final;
+    run->log_energy_first = log(norms.energy) + 2 * ln2;
   }
-  run->energy_ratio = exp(log(norms.energy) + 2 * ln2 - loop->log_energy_first);
+  run->energy_ratio = exp(log(norms.energy) + 2 * ln2 - run->log_energy_first);
   run->lost         = *follow ? PETSC_FALSE : PETSC_TRUE;
   if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSeriesAppend(&run->series, march->step, log_state, log(norms.grid) + ln2));
@@ -119,28 +130,51 @@ static PetscErrorCode WriteOutput(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Asks for SIGTERM only where something can be done about it. stop: the ranks have agreed to. */
+static PetscErrorCode Keep(Loop *loop, PetscBool *stop)
+{
+  const MpmScene *scene = loop->run->scene;
+  const PetscReal begin = MPI_Wtime();
+  char           *csv   = NULL;
+
+  PetscFunctionBegin;
+  *stop = PETSC_FALSE;
+  if (!scene->checkpoint[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmStopAgreed(PETSC_COMM_WORLD, stop));
+  if (*stop || loop->march->step % scene->checkpoint_every == 0 || loop->march->step == scene->steps) {
+    PetscCall(MpmTextFileSoFar(&loop->csv, &csv));
+    PetscCall(MpmCheckpointWrite(scene->checkpoint, loop->march, loop->run, csv));
+    PetscCall(PetscFree(csv));
+  }
+  loop->aside_s += MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode March(Loop *loop)
 {
   const MpmScene *scene = loop->run->scene;
   PetscReal       begin;
-  PetscBool       follow;
+  PetscBool       follow = PETSC_TRUE, stop = PETSC_FALSE;
   MpmProgress     progress;
 
   PetscFunctionBegin;
-  PetscCall(Sample(loop, &follow));
+  if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   if (loop->output) PetscCall(WriteOutput(loop));
   PetscCall(MpmProgressBegin(scene, "step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
-  for (PetscInt64 step = 1; step <= scene->steps && follow; step++) {
-    const PetscBool sample = step % loop->gap == 0 || step == scene->steps ? PETSC_TRUE : PETSC_FALSE;
+  while (loop->march->step < scene->steps && follow && !stop) {
+    const PetscInt64 step   = loop->march->step + 1;
+    const PetscBool  sample = step % loop->gap == 0 || step == scene->steps ? PETSC_TRUE : PETSC_FALSE;
 
     PetscCall(MpmMarchStep(loop->march, sample));
     if (sample) PetscCall(Sample(loop, &follow));
     if (loop->output && (step % scene->output_every == 0 || step == scene->steps)) PetscCall(WriteOutput(loop));
+    if (follow) PetscCall(Keep(loop, &stop));
     PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
   }
-  loop->run->loop_s = MPI_Wtime() - begin - loop->aside_s;
+  loop->run->stopped = stop;
+  loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -159,6 +193,33 @@ static PetscErrorCode OpenFiles(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A run that was stopped leaves its checkpoint alone. */
+static PetscErrorCode CloseFiles(Loop *loop)
+{
+  const PetscBool keep = loop->run->stopped ? PETSC_FALSE : PETSC_TRUE;
+
+  PetscFunctionBegin;
+  if (loop->output) PetscCall(MpmOutputDestroy(keep, &loop->output));
+  if (loop->run->scene->csv[0] && keep) PetscCall(MpmTextFileClose(&loop->csv));
+  if (!keep) MpmTextFileDrop(&loop->csv);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From the scene's initial data, or from where another run was. */
+static PetscErrorCode Begin(Loop *loop)
+{
+  const MpmScene *scene = loop->run->scene;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop->march));
+  if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, loop->march, loop->run, &loop->csv_before));
+  loop->run->from = loop->march->step;
+  if (scene->checkpoint[0]) MpmStopInstall();
+  PetscCall(OpenFiles(loop));
+  PetscCall(PetscFree(loop->csv_before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
 {
   Loop    loop = {.gap = SampleGap(scene)};
@@ -174,12 +235,10 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(MpmPredict(scene, &r->predictions));
   r->eigenmode = NAN;
   if (scene->initial == MPM_INITIAL_EIGENMODE) PetscCall(MpmModeFileGrowth(scene, &r->eigenmode));
-  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop.march));
   loop.run = r;
-  PetscCall(OpenFiles(&loop));
+  PetscCall(Begin(&loop));
   PetscCall(March(&loop));
-  if (loop.output) PetscCall(MpmOutputDestroy(&loop.output));
-  if (scene->csv[0]) PetscCall(MpmTextFileClose(&loop.csv));
+  PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
   PetscCall(MpmMarchDestroy(&loop.march));

@@ -1,4 +1,5 @@
 /* Settings -> Scene: units, derived numbers, and options that exclude each other. */
+#include <mpmstab/checkpoint.h>
 #include <mpmstab/mode_file.h>
 #include <mpmstab/scene.h>
 #include <math.h>
@@ -32,16 +33,6 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsInteger(settings, "cells", &n));
   scene->cells = (PetscInt)n;
   PetscCall(MpmSettingsReal(settings, "length", &scene->length));
-  PetscCall(MpmSettingsInteger(settings, "ppc", &n));
-  scene->ppc       = (PetscInt)n;
-  scene->width     = 0.5 / scene->ppc;
-  scene->particles = n * scene->cells;
-  if (scene->particles > PETSC_MAX_INT / 2)
-    PetscCall(MpmSettingsRefuse(settings, MpmSettingsSource(settings, "ppc") ? "ppc" : "cells",
-                                "cells times ppc is too large; allowed: at most 1073741823 particles"));
-  PetscCall(MpmSettingsFraction(settings, "offset", &scene->offset));
-  PetscCall(MpmSettingsReal(settings, "jitter", &scene->jitter));
-  PetscCall(MpmSettingsInteger(settings, "seed", &scene->seed));
   scene->cell_width = scene->length / scene->cells;
   if (!isnormal(scene->cell_width))
     PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
@@ -189,6 +180,12 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
     if (!scene->output[0]) PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
   }
+  scene->checkpoint_every = scene->steps;
+  if (MpmSettingsGiven(settings, "checkpoint_every") && !strcmp(scene->task, "run")) {
+    PetscCall(MpmSettingsInteger(settings, "checkpoint_every", &scene->checkpoint_every));
+    if (!scene->checkpoint[0])
+      PetscCall(MpmSettingsRefuse(settings, "checkpoint_every", "allowed: only with checkpoint"));
+  }
   if (scene->output[0] && scene->particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
   scene->has_progress = MpmSettingsGiven(settings, "progress");
@@ -255,13 +252,16 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   PetscCall(MpmSettingsCreate(path, &settings));
   PetscCall(ReadWords(settings, *scene));
   PetscCall(ReadGrid(settings, *scene));
+  PetscCall(MpmSettingsLayout(settings, *scene));
   PetscCall(ReadTime(settings, *scene));
   PetscCall(MpmSettingsScheme(settings, *scene));
+  PetscCall(MpmSettingsMaterial(settings, *scene));
   PetscCall(ReadAnalysis(settings, *scene));
   PetscCall(ReadInitial(settings, *scene));
   PetscCall(CheckSizes(settings, *scene));
   PetscCall(ReadOutputs(settings, *scene));
   PetscCall(ReadExpect(settings, *scene, &(*scene)->expect));
+  if ((*scene)->restart[0]) PetscCall(MpmCheckpointCheck(*scene));
   PetscCall(MpmSettingsDestroy(&settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,17 +1,20 @@
-/* The exact solution of a scene: which, and how large. */
+/* What follows from a scene: its exact solution, which and how large; its numbers as text. */
 #include <mpmstab/scene.h>
 #include <math.h>
+#include <string.h>
 
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
-  if (!MpmInitialHasExact(scene->initial)) return PETSC_FALSE;
+  if (!MpmInitialHasExact(scene->initial) || scene->material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
   return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Of the material: a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene)
 {
-  return MpmSceneIsPeriodic(scene) ? scene->length : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
+  return MpmSceneIsPeriodic(scene) || scene->particles == scene->sites
+             ? scene->length
+             : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
 }
 
 /* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
@@ -47,4 +50,16 @@ PetscInt MpmSceneExponent(const MpmScene *scene)
   for (PetscInt f = 0; scene->table->fields[f]; f++)
     largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
   return ilogb(largest);
+}
+
+PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = '\0';
+  for (PetscInt r = 0; r < scene->counts.n; r++) {
+    const size_t used = strlen(text);
+
+    PetscCall(PetscSNPrintf(text + used, room - used, "%s%" PetscInt_FMT, r ? "," : "", scene->counts.of[r]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,7 +5,7 @@
 
 #define LONGEST (PETSC_MAX_PATH_LEN - 16) /* room for '.part' and '.xmf' */
 
-static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], char path[])
+static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], PetscBool written, char path[])
 {
   const char *text;
 
@@ -14,7 +14,7 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], c
   if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   if (strlen(text) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter name"));
   PetscCall(PetscStrncpy(path, text, LONGEST));
-  PetscCall(MpmFileCheck(name, path));
+  if (written) PetscCall(MpmFileCheck(name, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -34,15 +34,19 @@ static PetscErrorCode NameXmf(const MpmSettings *settings, MpmScene *scene)
 
 PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene)
 {
-  const char *const names[] = {"output", "output", "json", "csv"};
-  const char *const paths[] = {scene->output, scene->xmf, scene->json, scene->csv};
+  const char *const names[] = {"output", "output", "json", "csv", "checkpoint"};
+  const char *const paths[] = {scene->output, scene->xmf, scene->json, scene->csv, scene->checkpoint};
 
   PetscFunctionBegin;
-  PetscCall(ReadPath(settings, "output", scene->output));
-  PetscCall(ReadPath(settings, "json", scene->json));
-  PetscCall(ReadPath(settings, "csv", scene->csv));
+  PetscCall(ReadPath(settings, "output", PETSC_TRUE, scene->output));
+  PetscCall(ReadPath(settings, "json", PETSC_TRUE, scene->json));
+  PetscCall(ReadPath(settings, "csv", PETSC_TRUE, scene->csv));
+  if (!strcmp(scene->task, "run")) {
+    PetscCall(ReadPath(settings, "checkpoint", PETSC_TRUE, scene->checkpoint));
+    PetscCall(ReadPath(settings, "restart", PETSC_FALSE, scene->restart));
+  }
   if (scene->output[0] && !strcmp(scene->task, "run")) PetscCall(NameXmf(settings, scene));
-  for (int i = 0; i < 4; i++)
+  for (int i = 0; i < (int)PETSC_STATIC_ARRAY_LENGTH(paths); i++)
     for (int j = 0; j < i; j++)
       MpmCheckInput(!paths[i][0] || strcmp(paths[i], paths[j]),
                     "%s and %s would both write %s; allowed: different files", names[j], names[i], paths[i]);

@@ -199,6 +199,28 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                               PetscInt list[])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  char             why[128], *end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as 1,4,0,2",
+                          room, (int)option->lo, (int)option->hi));
+  *n = 0;
+  for (const char *text = settings->text[MpmOptionIndex(name)];; text = end + 1) {
+    const long value = strtol(text, &end, 10);
+
+    if (*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) || (*end && *end != ',') ||
+        !InRange(option, (PetscReal)value))
+      PetscCall(MpmSettingsRefuse(settings, name, why));
+    list[(*n)++] = (PetscInt)value;
+    if (!*end) break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path)
 {
   PetscFunctionBegin;

@@ -64,25 +64,31 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const cha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A scalar is itself, a sequence of two scalars is 'a,b'. */
+/* A scalar is itself, a sequence of scalars is 'a,b,c'. */
 static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document, const char key[],
                                 const yaml_node_t *value, char text[], size_t size)
 {
-  const char *parts[2] = {Scalar(value), NULL};
+  const yaml_node_item_t *item = NULL, *end = NULL;
+  const char             *part = Scalar(value);
+  size_t                  used = 0;
 
   PetscFunctionBegin;
-  if (value->type == YAML_SEQUENCE_NODE) {
-    const yaml_node_item_t *item = value->data.sequence.items.start;
-
-    if (value->data.sequence.items.top - item == 2)
-      for (int i = 0; i < 2; i++) parts[i] = Scalar(yaml_document_get_node(document, item[i]));
-    MpmCheckInput(parts[0] && parts[1], "%s:%d: key '%s': allowed: one value, or two numbers [lo, hi]", settings->scene,
-                  Line(value), key);
+  MpmCheckInput(part || value->type == YAML_SEQUENCE_NODE, "%s:%d: key '%s' holds a block; allowed: a value",
+                settings->scene, Line(value), key);
+  if (!part) {
+    item = value->data.sequence.items.start;
+    end  = value->data.sequence.items.top;
   }
-  MpmCheckInput(parts[0], "%s:%d: key '%s' holds a block; allowed: a value", settings->scene, Line(value), key);
-  MpmCheckInput(strlen(parts[0]) + (parts[1] ? strlen(parts[1]) : 0) + 2 < size,
-                "%s:%d: key '%s': its value is too long", settings->scene, Line(value), key);
-  PetscCall(PetscSNPrintf(text, size, "%s%s%s", parts[0], parts[1] ? "," : "", parts[1] ? parts[1] : ""));
+  text[0] = '\0';
+  do {
+    if (item < end) part = Scalar(yaml_document_get_node(document, *item++));
+    MpmCheckInput(part, "%s:%d: key '%s': allowed: one value, or numbers such as [lo, hi]", settings->scene,
+                  Line(value), key);
+    MpmCheckInput(used + strlen(part) + 2 < size, "%s:%d: key '%s': its value is too long", settings->scene,
+                  Line(value), key);
+    PetscCall(PetscSNPrintf(text + used, size - used, "%s%s", used ? "," : "", part));
+    used = strlen(text);
+  } while (item < end);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

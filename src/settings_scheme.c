@@ -31,8 +31,8 @@ static PetscBool CanReact(const MpmFormulation *f)
   return MpmFormulationHas(f, MPM_REACT);
 }
 
-static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene, const char option[],
-                              PetscBool (*can)(const MpmFormulation *), const char why[])
+PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
+                                  PetscBool (*can)(const MpmFormulation *), const char why[])
 {
   char names[256], message[512];
 
@@ -73,7 +73,7 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscCall(CheckReader(settings, scene, "xpic_order"));
   PetscCall(CheckReader(settings, scene, "blend_ratio"));
   if (scene->transfer->affine)
-    PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
+    PetscCall(MpmSettingsRequire(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,9 +88,10 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   for (int e = 0; e < 2; e++) {
     scene->ends[e] = (MpmEnd)end[e];
     if (end[e] == MPM_FREE)
-      PetscCall(Require(settings, scene, "boundary", CanBeFree, "condition for a free end (fixed: a wall reflects)"));
+      PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanBeFree,
+                                   "condition for a free end (fixed: a wall reflects)"));
     if (end[e] == MPM_FIXED_REACTION)
-      PetscCall(Require(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
+      PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
   }
   scene->nodes = scene->cells + (MpmSceneIsPeriodic(scene) ? 0 : 1);
   PetscCall(PetscStrncpy(scene->boundary, MpmEndNames[end[0]], sizeof scene->boundary));
@@ -115,6 +116,11 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->counts.n > 1) {
+    if (!MpmSettingsOverruled(settings, "fill", "counts"))
+      PetscCall(MpmSettingsRefuse(settings, "fill", "allowed: with ppc (counts may be 0 where there is nothing)"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmSettingsRange(settings, "fill", range));
   first = range[0] * scene->ppc;
   end   = range[1] * scene->ppc;

@@ -39,7 +39,8 @@ static PetscErrorCode ListBoundaries(void)
 static PetscErrorCode ListLayouts(void)
 {
   PetscFunctionBegin;
-  Print("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill\n",
+  Print("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
+        "cluster, ppc or counts in a cell\n",
         "uniform");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

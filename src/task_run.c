@@ -8,9 +8,17 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
 
   PetscFunctionBegin;
   PetscCall(MpmRunCreate(scene, started, &run));
-  PetscCall(MpmRunPrint(run));
-  if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
-  PetscCall(MpmExpectRun(run, missed));
+  *missed = 0;
+  if (run->stopped)
+    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
+                          "stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
+                          "; to go on: the same command with -restart %s\n",
+                          run->steps, scene->steps, scene->checkpoint));
+  else {
+    PetscCall(MpmRunPrint(run));
+    if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
+    PetscCall(MpmExpectRun(run, missed));
+  }
   PetscCall(MpmRunDestroy(&run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

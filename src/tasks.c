@@ -1,4 +1,5 @@
 /* The list of tasks and the program's ten lines about itself. */
+#include <mpmstab/stop.h>
 #include <mpmstab/task.h>
 
 const MpmTask MpmTasks[] = {
@@ -24,7 +25,7 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
   PetscCall(work(scene, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(MpmSettingsCheckUnused());
-  *status = missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;
+  *status = MpmStopped() ? MPM_EXIT_STOPPED : missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/output.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -48,6 +49,24 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmFileReserve(const char what[], const char part[], PetscInt64 bytes)
+{
+  int error = 0;
+
+  PetscFunctionBegin;
+  if (IsFirst()) {
+    const int file = open(part, O_CREAT | O_WRONLY | O_TRUNC, 0666);
+
+    error = file < 0 ? errno : posix_fallocate(file, 0, (off_t)bytes);
+    if (file >= 0) (void)close(file);
+    (void)unlink(part);
+  }
+  PetscCall(ShareErrno(&error));
+  MpmCheckInput(!error, "%s: cannot be written: %s; allowed: a disk with room for %.3g MB", what, strerror(error),
+                1e-6 * (PetscReal)bytes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
 {
   int error = 0;
@@ -71,6 +90,34 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
     fprintf(file->stream, ",%.17g", value);
   else
     fprintf(file->stream, ",");
+}
+
+PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
+{
+  FILE  *again;
+  size_t size = 0;
+  long   end;
+
+  PetscFunctionBegin;
+  *text = NULL;
+  if (!file->stream) PetscFunctionReturn(PETSC_SUCCESS);
+  end   = fflush(file->stream) ? -1 : ftell(file->stream);
+  again = fopen(file->part, "r");
+  if (again && end >= 0) {
+    PetscCall(PetscCalloc1((size_t)end + 1, text));
+    size = fread(*text, 1, (size_t)end, again);
+  }
+  if (again) fclose(again);
+  /* the other ranks do not know: that a file has vanished is no refusal but an error that ends all of them */
+  PetscCheck(end >= 0 && size == (size_t)end, PETSC_COMM_SELF, PETSC_ERR_FILE_READ, "cannot read %s", file->part);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmTextFileDrop(MpmTextFile *file)
+{
+  if (!file->stream) return;
+  fclose(file->stream);
+  (void)unlink(file->part);
 }
 
 PetscErrorCode MpmTextFileClose(MpmTextFile *file)

@@ -15,7 +15,8 @@ typedef struct {
   PetscReal     slope_sum;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
-  PetscBool     hat; /* the slides' formulas are for this basis */
+  PetscBool     hat;  /* the slides' formulas are for this basis */
+  PetscBool     wide; /* its functions depend on the particle's width */
 } MpmBasis;
 
 /* Not collective. All bases, NULL-terminated. */

@@ -14,6 +14,9 @@ PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile
 /* Collective. Gives the file its name; when that fails, refuses and removes it and also (NULL: nothing else). */
 PetscErrorCode MpmDataFileClose(MpmDataFile *file, const char also[]);
 
+/* Collective. Closes a file and removes it. */
+PetscErrorCode MpmDataFileDrop(MpmDataFile *file);
+
 /* Collective. Writes rows x columns numbers that rank 0 has (one column: a vector). */
 PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const char name[], PetscInt rows,
                                 PetscInt columns, const PetscReal values[]);

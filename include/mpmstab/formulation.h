@@ -19,12 +19,13 @@
    From particles to nodes, over the nodal mass sum_p phi_ip m_p (0 where there is none):
    MPM_P2G        - node  = sum_p phi_ip m_p particle
    MPM_P2G_AFFINE - node += sum_p phi_ip m_p particle (x_i - x_p) / h
-   MPM_DIV        - node  = a h sum_p dphi_ip/dx m_p particle, the adjoint of GRAD
+   MPM_DIV        - node  = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
 
    From nodes to particles:
    MPM_G2P        - particle += a sum_i phi_ip node
    MPM_G2P_AFFINE - particle += a sum_i phi_ip node (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
-   MPM_GRAD       - particle += a h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the left)
+   MPM_GRAD       - particle += a E_p h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the
+                    left; E_p: the particle's stiffness over the first material's, 1 unless a bar has two)
 
    On particles, and on nodes:
    MPM_SCALE      - particle *= a
@@ -61,20 +62,27 @@ typedef enum {
 
 #define MPM_OP_KINDS (MPM_DRIFT + 1) /* that readers of a table meet */
 
+/*E
+   MpmProperty - what particles may differ in, in units of a particle of the first material that fills 1 / ppc of a cell.
+E*/
+typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_PROPERTIES } MpmProperty;
+
 /* Where an operation's operand lives. */
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
 
 /*S
    MpmOpTraits - what a reader may ask of an operation without naming it.
 
-   accumulates: the operation adds to its operand instead of replacing it. Between nodes the operation is a stencil:
-   what the nodes at -1, 0 and 1 are multiplied with; halo is how far it reaches.
+   accumulates: the operation adds to its operand instead of replacing it. weight: the particles' property that what
+   they give or get is multiplied with. Between nodes the operation is a stencil: what the nodes at -1, 0 and 1 are
+   multiplied with; halo is how far it reaches.
 S*/
 typedef struct {
-  MpmPlace  dst, src;
-  PetscBool accumulates;
-  PetscInt  halo;
-  PetscReal stencil[3];
+  MpmPlace    dst, src;
+  PetscBool   accumulates;
+  MpmProperty weight;
+  PetscInt    halo;
+  PetscReal   stencil[3];
 } MpmOpTraits;
 
 /* Not collective. The traits of an operation. */
@@ -113,10 +121,12 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 /*
    The energy 1/2 int (...) dx as a sum of squares: of a particle field, or of a node field's difference over
    a cell. Both are in the units of the particle fields; velocity_unit of MpmWave makes velocities of them.
+   A particle's square counts by its mass, a stress's by volume over stiffness.
 */
 typedef struct {
-  MpmPlace place;
-  PetscInt field;
+  MpmPlace  place;
+  PetscInt  field;
+  PetscBool stress;
 } MpmEnergyTerm;
 
 /*S
@@ -136,7 +146,7 @@ typedef struct {
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
    second-order start, or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE.
-   free_ends: whether an end may be left free. published (NULL: the slides do not treat it) and corrected give abs(G) at
+   free_ends: whether an end may be left free. materials: whether particles may differ in density and stiffness. published (NULL: the slides do not treat it) and corrected give abs(G) at
    a phase; published returns NaN where the formula says nothing. published_slip says in a sentence what is wrong with
    the published one; published_centred: it also takes particles for centred, C1 = C2. limit is the largest stable
    Courant number at a phase, infinite where there is none.
@@ -147,7 +157,7 @@ typedef struct {
   PetscInt             nops;
   const MpmOp         *ops;
   PetscInt             staggered, affine;
-  PetscBool            free_ends;
+  PetscBool            free_ends, materials;
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;

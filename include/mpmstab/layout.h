@@ -11,8 +11,19 @@
 PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);
 
 /*
+   MpmLayoutSite - the cell of site g, which of the count particles there it is, and how many there are.
+
+   Not collective. Sites are numbered cell by cell; particle id has site first + id.
+*/
+void MpmLayoutSite(const MpmScene *scene, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count);
+
+/* Not collective. The number of sites in the cells before one, and in it. */
+PetscInt64 MpmLayoutSitesBefore(const MpmScene *scene, PetscInt cell);
+PetscInt   MpmLayoutSitesIn(const MpmScene *scene, PetscInt cell);
+
+/*
    MpmLayoutPlace - resting place of particle id: its cell (unwrapped: jitter may take it into a neighbour of
-   its own cell (first + id) / ppc) and its place xi in [0,1) there.
+   its own cell) and its place xi in [0,1) there.
 
    Not collective.
 */
@@ -37,5 +48,7 @@ PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period);
 /* Not collective. Whether all cells are alike and there is no end, so that Fourier modes do not mix. */
 static inline PetscBool MpmLayoutIsUniform(const MpmScene *scene)
 {
+  for (PetscInt property = 0; property < MPM_PROPERTIES; property++)
+    if (scene->table->varies[property]) return PETSC_FALSE;
   return scene->jitter == 0 && MpmSceneIsPeriodic(scene) && MpmSceneIsFull(scene) ? PETSC_TRUE : PETSC_FALSE;
 }

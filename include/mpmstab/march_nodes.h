@@ -10,6 +10,6 @@
 void MpmMarchFold(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[], PetscReal mass[]);
 void MpmMarchReflect(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[]);
 
-/* Collective. The node operations that follow a pass; cell and xi are the particles' fields. */
+/* Collective. The node operations that follow a pass. */
 PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const PetscInt cell[], const PetscReal xi[]);
+                               const PetscReal inverse_mass[], const MpmPlaces *places);

@@ -25,12 +25,11 @@ PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, M
 PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
-   MpmNodalSolveApply - solves at the particles' present places; cell and xi are their fields. Local arrays, ghosts
+   MpmNodalSolveApply - solves at the particles' present places, which follow from their resting places. Local arrays, ghosts
    included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the walls that impose it (fixed without
    reaction).
 
    Collective.
 */
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const PetscInt cell[],
-                                  const PetscReal xi[], PetscBool odd, const PetscReal inverse_mass[],
-                                  const PetscReal g[], PetscReal y[]);
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const MpmPlaces *places,
+                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[]);

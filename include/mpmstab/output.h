@@ -10,6 +10,14 @@
 */
 PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 
+/*
+   MpmFileReserve - refuses when there is no room for a file of so many bytes, before HDF5 and MPI find out and say it in
+   their own words.
+
+   Collective. what begins the message; part is removed again.
+*/
+PetscErrorCode MpmFileReserve(const char what[], const char part[], PetscInt64 bytes);
+
 /* A text file of rank 0: written aside as PATH.part, then renamed. On other ranks stream is NULL. */
 typedef struct {
   FILE *stream;
@@ -22,6 +30,12 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value);
 /* Collective. MpmTextFileClose refuses when anything was not written. */
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file);
 PetscErrorCode MpmTextFileClose(MpmTextFile *file);
+
+/* Not collective. All that has been written so far, on the rank that writes; NULL elsewhere. Free with PetscFree. */
+PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text);
+
+/* Not collective. Removes a file that is not to be. */
+void MpmTextFileDrop(MpmTextFile *file);
 
 /*S
    MpmOutput - the HDF5 file of a run.
@@ -37,5 +51,5 @@ typedef struct MpmOutput_ MpmOutput;
 PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output);
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march);
 
-/* Collective. Writes PATH.xmf (PATH without .h5) and gives both files their names. */
-PetscErrorCode MpmOutputDestroy(MpmOutput **output);
+/* Collective. Writes PATH.xmf (PATH without .h5) and gives both files their names, or, not keep, removes both. */
+PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output);

@@ -2,6 +2,7 @@
 #pragma once
 #include <mpmstab/grid.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/material.h>
 #include <petscdmswarm.h>
 
 /*S
@@ -23,6 +24,12 @@ typedef struct {
   PetscBool       parallel;
 } MpmParticles;
 
+/* Where this rank's particles rest, and their masses where these differ (else NULL): the swarm's arrays. */
+typedef struct {
+  const PetscInt  *cell;
+  const PetscReal *xi, *mass;
+} MpmPlaces;
+
 extern const char MpmFieldCell[], MpmFieldXi[];
 
 /*
@@ -33,6 +40,9 @@ extern const char MpmFieldCell[], MpmFieldXi[];
 PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
                                   MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
+
+/* Not collective. Gives the particles, by their ids, the properties that vary. */
+PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles);
 
 /* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in [0,1) on. */
 PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);

@@ -24,7 +24,7 @@
 E*/
 typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
 
-/* to_nodes: the map writes the node field. */
+/* to_nodes: the map writes the node field. weight: a property that varies, or MPM_NO_PROPERTY. */
 typedef struct {
   MpmPassOpKind kind;
   MpmKernel     kernel;
@@ -32,6 +32,7 @@ typedef struct {
   PetscReal     a;
   PetscInt      particle, node;
   PetscBool     to_nodes;
+  MpmProperty   weight;
 } MpmPassOp;
 
 /*
@@ -82,7 +83,7 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
    MpmScheduleBound - a bound on how much one step can enlarge the largest number of the state.
 
    Not collective. Follows the table with the maps' maximum norms; used to rescale in time. least_mass: a bound from
-   below on the nodal masses that DIV divides by, in particles.
+   below on the nodal masses that DIV divides by, in particles. stiffness: the largest that GRAD multiplies with.
 */
 PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
-                           PetscReal least_mass);
+                           PetscReal least_mass, PetscReal stiffness);

@@ -7,7 +7,8 @@
 /*S
    MpmRun - the result of the task run.
 
-   eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN. Energies are NaN when out
+   from: the step that a run went on from, 0 without a restart. stopped: SIGTERM ended it, and nothing but the
+   checkpoint is of use. eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN. Energies are NaN when out
    of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm of the state left the
    range of doubles, or MPM_NEVER. lost: one step enlarged the state beyond what rescaling can follow, and the run
    stopped there.
@@ -16,9 +17,9 @@ S*/
 typedef struct {
   const MpmScene *scene;
   PetscMPIInt     ranks;
-  PetscInt64      steps, blew_up_at_step;
-  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio, eigenmode;
-  PetscBool       has_errors, lost;
+  PetscInt64      from, steps, blew_up_at_step;
+  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
+  PetscBool       has_errors, lost, stopped;
   MpmError        error[MPM_MAX_FIELDS];
   MpmSeries       series;
   MpmGrowth       growth;

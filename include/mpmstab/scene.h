@@ -16,12 +16,36 @@ typedef struct {
   PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2];
 } MpmExpect;
 
+#define MPM_MAX_COUNTS 64
+
+/*S
+   MpmCounts - numbers of particles in cells 0 .. n - 1, repeated over the grid; before: in the cells before each of
+   them. n = 1: as many in every cell. voids: some have none.
+S*/
+typedef struct {
+  PetscInt   n, of[MPM_MAX_COUNTS];
+  PetscInt64 before[MPM_MAX_COUNTS + 1];
+  PetscBool  voids;
+} MpmCounts;
+
+/*S
+   MpmMaterial - what particles are made of: density and stiffness of the second material over the first's, and the
+   cells between which it is.
+S*/
+typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
+
+typedef struct {
+  MpmMaterialKind kind;
+  PetscReal       density, stiffness, inclusion[2];
+} MpmMaterial;
+
 /*S
    MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
    courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
 
    table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
-   first + id of a layout that fills all cells; particles are those that there are. width: half a particle's, in cells.
+   first + id of a layout that fills all cells with sites; particles are those that there are. ppc: in the cells that
+   have most. width: half a particle's, in cells. cluster: the part of its cell that particles are spread over.
 S*/
 typedef struct {
   const MpmFormulation *formulation;
@@ -33,14 +57,17 @@ typedef struct {
   const char           *task, *layout;
   char                  boundary[64];
   PetscInt              dim, cells, nodes, ppc, mode;
-  PetscInt64            first, particles, seed, steps, output_every;
-  PetscReal             width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
+  PetscInt64            sites, first, particles, seed, steps, output_every, checkpoint_every;
+  MpmCounts             counts;
+  MpmMaterial           material;
+  PetscReal             cluster[2], width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
   MpmFraction           offset, drift;
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress, measure, survey;
   PetscInt              phases, modes;
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
+  char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
   MpmExpect             expect;
 } MpmScene;
 
@@ -58,6 +85,16 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 */
 PetscErrorCode MpmSettingsScheme(const MpmSettings *settings, MpmScene *scene);
 
+/* Collective. Refuses an option, and says why, when the scene's formulation cannot; names those that can. */
+PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
+                                  PetscBool (*can)(const MpmFormulation *), const char why[]);
+
+/* Collective. How many particles there are in which cells, and where in them. Called by MpmSceneCreate. */
+PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
+
+/* Collective. What particles are made of, once the table is there. Called by MpmSceneCreate. */
+PetscErrorCode MpmSettingsMaterial(const MpmSettings *settings, MpmScene *scene);
+
 /* Collective. The files a scene writes: each can be written, and no two are the same. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 
@@ -73,10 +110,10 @@ static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
   return scene->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Not collective. Whether every place of the layout has its particle. */
+/* Not collective. Whether every cell has its particles. */
 static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 {
-  return scene->particles == (PetscInt64)scene->cells * scene->ppc ? PETSC_TRUE : PETSC_FALSE;
+  return scene->particles == scene->sites && !scene->counts.voids ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
@@ -96,6 +133,10 @@ PetscBool MpmSceneHasExact(const MpmScene *scene);
 
 /* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);
+
+/* Not collective. The numbers of particles in the cells that repeat, with commas between them. */
+#define MPM_COUNTS_TEXT (8 * MPM_MAX_COUNTS)
+PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[]);
 
 /*
    Not collective. The power of two that the state is divided by at the start, so that its largest field is of

@@ -7,7 +7,17 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/fraction.h>
 
-typedef enum { MPM_WORD, MPM_INTEGER, MPM_REAL, MPM_FRACTION, MPM_SWITCH, MPM_PATH, MPM_RANGE, MPM_ENDS } MpmOptionKind;
+typedef enum {
+  MPM_WORD,
+  MPM_INTEGER,
+  MPM_REAL,
+  MPM_FRACTION,
+  MPM_SWITCH,
+  MPM_PATH,
+  MPM_RANGE,
+  MPM_ENDS,
+  MPM_LIST
+} MpmOptionKind;
 
 /*S
    MpmOption - one option: a scene key and the command-line option of the same name.
@@ -29,7 +39,7 @@ typedef struct {
 /* Not collective. All options, ended by one without a name. */
 extern const MpmOption MpmOptions[];
 
-#define MPM_MAX_OPTIONS 48
+#define MPM_MAX_OPTIONS 64
 
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_COMMAND_LINE } MpmSource;
 
@@ -63,7 +73,8 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default). Ends: two words, or one for both.
+   (MpmSettingsGiven, or a default). Ends: two words, or one for both. List: whole numbers with commas between them, at
+   most room.
 */
 PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
@@ -72,6 +83,8 @@ PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[],
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
 PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2]);
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
+PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                               PetscInt list[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether an option has a value, and who gave it. */

@@ -33,4 +33,5 @@ const MpmBasis MpmGimp = {.name      = "gimp",
                           .summary   = "hat averaged over a particle's width h / ppc (uGIMP)",
                           .reference = "Bardenhagen and Kober 2004",
                           .slope_sum = 2,
+                          .wide      = PETSC_TRUE,
                           FOUR_NODES};

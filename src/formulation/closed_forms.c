@@ -2,7 +2,7 @@
 #include "closed_forms.h"
 #include <math.h>
 
-const MpmEnergyTerm MpmMomentumEnergy[2] = {{MPM_ON_PARTICLES, 0}, {MPM_ON_PARTICLES, 1}};
+const MpmEnergyTerm MpmMomentumEnergy[2] = {{MPM_ON_PARTICLES, 0, PETSC_FALSE}, {MPM_ON_PARTICLES, 1, PETSC_TRUE}};
 
 PetscReal MpmQuadraticRadius(double complex trace, double complex det)
 {

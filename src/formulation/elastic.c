@@ -27,7 +27,7 @@ static const MpmOp ops[] = {
     DRIFT,                  /* 7. x_p += U0 dt                             */
 };
 
-static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, W}, {MPM_ON_NODES, U_I}};
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, W, PETSC_FALSE}, {MPM_ON_NODES, U_I, PETSC_FALSE}};
 
 /* The slides: G^2 - 2 gamma G + 1 = 0, gamma = 1 - 2 k^2 sin^2(beta/2). */
 static PetscReal Published(PetscReal k, PetscReal beta)

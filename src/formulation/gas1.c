@@ -22,7 +22,7 @@ static const MpmOp ops[] = {
     DRIFT,                 /* 5. x_p += U0 dt               */
 };
 
-static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U}, {MPM_ON_PARTICLES, R}};
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U, PETSC_FALSE}, {MPM_ON_PARTICLES, R, PETSC_FALSE}};
 
 /* The slides: G = 1 +- gamma, gamma = 2 i k sin(beta). */
 static PetscReal Published(PetscReal k, PetscReal beta)

@@ -24,7 +24,7 @@ static const MpmOp ops[] = {
     DRIFT,                 /* 5. x_p += U0 dt                                 */
 };
 
-static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U}, {MPM_ON_PARTICLES, R}};
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U, PETSC_FALSE}, {MPM_ON_PARTICLES, R, PETSC_FALSE}};
 
 /* The slides print abs(G) for k <= 1/sqrt 2 only. */
 static PetscReal Published(PetscReal k, PetscReal beta)

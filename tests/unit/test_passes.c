@@ -49,7 +49,7 @@ static PetscErrorCode Bounds(const char options[], PetscReal bound)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  CHECK_NEAR(MpmScheduleBound(scene->table, MpmBases[0], 0.5, 2, 2), bound, 1e-14);
+  CHECK_NEAR(MpmScheduleBound(scene->table, MpmBases[0], 0.5, 2, 2, 1), bound, 1e-14);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

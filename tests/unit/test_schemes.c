@@ -7,8 +7,10 @@
 #include <mpmstab/operator.h>
 #include <mpmstab/predict.h>
 
-static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t, const char rest[])
+static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t, const MpmBasis *b, const char rest[])
 {
+  if (strstr(rest, "material") && !f->materials) return PETSC_FALSE;
+  if (strstr(rest, "counts") && b->wide) return PETSC_FALSE;
   if (t->affine && f->affine == MPM_NONE) return PETSC_FALSE;
   if (strstr(rest, "reaction") && !MpmFormulationHas(f, MPM_REACT)) return PETSC_FALSE;
   return strstr(rest, "free") && !f->free_ends ? PETSC_FALSE : PETSC_TRUE;
@@ -77,6 +79,10 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 16 -boundary fixed,free -jitter 0.9 -courant 0.5",
       "-cells 12 -boundary fixed_reaction,free -ppc 1 -courant 0.6",
       "-cells 16 -boundary free,fixed_reaction -ppc 3 -jitter 0.6 -courant 0.3",
+      "-cells 12 -cluster 0.3,0.5 -courant 0.3",
+      "-cells 14 -counts 1,4,0,2 -offset 0.3 -drift 1/2 -courant 0.2",
+      "-cells 12 -material two -density_ratio 9 -stiffness_ratio 30 -jitter 0.5 -courant 0.05",
+      "-cells 13 -material graded -density_ratio 20 -stiffness_ratio 0.1 -boundary fixed,free -courant 0.2",
       "-cells 18 -boundary fixed,free -fill 0,13.5 -courant 0.5",
   };
   char     options[512];
@@ -90,7 +96,7 @@ static PetscErrorCode Test(int argc, char **argv)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
       for (PetscInt b = 0; MpmBases[b]; b++)
         for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
-          if (!Exists(MpmFormulations[f], MpmTransfers[t], rests[r])) continue;
+          if (!Exists(MpmFormulations[f], MpmTransfers[t], MpmBases[b], rests[r])) continue;
           PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s %s",
                                   MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
                                   strcmp(MpmTransfers[t]->name, "xpic") ? "" : "-xpic_order 3", rests[r]));

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Kills runs at random moments and goes on from their checkpoints; offers them files that are no checkpoints.
+
+check_checkpoint.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
+"""
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+
+STEPS, EVERY, KILLS = 150000, 1500, 4
+SCENE = f"run -formulation gas2 -cells 500 -courant 0.2 -drift 0.3 -jitter 0.5 -steps {STEPS}".split()
+MPIEXEC, MPMSTAB = sys.argv[1:]
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_checkpoint: {message}")
+
+
+def command(ranks, *more):
+    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
+    return [*launch, MPMSTAB, *SCENE, *more]
+
+
+def finish(process):
+    said = process.communicate(timeout=120)
+    return process.returncode, said[0].decode(), said[1].decode()
+
+
+def start(ranks, *more, **how):
+    return subprocess.Popen(command(ranks, *more), stdout=subprocess.PIPE, stderr=subprocess.PIPE, **how)
+
+
+def remove(*names):
+    for name in names:
+        if os.path.exists(name):
+            os.remove(name)
+
+
+def ranks_of(process):
+    """The program's own processes: children of mpirun, or the process itself."""
+    with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as children:
+        return [int(pid) for pid in children.read().split()] or [process.pid]
+
+
+def stamp(path):
+    return os.stat(path).st_mtime_ns if os.path.exists(path) else 0
+
+
+def wait_for_another(path, process):
+    """Until there is a checkpoint newer than the one there is, or the run is over."""
+    before = stamp(path)
+    while stamp(path) == before and process.poll() is None:
+        time.sleep(0.001)
+
+
+def result(name):
+    """What a run has found, without its times."""
+    with open(name + ".json", encoding="ascii") as file:
+        found = json.load(file)
+    run = {key: value for key, value in found["run"].items() if not key.endswith(("_s", "_step"))}
+    with open(name + ".csv", encoding="ascii") as file:
+        return run, found["verdict"], file.read()
+
+
+def files(name):
+    return ["-json", name + ".json", "-csv", name + ".csv"]
+
+
+def check_killed(ranks, how):
+    """Ends a run with a signal, again and again; at last it has found what an uninterrupted one has."""
+    status, said, errors = finish(start(ranks, *files("whole")))
+    check(status == 0, f"the uninterrupted run: {said}{errors}")
+    remove("c.h5", "parts.json", "parts.csv")
+    kills = 0
+    while kills < KILLS:
+        restart = ["-restart", "c.h5"] if os.path.exists("c.h5") else []
+        process = start(ranks, "-checkpoint", "c.h5", "-checkpoint_every", str(EVERY), *restart, *files("parts"))
+        wait_for_another("c.h5", process)
+        time.sleep(random.uniform(0, 0.1))
+        victims = ranks_of(process) if process.poll() is None else []
+        if how == signal.SIGTERM:
+            victims = [process.pid]
+        if victims:
+            try:
+                os.kill(random.choice(victims), how)
+            except ProcessLookupError:
+                pass
+        status, said, errors = finish(process)
+        if status == 0:
+            break
+        check("PETSC ERROR" not in errors, f"a stack trace: {errors}")
+        check(not os.path.exists("parts.json"), "a run that was ended has left a result")
+        if how == signal.SIGTERM and ranks == 1 and status != -how: # before it is marching it just ends
+            check(status == 143 and "to go on: the same command with -restart c.h5" in said, f"SIGTERM: {status} {said}")
+        kills += 1
+    check(kills > 1, f"the run was over before it was killed: {kills}")
+    if status != 0:
+        check(os.path.exists("c.h5"), f"no checkpoint after {kills} runs")
+        status, said, errors = finish(start(ranks, "-checkpoint", "c.h5", "-restart", "c.h5", *files("parts")))
+        check(status == 0, f"going on after {kills} kills: {said}{errors}")
+    check(result("whole") == result("parts"), f"on {ranks} ranks, after {kills} kills, the result is another")
+
+
+def check_refused(path, message, *more):
+    for ranks in (1, 2):
+        status, _, errors = finish(start(ranks, "-restart", path, *more))
+        times = errors.count(f"mpmstab: {message}")
+        check(status == 2 and times == 1 and "PETSC" not in errors, f"-restart {path}: status {status}: {errors!r}, "
+              f"expected 2 and once: {message}")
+
+
+def check_refusals():
+    status, said, errors = finish(start(1, "-checkpoint", "good.h5", "-steps", "50"))
+    check(status == 0, said + errors)
+    good = open("good.h5", "rb").read()
+
+    def bad(name, content):
+        with open(name, "wb") as file:
+            file.write(content)
+
+    bad("short.h5", good[:-100])
+    bad("cut.h5", good[:300])
+    bad("empty.h5", b"")
+    bad("text.h5", b"formulation: gas2\n" * 100)
+    bad("newer.h5", good.replace(b"format 1\n", b"format 9\n", 1))
+    bad("flipped.h5", good[:5000] + bytes([good[5000] ^ 1]) + good[5001:])
+    with h5py.File("foreign.h5", "w") as file:
+        file["pid"] = [1.0, 2.0]
+    check_refused("short.h5", "checkpoint short.h5: damaged: it has ")
+    check_refused("cut.h5", "checkpoint cut.h5: damaged: it has 300 bytes of ")
+    check_refused("empty.h5", "checkpoint empty.h5: not a checkpoint; allowed: one that 'mpmstab run -checkpoint'")
+    check_refused("text.h5", "checkpoint text.h5: not a checkpoint")
+    check_refused("foreign.h5", "checkpoint foreign.h5: not a checkpoint")
+    check_refused("newer.h5", "checkpoint newer.h5: of format 9, where this program reads format 1")
+    check_refused("flipped.h5", "checkpoint flipped.h5: damaged: its sum is not the one it was sealed with")
+    check_refused("missing.h5", "checkpoint missing.h5: cannot be read: No such file or directory")
+    check_refused(".", "checkpoint .: cannot be read: Is a directory")
+    check_refused("good.h5", "checkpoint good.h5: its jitter is 0.5, the scene's is 0.25; allowed: the scene that it "
+                  "is of", "-jitter", "0.25")
+    check_refused("good.h5", "checkpoint good.h5: its drift is 3/10, the scene's is 1/3", "-drift", "1/3")
+    check_refused("good.h5", "checkpoint good.h5: is at step 50 of 50; allowed: more steps", "-steps", "50")
+
+
+def check_full_disk():
+    """A limit on the size of files does what a full disk does; the checkpoint before it stays.
+
+    On one rank, and no smaller: MPI itself needs such files to start.
+    """
+    shutil.copy("good.h5", "kept.h5")
+
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8 << 20, 8 << 20))
+
+    status, _, errors = finish(start(1, "-checkpoint", "kept.h5", "-cells", "400000", "-steps", "2", preexec_fn=limit))
+    check(status == 2 and errors.count("mpmstab: checkpoint kept.h5 of step 2: cannot be written: File too large") == 1 and
+          "PETSC" not in errors, f"no room on the disk: status {status}: {errors!r}")
+    check(not os.path.exists("kept.h5.part"), "half a checkpoint is left")
+    with open("good.h5", "rb") as good, open("kept.h5", "rb") as kept:
+        check(good.read() == kept.read(), "the checkpoint that was there is another")
+
+
+for r in (1, 2):
+    check_killed(r, signal.SIGKILL)
+    check_killed(r, signal.SIGTERM)
+check_refusals()
+check_full_disk()
