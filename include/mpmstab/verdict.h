@@ -47,8 +47,8 @@ PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period
 
 /*
    Not collective. How far rounding, a mismatch of operator and march, and what the solver left over (residual) may have
-   moved an operator of this norm, in the units of its numbers; and the blur that comes from such an error of an operator
-   times 2^exponent.
+   moved an operator of this norm, in the units of its numbers; and the blur that comes from such an error of an
+   operator times 2^exponent.
 */
 PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual);
 PetscReal MpmBlurOf(PetscReal error, PetscInt exponent, PetscInt period);
