@@ -7,7 +7,6 @@
 #include <mpmstab/progress.h>
 #include <math.h>
 
-#define LARGEST 2048 /* order of which all eigenvalues are taken some forty times */
 #define FROM 1e-2
 #define RATIO 1.5        /* steps at rest */
 #define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
@@ -35,12 +34,13 @@ static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
   MpmOperator *op;
-  PetscReal    radius;
+  PetscReal    value[2];
 
   PetscFunctionBegin;
   PetscCall(Assemble((Probe *)context, courant, &op));
-  PetscCall(MpmDenseRadius(op->A, &radius));
-  *growth = MpmGrowthPerStep(radius, op->exponent, op->period);
+  PetscCall(MpmDenseLargest(op->A, value));
+  PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
+  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
   PetscCall(MpmOperatorDestroy(&op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,10 +96,10 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
-  MpmCheckInput(unknowns <= LARGEST,
+  MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, LARGEST);
+                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
   PetscCall(MpmProgressBegin(scene, "", &probe.progress));
   PetscCall(Search(&probe, scene->courant, c));

@@ -37,7 +37,7 @@ static PetscBool IsFinite(size_t n, const PetscReal a[])
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmDenseRadius(Mat matrix, PetscReal *radius)
+PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2])
 {
   PetscInt     n;
   PetscBLASInt order, one = 1, room = -1, info;
@@ -48,7 +48,8 @@ PetscErrorCode MpmDenseRadius(Mat matrix, PetscReal *radius)
   PetscCall(PetscBLASIntCast(n, &order));
   PetscCall(PetscMalloc3((size_t)n * n, &a, n, &re, n, &im));
   PetscCall(MpmDenseCopy(matrix, a));
-  *radius = INFINITY;
+  value[0] = INFINITY;
+  value[1] = 0;
   if (IsFinite((size_t)n * n, a)) {
     PetscCallBLAS("LAPACKgeev",
                   LAPACKgeev_("N", "N", &order, a, &order, re, im, NULL, &one, NULL, &one, &query, &room, &info));
@@ -56,13 +57,17 @@ PetscErrorCode MpmDenseRadius(Mat matrix, PetscReal *radius)
     PetscCall(PetscMalloc1(room, &work));
     PetscCallBLAS("LAPACKgeev",
                   LAPACKgeev_("N", "N", &order, a, &order, re, im, NULL, &one, NULL, &one, work, &room, &info));
-    PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev failed: %d", (int)info);
+    PetscCheck(info >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev failed: %d", (int)info);
     PetscCall(PetscFree(work));
-    *radius = 0;
-    for (PetscInt i = 0; i < n; i++) *radius = fmax(*radius, hypot(re[i], im[i]));
+    value[0] = info ? NAN : 0;
+    for (PetscInt i = 0; i < n && !info; i++) {
+      if (hypot(re[i], im[i]) <= hypot(value[0], value[1])) continue;
+      value[0] = re[i];
+      value[1] = im[i];
+    }
   }
   PetscCall(PetscFree3(a, re, im));
   /* ranks whose LAPACK differs in the last digit must not part ways */
-  PetscCallMPI(MPI_Bcast(radius, 1, MPIU_REAL, 0, PetscObjectComm((PetscObject)matrix)));
+  PetscCallMPI(MPI_Bcast(value, 2, MPIU_REAL, 0, PetscObjectComm((PetscObject)matrix)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -64,3 +64,10 @@ PetscErrorCode MpmExpectCritical(const MpmExpect *expect, PetscReal courant, Pet
   if (expect->has_critical) PetscCall(CheckRange("critical Courant number", courant, expect->critical, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmExpectShare(const MpmExpect *expect, PetscReal share, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  if (expect->has_share) PetscCall(CheckRange("share of unstable layouts", share, expect->share, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -54,13 +54,15 @@ static PetscErrorCode CheckSize(const MpmOperator *op)
 
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
-  MpmRegisters  registers;
-  PetscClassId  id;
-  PetscLogEvent event;
+  static PetscClassId  id; /* registered once: some tasks assemble thousands */
+  static PetscLogEvent event;
+  MpmRegisters         registers;
 
   PetscFunctionBegin;
-  PetscCall(PetscClassIdRegister("MpmOperator", &id));
-  PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
+  if (!id) {
+    PetscCall(PetscClassIdRegister("MpmOperator", &id));
+    PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
+  }
   PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
   PetscCall(MpmRegistersCreate(comm, op->scene, &registers));
   for (PetscInt step = 0; step < op->period; step++) {

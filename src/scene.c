@@ -127,7 +127,7 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How finely the symbol is read, and what the spectrum keeps. */
+/* How finely the symbol is read, what the spectrum keeps, and how many layouts there are. */
 static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
 {
   PetscInt64 n;
@@ -140,6 +140,8 @@ static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
   }
   PetscCall(MpmSettingsInteger(settings, "modes", &n));
   scene->modes = (PetscInt)n;
+  PetscCall(MpmSettingsInteger(settings, "layouts", &n));
+  scene->layouts = (PetscInt)n;
   PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
   PetscCall(MpmSettingsSwitch(settings, "survey", &scene->survey));
   PetscCall(CheckSurvey(settings, scene));
@@ -205,6 +207,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_error    = MpmSettingsGiven(settings, "expect_error");
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
+  expect->has_share    = MpmSettingsGiven(settings, "expect_share");
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -216,6 +219,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   if (expect->has_growth) PetscCall(MpmSettingsRange(settings, "expect_growth", expect->growth));
   if (expect->has_spectrum) PetscCall(MpmSettingsRange(settings, "expect_spectrum", expect->spectrum));
   if (expect->has_critical) PetscCall(MpmSettingsRange(settings, "expect_critical", expect->critical));
+  if (expect->has_share) PetscCall(MpmSettingsRange(settings, "expect_share", expect->share));
   if (expect->has_energy) PetscCall(MpmSettingsRange(settings, "expect_energy", expect->energy));
   if (expect->has_error && !MpmSceneHasExact(scene)) {
     if (!MpmSettingsOverruled(settings, "expect_error", "initial"))

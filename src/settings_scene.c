@@ -120,7 +120,7 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
       PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
     MpmCheckInput(
         !inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
-        "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, error or energy",
+        "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, share, error or energy",
         settings->scene, Line(node), key);
     PetscCall(SetOnce(settings, name, text, Line(node)));
   }

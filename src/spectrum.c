@@ -77,12 +77,9 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far rounding, and what the solver left over, may have moved the operator, in the units of its numbers. */
 static PetscReal OperatorError(const MpmSpectrum *s)
 {
-  const PetscReal residual = s->eigen->n ? s->eigen->residual[0] : 0;
-
-  return s->eigen->norm * (PetscMax(MPM_ROUNDING, s->step_mismatch) + residual);
+  return MpmOperatorErrorOf(s->eigen->norm, s->step_mismatch, s->eigen->n ? s->eigen->residual[0] : 0);
 }
 
 /*
@@ -154,9 +151,8 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   }
   PetscCall(Sensitivity(s));
   f->blur = s->symbol ? s->symbol->blur : 0;
-  if (f->growth == s->growth)
-    f->blur = PetscMax(f->blur, sqrt(scalbn(OperatorError(s), (int)s->op->exponent)) / s->op->period);
-  if (!(s->step_mismatch <= AGREE)) f->blur = INFINITY;
+  if (f->growth == s->growth) f->blur = PetscMax(f->blur, MpmBlurOf(OperatorError(s), s->op->exponent, s->op->period));
+  if (!(s->step_mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
     f->uncertainty = f->blur = INFINITY;

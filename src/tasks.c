@@ -8,6 +8,7 @@ const MpmTask MpmTasks[] = {
      MpmTaskSpectrum},
     {"symbol", "abs(G) over the phase beta, exact for uniform layouts", MpmTaskSymbol},
     {"critical", "the largest stable Courant number, and the wave or mode that limits it", MpmTaskCritical},
+    {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval", MpmTaskEnsemble},
     {"list", "formulations, bases, transfers, boundaries, layouts, options", MpmTaskList},
     {NULL, NULL, NULL},
 };
@@ -34,7 +35,7 @@ PetscErrorCode MpmPrintUsage(void)
   PetscFunctionBegin;
   PetscCall(PetscPrintf(PETSC_COMM_WORLD,
                         "mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
-                        "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n\n",
+                        "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
                         MPMSTAB_VERSION));
   for (const MpmTask *task = MpmTasks; task->name; task++)
     PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %-9s%s\n", task->name, task->summary));

@@ -17,6 +17,16 @@ PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period
   return relative <= STILL_SMALL ? growth * relative / period : INFINITY;
 }
 
+PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual)
+{
+  return norm * (PetscMax(MPM_ROUNDING, mismatch) + residual);
+}
+
+PetscReal MpmBlurOf(PetscReal error, PetscInt exponent, PetscInt period)
+{
+  return sqrt(scalbn(error, (int)exponent)) / period;
+}
+
 MpmVerdict MpmVerdictOf(const MpmFinding *f)
 {
   if (isnan(f->growth)) return MPM_UNDECIDED;

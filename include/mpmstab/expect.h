@@ -10,3 +10,6 @@ PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *findi
 
 /* Collective. The same for a critical Courant number (expect_critical); adds to what was missed. */
 PetscErrorCode MpmExpectCritical(const MpmExpect *expect, PetscReal courant, PetscInt *missed);
+
+/* Collective. The same for the share of unstable layouts (expect_share). */
+PetscErrorCode MpmExpectShare(const MpmExpect *expect, PetscReal share, PetscInt *missed);

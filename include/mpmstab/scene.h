@@ -10,10 +10,10 @@
    MpmExpect - what a scene says must come out; has_* says which of them it says.
 S*/
 typedef struct {
-  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy, has_critical;
+  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy, has_critical, has_share;
   MpmVerdict    verdict;
   MpmGrowthKind kind;
-  PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2];
+  PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2], share[2];
 } MpmExpect;
 
 #define MPM_MAX_COUNTS 64
@@ -64,7 +64,7 @@ typedef struct {
   MpmFraction           offset, drift;
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress, measure, survey;
-  PetscInt              phases, modes;
+  PetscInt              phases, modes, layouts;
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
   char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];

@@ -29,4 +29,5 @@ PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status)
 PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskCritical(int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskEnsemble(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status);

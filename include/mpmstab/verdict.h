@@ -41,5 +41,14 @@ PetscReal MpmGrowthPerStep(PetscReal size, PetscInt exponent, PetscInt period);
 */
 PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period);
 
-/* Rounding of one step's matrix, relative, with room to spare. */
+/* Rounding of one step's matrix, relative, with room to spare; and how far operator and march may part. */
 #define MPM_ROUNDING (10 * PETSC_MACHINE_EPSILON)
+#define MPM_MISMATCH 1e-6
+
+/*
+   Not collective. How far rounding, a mismatch of operator and march, and what the solver left over (residual) may have
+   moved an operator of this norm, in the units of its numbers; and the blur that comes from such an error of an
+   operator times 2^exponent.
+*/
+PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual);
+PetscReal MpmBlurOf(PetscReal error, PetscInt exponent, PetscInt period);

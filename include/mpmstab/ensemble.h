@@ -1,0 +1,50 @@
+/* Ensemble: which share of random layouts is unstable. */
+#pragma once
+#include <mpmstab/scene.h>
+
+/*S
+   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->seed and those
+   after it.
+
+   growth (per step), uncertainty and verdict are of each layout, in the order of seeds, on every rank. share is
+   unstable / n; interval holds the share among all seeds with 95% confidence, whichever way undecided layouts would
+   turn out. growth_min, growth_median, growth_max: of the layouts whose growth is known, NaN when none is; worst_seed
+   has the largest. order: of each layout's operator. finding: unstable when any layout is, stable when all are.
+S*/
+typedef struct {
+  const MpmScene *scene;
+  PetscInt        n, unstable, undecided, order;
+  PetscReal      *growth, *uncertainty;
+  PetscInt       *verdict; /* MpmVerdict */
+  PetscReal       share, interval[2], growth_min, growth_median, growth_max, seconds;
+  PetscInt64      worst_seed;
+  MpmFinding      finding;
+} MpmEnsemble;
+
+/*
+   MpmEnsembleCreate - all eigenvalues of the operator of one step (or one period) of each layout.
+
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Layouts are dealt to ranks in turn and each is solved by one
+   rank alone, so that nothing depends on the number of ranks. Refuses scenes without jitter, too many unknowns, seeds
+   out of range, and whatever an operator or a march refuses: all of that before the layouts are dealt.
+
+   The verdict on a layout is that of the task spectrum: undecided where the condition number of the eigenvalue says
+   that rounding may have moved it that far, where the operator is not what the march does, or where LAPACK did not
+   converge.
+*/
+PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, MpmEnsemble **ensemble);
+PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble);
+
+/*
+   MpmWilson - the interval that holds a probability with 95% confidence when hits of trials have come true.
+
+   Not collective. With p = hits / n and z = 1.96: (p + z^2 / 2n +- z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2 / n).
+
+   Source: Wilson 1927, Probable Inference, the Law of Succession, and Statistical Inference, J. Am. Stat. Assoc. 22.
+*/
+void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2]);
+
+/* Collective. The table for people; the JSON object, and the CSV with a row for each layout. */
+PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *ensemble);
+PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *ensemble, PetscReal wall_s);
+PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *ensemble);
