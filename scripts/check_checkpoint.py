@@ -15,7 +15,7 @@ import time
 
 import h5py
 
-STEPS, EVERY, KILLS = 150000, 1500, 4
+STEPS, EVERY, KILLS = 300000, 2000, 4
 SCENE = f"run -formulation gas2 -cells 500 -courant 0.2 -drift 0.3 -jitter 0.5 -steps {STEPS}".split()
 MPIEXEC, MPMSTAB = sys.argv[1:]
 
@@ -85,7 +85,7 @@ def check_killed(ranks, how):
         restart = ["-restart", "c.h5"] if os.path.exists("c.h5") else []
         process = start(ranks, "-checkpoint", "c.h5", "-checkpoint_every", str(EVERY), *restart, *files("parts"))
         wait_for_another("c.h5", process)
-        time.sleep(random.uniform(0, 0.1))
+        time.sleep(random.uniform(0, 0.05))
         victims = ranks_of(process) if process.poll() is None else []
         if how == signal.SIGTERM:
             victims = [process.pid]

@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 
 packages="gcc libc6-dev make cmake pkg-config git petsc-dev slepc-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
           libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev clang-format python3 python3-numpy python3-h5py
-          python3-matplotlib"
+          python3-matplotlib valgrind"
 missing=
 for package in $packages; do
   case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true) in

@@ -192,8 +192,10 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
   Maps            maps  = {{{NULL}}};
 
   PetscFunctionBegin;
+  MpmFloatBegin();
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
     for (int odd = 0; odd < 2; odd++) PetscCall(MatDestroy(&maps.map[k][odd]));
+  PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

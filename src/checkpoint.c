@@ -134,7 +134,7 @@ static PetscErrorCode Reserve(const char path[], const char part[], const MpmMar
   PetscCall(VecGetLocalSize(march->inverse_mass, &nodes));
   bytes += 8 * (1 + march->nnodes) * ((PetscInt64)march->scene->nodes + nodes) + (csv ? (PetscInt64)strlen(csv) : 0);
   PetscCall(PetscSNPrintf(what, sizeof what, "checkpoint %s of step %" PetscInt64_FMT, path, march->step));
-  PetscCall(MpmFileReserve(what, part, bytes));
+  PetscCall(MpmFileReserve(PetscObjectComm((PetscObject)march->grid->da), what, part, bytes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -43,6 +43,7 @@ int main(int argc, char **argv)
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_FAILED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
+  (void)signal(SIGTERM, SIG_DFL); /* nor at an end that was asked for; PETSc does this itself with Open MPI only */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);

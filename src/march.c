@@ -27,6 +27,7 @@ static PetscErrorCode MigrateInTime(MpmMarch *march)
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 {
   PetscFunctionBegin;
+  MpmFloatBegin();
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
   for (PetscInt p = 0, n; p < march->schedule.npasses; p += n) {
     const MpmPass *pass = &march->schedule.pass[p];
@@ -37,6 +38,7 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
   }
   march->step++;
   PetscCall(MigrateInTime(march));
+  PetscCall(MpmFloatEnd(PetscObjectComm((PetscObject)march->grid->da), &march->float_check, "march", march->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -49,19 +49,21 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFileReserve(const char what[], const char part[], PetscInt64 bytes)
+PetscErrorCode MpmFileReserve(MPI_Comm comm, const char what[], const char part[], PetscInt64 bytes)
 {
-  int error = 0;
+  PetscMPIInt rank;
+  int         error = 0;
 
   PetscFunctionBegin;
-  if (IsFirst()) {
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) {
     const int file = open(part, O_CREAT | O_WRONLY | O_TRUNC, 0666);
 
     error = file < 0 ? errno : posix_fallocate(file, 0, (off_t)bytes);
     if (file >= 0) (void)close(file);
     (void)unlink(part);
   }
-  PetscCall(ShareErrno(&error));
+  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
   MpmCheckInput(!error, "%s: cannot be written: %s; allowed: a disk with room for %.3g MB", what, strerror(error),
                 1e-6 * (PetscReal)bytes);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,6 @@
 /* The table over sparse registers: what MpmOperatorCreate is made of. */
 #pragma once
+#include <mpmstab/float_check.h>
 #include <mpmstab/maps.h>
 #include <mpmstab/scene.h>
 #include <petscmat.h>
@@ -18,6 +19,7 @@ typedef struct {
   Vec             masses;
   PetscInt64      masses_step;
   Mat             particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
+  MpmFloatCheck   float_check;
 } MpmRegisters;
 
 /* Collective. Particle registers are the identity's rows, node registers empty. */

@@ -1,5 +1,6 @@
 /* March: the explicit loop. Reads a table's passes; knows nothing of gas or bar. */
 #pragma once
+#include <mpmstab/float_check.h>
 #include <mpmstab/grid.h>
 #include <mpmstab/nodal_solve.h>
 #include <mpmstab/particles.h>
@@ -23,6 +24,7 @@ typedef struct {
   PetscInt        exponent;
   PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
   PetscLogEvent   pass_event, sum_event, migrate_event;
+  MpmFloatCheck   float_check;
 } MpmMarch;
 
 /*

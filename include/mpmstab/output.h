@@ -16,7 +16,7 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 
    Collective. what begins the message; part is removed again.
 */
-PetscErrorCode MpmFileReserve(const char what[], const char part[], PetscInt64 bytes);
+PetscErrorCode MpmFileReserve(MPI_Comm comm, const char what[], const char part[], PetscInt64 bytes);
 
 /* A text file of rank 0: written aside as PATH.part, then renamed. On other ranks stream is NULL. */
 typedef struct {
