@@ -3,6 +3,7 @@
 #include <math.h>
 
 #define FEWEST_SAMPLES 8
+#define BATCHES 10
 #define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
 
 /* Linear growth from the first step on rises by ln 2 over the second half; e leaves room for a slow start. */
@@ -137,6 +138,22 @@ static PetscInt FirstLate(const MpmSeries *s)
   return late;
 }
 
+/* Batch means: the slopes over parts of the series, taken for independent, scatter about its own. */
+static PetscReal StandardError(PetscInt n, const PetscReal x[], const PetscReal y[])
+{
+  PetscReal sum = 0, squares = 0;
+
+  if (n < 3 * BATCHES) return NAN;
+  for (PetscInt b = 0; b < BATCHES; b++) {
+    const PetscInt  first = (n - 1) * b / BATCHES, last = (n - 1) * (b + 1) / BATCHES;
+    const PetscReal slope = (y[last] - y[first]) / (x[last] - x[first]);
+
+    sum += slope;
+    squares += slope * slope;
+  }
+  return sqrt(PetscMax(squares - sum * sum / BATCHES, 0) / (BATCHES - 1) / BATCHES);
+}
+
 PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool watch_state, MpmGrowth *growth)
 {
   const PetscInt late = FirstLate(s), n = s->n - late;
@@ -144,7 +161,7 @@ PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool w
   Fit            grid, state;
 
   PetscFunctionBegin;
-  *growth = (MpmGrowth){.measured = PETSC_FALSE, .decided = PETSC_TRUE, .kind = MPM_BOUNDED};
+  *growth = (MpmGrowth){.measured = PETSC_FALSE, .error = NAN, .decided = PETSC_TRUE, .kind = MPM_BOUNDED};
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(2 * n, &x));
   for (PetscInt i = 0; i < n; i++) {
@@ -155,6 +172,7 @@ PetscErrorCode MpmGrowthFit(const MpmSeries *s, PetscReal tolerance, PetscBool w
   state            = FitLate(n, x, s->log_state + late);
   growth->measured = PETSC_TRUE;
   growth->per_step = exp(grid.slope);
+  growth->error    = growth->per_step * StandardError(n, x, s->log_grid + late);
   growth->from     = s->step[late];
   growth->to       = s->step[s->n - 1];
   if (Grows(&grid, tolerance)) {

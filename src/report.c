@@ -47,10 +47,13 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
     PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
   if (s->initial == MPM_INITIAL_EIGENMODE)
     PetscCall(MpmReportGrowth("  this mode", run->eigenmode, "abs of its eigenvalue"));
-  if (run->growth.measured)
-    MpmPrint("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT "\n\n", "measured",
-             run->growth.per_step, MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
-  else
+  if (run->growth.measured) {
+    MpmPrint("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT, "measured", run->growth.per_step,
+             MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
+    if (run->growth.kind == MPM_EXPONENTIAL && isfinite(run->growth.error))
+      MpmPrint(", standard error %.1e", run->growth.error);
+    MpmPrint("\n\n");
+  } else
     MpmPrint("  %-11s %-13s too few steps, or nothing left to measure\n\n", "measured", "-");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -81,6 +84,16 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode PrintConserved(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  MpmPrint("conserved: %" PetscInt64_FMT " particles", run->scene->particles);
+  if (!isnan(run->mass_change)) MpmPrint(", mass to %.1e", run->mass_change);
+  if (!isnan(run->momentum_change)) MpmPrint(", momentum to %.1e of its size", run->momentum_change);
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintVerdict(const MpmRun *run)
 {
   const MpmGrowth *growth = &run->growth;
@@ -88,7 +101,9 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
   PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[run->verdict]);
   if (run->lost)
-    MpmPrint(", one step takes the state beyond the range of double precision\n");
+    MpmPrint(
+        ", the state leaves the range of double precision from one sample to the next: growth above %.1e per step\n",
+        run->growth_above);
   else if (!growth->measured)
     MpmPrint(", the growth could not be measured\n");
   else if (!growth->decided)
@@ -111,6 +126,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintScene(run));
   PetscCall(PrintGrowth(run));
   PetscCall(PrintErrors(run));
+  PetscCall(PrintConserved(run));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

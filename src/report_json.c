@@ -42,11 +42,15 @@ static json_t *Run(const MpmRun *run)
   if (run->has_errors) json_object_set_new(object, "error", Errors(run));
   if (run->growth.measured) {
     MpmJsonSet(object, "growth_measured", run->growth.per_step);
+    MpmJsonSet(object, "growth_error", run->growth.error);
     json_object_set_new(object, "growth_kind", json_string(MpmGrowthKindNames[run->growth.kind]));
   }
   MpmJsonSet(energy, "initial", run->energy_initial);
   MpmJsonSet(energy, "final", run->energy_final);
   json_object_set_new(object, "energy", energy);
+  MpmJsonSet(object, "mass_change", run->mass_change);
+  MpmJsonSet(object, "momentum_change", run->momentum_change);
+  if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
   if (run->blew_up_at_step != MPM_NEVER)
     json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));
   return object;

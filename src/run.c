@@ -1,5 +1,6 @@
 /* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
 #include <mpmstab/checkpoint.h>
+#include <mpmstab/conserved.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/material.h>
@@ -16,16 +17,19 @@
 #define RESCALE_AT 100
 #define ROOM 380
 
+#define SQUARES_END 1e154 /* beyond it squares are out of range */
+
 #define LEAST_MASS 0x1p-52 /* of a node in a layout that is not uniform, in particles */
 
 typedef struct {
-  MpmRun     *run;
-  MpmMarch   *march;
-  MpmOutput  *output; /* NULL: none asked */
-  MpmTextFile csv;
-  PetscInt64  gap; /* steps between samples */
-  PetscReal   aside_s;
-  char       *csv_before; /* what a run that this one goes on from had written; NULL: none */
+  MpmRun      *run;
+  MpmMarch    *march;
+  MpmOutput   *output; /* NULL: none asked */
+  MpmTextFile  csv;
+  PetscInt64   gap; /* steps between samples */
+  PetscReal    aside_s;
+  MpmConserved start;
+  char        *csv_before; /* what a run that this one goes on from had written; NULL: none */
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
@@ -112,7 +116,10 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   }
   run->energy_ratio = exp(log(norms.energy) + 2 * ln2 - run->log_energy_first);
   run->lost         = *follow ? PETSC_FALSE : PETSC_TRUE;
-  if (!*follow) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*follow) {
+    run->growth_above = pow(SQUARES_END / scalbn(1, RESCALE_AT + 1), 1.0 / loop->gap);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmSeriesAppend(&run->series, march->step, log_state, log(norms.grid) + ln2));
   PetscCall(WriteCsvRow(loop, log_state, run->energy_final));
   if (norms.state > 0 && PetscAbsInt(ilogb(norms.state)) > RESCALE_AT)
@@ -214,9 +221,21 @@ static PetscErrorCode Begin(Loop *loop)
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop->march));
   if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, loop->march, loop->run, &loop->csv_before));
   loop->run->from = loop->march->step;
+  PetscCall(MpmConservedSum(loop->march, &loop->start));
   if (scene->checkpoint[0]) MpmStopInstall();
   PetscCall(OpenFiles(loop));
   PetscCall(PetscFree(loop->csv_before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Check(Loop *loop)
+{
+  PetscReal changes[2] = {NAN, NAN};
+
+  PetscFunctionBegin;
+  if (!loop->run->lost) PetscCall(MpmConservedCheck(loop->march, &loop->start, changes));
+  loop->run->mass_change     = changes[0];
+  loop->run->momentum_change = changes[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -238,6 +257,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   loop.run = r;
   PetscCall(Begin(&loop));
   PetscCall(March(&loop));
+  PetscCall(Check(&loop));
   PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;

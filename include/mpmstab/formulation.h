@@ -146,7 +146,8 @@ typedef struct {
 
    staggered names the particle field that is updated first in a step and so lags half a step in a
    second-order start, or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE.
-   free_ends: whether an end may be left free. materials: whether particles may differ in density and stiffness. published (NULL: the slides do not treat it) and corrected give abs(G) at
+   conserved: the particle field whose sum over masses no step changes without walls, or MPM_NONE. free_ends: whether an
+   end may be left free. materials: whether particles may differ in density and stiffness. published (NULL: the slides do not treat it) and corrected give abs(G) at
    a phase; published returns NaN where the formula says nothing. published_slip says in a sentence what is wrong with
    the published one; published_centred: it also takes particles for centred, C1 = C2. limit is the largest stable
    Courant number at a phase, infinite where there is none.
@@ -156,7 +157,7 @@ typedef struct {
   const char          *particle_fields[MPM_MAX_FIELDS + 1], *node_fields[MPM_MAX_FIELDS + 1];
   PetscInt             nops;
   const MpmOp         *ops;
-  PetscInt             staggered, affine;
+  PetscInt             staggered, affine, conserved;
   PetscBool            free_ends, materials;
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;

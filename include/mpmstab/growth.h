@@ -23,12 +23,14 @@ PetscErrorCode MpmSeriesDestroy(MpmSeries *series);
    MpmGrowth - growth per step over the late half of a run.
 
    measured: false when there were too few samples to say anything, or the state vanished. per_step: exp of
-   the fitted slope of the logarithm of the size on the grid. decided: false when the series fits
+   the fitted slope of the logarithm of the size on the grid: where places never repeat, an estimate of the largest
+   Lyapunov exponent. error: its standard error, from the slopes over ten parts of the late half, NaN when these have
+   too few samples. decided: false when the series fits
    linear and exponential growth about equally well.
 */
 typedef struct {
   PetscBool     measured, decided;
-  PetscReal     per_step;
+  PetscReal     per_step, error;
   MpmGrowthKind kind;
   PetscInt64    from, to;
 } MpmGrowth;
