@@ -245,24 +245,36 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In this order: what comes later needs what came before. */
+static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadWords(settings, scene));
+  PetscCall(ReadGrid(settings, scene));
+  PetscCall(ReadTime(settings, scene));
+  PetscCall(MpmSettingsScheme(settings, scene));
+  PetscCall(ReadAnalysis(settings, scene));
+  PetscCall(ReadInitial(settings, scene));
+  PetscCall(CheckSizes(settings, scene));
+  PetscCall(ReadOutputs(settings, scene));
+  PetscCall(ReadExpect(settings, scene, &scene->expect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A refusal frees what there is: the fuzzer reads one scene after another. */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene)
 {
-  MpmSettings *settings;
+  MpmSettings   *settings = NULL;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
   (*scene)->task = task;
-  PetscCall(MpmSettingsCreate(path, &settings));
-  PetscCall(ReadWords(settings, *scene));
-  PetscCall(ReadGrid(settings, *scene));
-  PetscCall(ReadTime(settings, *scene));
-  PetscCall(MpmSettingsScheme(settings, *scene));
-  PetscCall(ReadAnalysis(settings, *scene));
-  PetscCall(ReadInitial(settings, *scene));
-  PetscCall(CheckSizes(settings, *scene));
-  PetscCall(ReadOutputs(settings, *scene));
-  PetscCall(ReadExpect(settings, *scene, &(*scene)->expect));
+  ierr           = MpmSettingsCreate(path, &settings);
+  if (!ierr) ierr = ReadScene(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));
+  if (ierr) PetscCall(MpmSceneDestroy(scene));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,19 +7,18 @@
 #define LARGEST_SCENE (1 << 20) /* bytes */
 
 /* Rank 0 reads and every rank gets the same bytes, so that all of them refuse the same thing. */
-static PetscErrorCode ReadBytes(const char path[], char **bytes, PetscInt *size)
+static PetscErrorCode ReadBytes(const char path[], char bytes[], PetscInt *size)
 {
   PetscMPIInt rank;
   int         answer[2] = {0, 0}; /* size, errno */
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCall(PetscMalloc1(LARGEST_SCENE + 1, bytes));
   if (rank == 0) {
     FILE *file = fopen(path, "rb");
 
     if (file) {
-      answer[0] = (int)fread(*bytes, 1, LARGEST_SCENE + 1, file);
+      answer[0] = (int)fread(bytes, 1, LARGEST_SCENE + 1, file);
       if (ferror(file)) answer[1] = errno ? errno : EIO;
       fclose(file);
     } else
@@ -29,7 +28,7 @@ static PetscErrorCode ReadBytes(const char path[], char **bytes, PetscInt *size)
   MpmCheckInput(!answer[1], "scene %s: %s; allowed: a YAML file", path, strerror(answer[1]));
   MpmCheckInput(answer[0] <= LARGEST_SCENE, "scene %s: larger than 1 MiB; allowed: a YAML file of options", path);
   *size = answer[0];
-  PetscCallMPI(MPI_Bcast(*bytes, *size, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(bytes, *size, MPI_CHAR, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,38 +120,53 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ReadRoot(MpmSettings *settings, yaml_document_t *document)
+{
+  const yaml_node_t *root = yaml_document_get_root_node(document);
+
+  PetscFunctionBegin;
+  MpmCheckInput(root && root->type == YAML_MAPPING_NODE, "scene %s: allowed: lines of the form key: value",
+                settings->scene);
+  PetscCall(ReadMapping(settings, document, root, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
 {
-  yaml_document_t    document;
-  const yaml_node_t *root;
+  yaml_document_t document;
+  PetscErrorCode  ierr;
+  PetscBool       more;
 
   PetscFunctionBegin;
   MpmCheckInput(yaml_parser_load(parser, &document), "%s:%d: not YAML: %s; allowed: lines of the form key: value",
                 settings->scene, (int)parser->problem_mark.line + 1, parser->problem ? parser->problem : "unreadable");
-  root = yaml_document_get_root_node(&document);
-  MpmCheckInput(root && root->type == YAML_MAPPING_NODE, "scene %s: allowed: lines of the form key: value",
-                settings->scene);
-  PetscCall(ReadMapping(settings, &document, root, PETSC_FALSE));
+  ierr = ReadRoot(settings, &document);
   yaml_document_delete(&document);
-  MpmCheckInput(yaml_parser_load(parser, &document) && !yaml_document_get_root_node(&document),
-                "scene %s: something follows the scene; allowed: one YAML document", settings->scene);
+  PetscCall(ierr);
+  more = !yaml_parser_load(parser, &document) || yaml_document_get_root_node(&document) ? PETSC_TRUE : PETSC_FALSE;
   yaml_document_delete(&document);
+  MpmCheckInput(!more, "scene %s: something follows the scene; allowed: one YAML document", settings->scene);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 {
-  char         *bytes;
-  PetscInt      size = 0;
-  yaml_parser_t parser;
+  char          *bytes;
+  PetscInt       size = 0;
+  yaml_parser_t  parser;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
-  PetscCall(ReadBytes(path, &bytes, &size));
+  PetscCall(PetscMalloc1(LARGEST_SCENE + 1, &bytes));
   PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the YAML parser");
-  yaml_parser_set_input_string(&parser, (const unsigned char *)bytes, (size_t)size);
-  PetscCall(ReadDocument(settings, &parser));
+  ierr = ReadBytes(path, bytes, &size);
+  if (!ierr) {
+    yaml_parser_set_input_string(&parser, (const unsigned char *)bytes, (size_t)size);
+    ierr = ReadDocument(settings, &parser);
+  }
   yaml_parser_delete(&parser);
   PetscCall(PetscFree(bytes));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
