@@ -1,6 +1,7 @@
 /* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/memory.h>
 #include <mpmstab/mode_file.h>
 #include <mpmstab/output.h>
 #include <mpmstab/progress.h>
@@ -165,6 +166,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   MpmRun *r;
 
   PetscFunctionBegin;
+  PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, scene, MpmMemoryOfMarch(scene), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;

@@ -86,7 +86,7 @@ static PetscErrorCode RefuseUnknown(const char name[])
   }
   near = MpmSuggest(name, n, names);
   if (near) MpmRefuse("unknown option -%s; did you mean -%s?", name, near);
-  MpmRefuse("unknown option -%s; 'mpmstab list options' shows those there are", name);
+  MpmRefuse("unknown option -%.200s; 'mpmstab list options' shows those there are", name);
 }
 
 static PetscBool IsKey(const char word[])
@@ -107,7 +107,10 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
 {
   PetscFunctionBegin;
   for (int i = first; i < argc; i++) {
-    MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%.200s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    for (int j = first; j < i; j++)
+      MpmCheckInput(MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION || strcmp(argv[i], argv[j]),
+                    "%s is given a second time; allowed: once", argv[i]);
     if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION)
       PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
     else if (!IsLibraryOption(argv[i] + 1))

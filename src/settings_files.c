@@ -3,7 +3,7 @@
 #include <mpmstab/scene.h>
 #include <string.h>
 
-#define LONGEST (PETSC_MAX_PATH_LEN - 16) /* room for '.part' and '.xmf' */
+#define LONGEST 1024 /* characters, so that a message of PETSc's length can name it and the remedy */
 
 static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], char path[])
 {
