@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/settings.h>
 #include <mpmstab/task.h>
+#include <mpmstab/unfinished.h>
 #include <signal.h>
 #include <string.h>
 
@@ -46,6 +47,7 @@ int main(int argc, char **argv)
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);
+  if (ierr) (void)MpmUnfinishedRemove();
   if (ierr == PETSC_ERR_USER_INPUT)
     status = MPM_EXIT_REFUSED;
   else if (ierr)

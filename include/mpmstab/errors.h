@@ -20,3 +20,9 @@ M*/
 
 /* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
 PetscErrorCode MpmErrorsInstall(void);
+
+/*
+   Not collective. From here on ("": no more) an error of HDF5 is this file's, which cannot be written: it is said as a
+   refusal by one rank, and the program ends at once on all, since a collective operation half done has no other end.
+*/
+void MpmErrorsBlame(const char file[]);
