@@ -49,6 +49,27 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
   return code;
 }
 
+static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *function, const char *file,
+                                     PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
+{
+  char        why[1024];
+  int         started = 0;
+  PetscMPIInt rank    = 0;
+
+  (void)comm, (void)line, (void)function, (void)file, (void)context;
+  if (kind != PETSC_ERROR_INITIAL) return code;
+  MPI_Initialized(&started);
+  if (started) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  (void)snprintf(why, sizeof why, "PETSc refuses one of its options: %s", message);
+  if (rank == 0) PrintLine(why);
+  return code;
+}
+
+PetscErrorCode MpmErrorsOutside(void)
+{
+  return PetscPushErrorHandler(OutsideHandler, NULL);
+}
+
 PetscErrorCode MpmErrorsInstall(void)
 {
   PetscFunctionBeginUser;
