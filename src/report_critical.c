@@ -16,6 +16,8 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
     MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
   else if (c->courant == 0)
     MpmPrint("%s: 0, the scheme grows at every one\n", name);
+  else if (isinf(c->stable_at))
+    MpmPrint("%s: %.6g; any growth beyond it is within tolerance\n", name, c->courant);
   else if (c->courant < c->stable_at)
     MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
   else

@@ -65,7 +65,7 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
   else
     MpmPrint("not compared: the march leaves the range of doubles\n");
   if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
-  if (s->symbol && s->eigen->n)
+  if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
              s->radius > 1 ? ", relative to the largest" : "");
   if (s->at_one != MPM_UNCOUNTED) {

@@ -168,6 +168,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscMPIInt     rank, size;
   MpmSymbol      *s;
   Reader          reader = {.noisy = NULL};
+  PetscInt        room;
 
   PetscFunctionBegin;
   MpmCheckInput(MpmSceneIsPeriodic(scene),
@@ -198,9 +199,10 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscCall(CheckSize(comm, s, keep));
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
-  PetscCall(PetscMalloc1(s->count, &s->per_phase));
-  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(s->count, &s->seen));
-  if (keep) PetscCall(PetscMalloc2(2 * s->size * s->count, &s->factors, s->count, &s->exponents));
+  room = PetscMax(1, s->count); /* a rank without phases, of nothing, would not know what there is to gather */
+  PetscCall(PetscMalloc1(room, &s->per_phase));
+  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(room, &s->seen));
+  if (keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));
