@@ -167,6 +167,50 @@ def check_turned(mpmstab):
     check(math.isclose(growth, 1.5625, rel_tol=1e-6), f"the turned mode grows by {growth}")
 
 
+def check_tampered(mpmstab):
+    """A file that is not quite what spectrum has written is refused as a starting point, in a line that says why."""
+    def array(file):
+        del file.attrs["cells"]
+        file.attrs["cells"] = [8] * 1000
+
+    def text(file):
+        del file.attrs["cells"]
+        file.attrs["cells"] = numpy.bytes_("eight")
+
+    def short(file):
+        del file["modes/0001/u_re"]
+        file["modes/0001/u_re"] = numpy.zeros(3)
+
+    def gone(file):
+        del file["modes/0001/u_re"]
+
+    def infinite(file):
+        file["modes/0001/u_re"][0] = numpy.inf
+
+    def zero(file):
+        for values in file["modes/0001"].values():
+            values[...] = 0
+
+    scene = "-formulation gas2 -cells 8 -courant 2.05".split()
+    subprocess.run([mpmstab, "spectrum", *scene, "-modes", "1", "-output", "whole.h5"], capture_output=True, check=True)
+    with open("whole.h5", "rb") as file:
+        whole = file.read()
+    for change, why in ((array, "no cells in it"), (text, "no cells in it"),
+                        (short, "/modes/0001/u_re is not 16 numbers"), (gone, "/modes/0001/u_re is not 16 numbers"),
+                        (infinite, "/modes/0001/u_re holds a value that is not finite"), (zero, "mode 1 is zero"),
+                        (None, "cut short or damaged")):
+        with open("tampered.h5", "wb") as file:
+            file.write(whole if change else whole[: len(whole) // 2])
+        if change:
+            with h5py.File("tampered.h5", "r+") as file:
+                change(file)
+        done = subprocess.run([mpmstab, "run", *scene, "-initial", "eigenmode", "-mode_file", "tampered.h5"],
+                              capture_output=True, text=True, check=False)
+        lines = done.stderr.splitlines()
+        check(done.returncode == 2 and len(lines) == 1 and
+              lines[0].startswith(f"mpmstab: mode_file tampered.h5: {why}; allowed: "), f"{why}: {done.stderr}")
+
+
 def check_critical(mpmstab):
     """The object and the rows of critical: a limit with its reason; none; and a survey of all schemes."""
     def ask(*options):
@@ -207,6 +251,7 @@ def main(mpiexec, mpmstab):
         check(math.isclose(result["growth"], first["growth"], rel_tol=1e-12), f"growth on {ranks} ranks differs")
     for ranks in (1, 3):
         check_symbol(run(mpiexec, mpmstab, ranks, "symbol", "-phases", "60"), 60)
+    check_tampered(mpmstab)
     check_turned(mpmstab)
     check_critical(mpmstab)
 

@@ -5,6 +5,7 @@
 #include <mpmstab/output.h>
 #include <mpmstab/seal.h>
 #include <mpmstab/slabs.h>
+#include <mpmstab/unfinished.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -169,11 +170,13 @@ PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, cons
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof part, "%s.part", path));
   PetscCall(Reserve(path, part, march, run, csv));
+  MpmUnfinishedAdd(part);
   PetscCall(MpmSlabsCreate(comm, part, MPM_SEAL_BYTES, &slabs));
   PetscCall(WriteScene(&slabs, march->scene));
   PetscCall(WriteRun(&slabs, march, run, csv));
   PetscCall(WriteState(&slabs, march));
   PetscCall(MpmSlabsClose(&slabs, &failed));
   PetscCall(Name(comm, part, path, failed, march->step));
+  MpmUnfinishedDone(part);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

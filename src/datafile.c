@@ -2,6 +2,8 @@
 #include <mpmstab/datafile.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/material.h>
+#include <mpmstab/unfinished.h>
+#include <hdf5.h>
 #include <petscvec.h>
 #include <petscviewerhdf5.h>
 #include <errno.h>
@@ -82,6 +84,9 @@ PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(file->path, scene->output, sizeof file->path));
   PetscCall(PetscSNPrintf(file->part, sizeof file->part, "%s.part", file->path));
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a file that cannot be written is told in one line */
+  MpmUnfinishedAdd(file->part);
+  MpmErrorsBlame(file->path);
   PetscCall(PetscViewerHDF5Open(comm, file->part, FILE_MODE_WRITE, &file->viewer));
   PetscCall(WriteSceneAttributes(scene, file->viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -94,6 +99,8 @@ PetscErrorCode MpmDataFileClose(MpmDataFile *file, const char also[])
 
   PetscFunctionBegin;
   PetscCall(PetscViewerDestroy(&file->viewer));
+  MpmErrorsBlame("");
+  MpmUnfinishedDone(file->part);
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0 && rename(file->part, file->path)) {
     error = errno;
@@ -113,6 +120,7 @@ PetscErrorCode MpmDataFileDrop(MpmDataFile *file)
   PetscCall(PetscViewerDestroy(&file->viewer));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank == 0) (void)unlink(file->part);
+  MpmUnfinishedDone(file->part);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

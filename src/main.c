@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/settings.h>
 #include <mpmstab/task.h>
+#include <mpmstab/unfinished.h>
 #include <signal.h>
 #include <string.h>
 
@@ -33,25 +34,28 @@ int main(int argc, char **argv)
   PetscErrorCode ierr;
   PetscReal      started;
 
-  for (int i = 1; i < argc; i++) /* PETSc's own help runs to hundreds of lines and ends the program */
-    if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
+  for (int i = 1; i < argc; i++) /* PETSc would end the program, with its own version or hundreds of lines of help */
+    if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h") ||
+        !strcmp(argv[i], "-version") || !strcmp(argv[i], "--version")) {
       static char help[] = "help";
 
       argv[1] = help;
       argc    = 2;
     }
+  if (MpmErrorsOutside()) return MPM_EXIT_FAILED;
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
-  if (ierr) return MPM_EXIT_FAILED;
+  if (ierr) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
   (void)signal(SIGTERM, SIG_DFL); /* nor at an end that was asked for; PETSc does this itself with Open MPI only */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);
+  if (ierr) (void)MpmUnfinishedRemove();
   if (ierr == PETSC_ERR_USER_INPUT)
     status = MPM_EXIT_REFUSED;
   else if (ierr)
     MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
   (void)PetscPopErrorHandler();
   ierr = PetscFinalize();
-  return ierr ? MPM_EXIT_FAILED : status;
+  return ierr ? MPM_EXIT_REFUSED : status;
 }

@@ -2,12 +2,14 @@
 #include <mpmstab/assemble.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/march.h>
+#include <mpmstab/memory.h>
 #include <mpmstab/operator.h>
 #include <math.h>
 
 #define RESCALE_AT 200 /* powers of two */
 #define PERIODS 3      /* that the march is compared over */
 #define LARGEST 3e8    /* nonzeros */
+#define OF_NONZERO 50  /* bytes: registers while it is assembled, then the factors of its shifts */
 
 /* Keeps the registers in range; they are what they hold times 2^exponent. */
 static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
@@ -28,7 +30,7 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
 }
 
 /* A P2G and what follows it carry a number over the reach of the basis, a stencil over its halo. */
-static PetscErrorCode CheckSize(const MpmOperator *op)
+static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
 {
   const MpmScene *scene = op->scene;
   const MpmTable *table = scene->table;
@@ -49,6 +51,7 @@ static PetscErrorCode CheckSize(const MpmOperator *op)
                 " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
                 "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
                 scene->cells, scene->ppc, op->period, nonzeros, LARGEST);
+  PetscCall(MpmMemoryCheck(comm, scene, OF_NONZERO * nonzeros, "the spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,7 +96,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperat
                 scene->cells, scene->ppc, PETSC_MAX_INT / 2);
   o->order = (PetscInt)(o->fields * scene->particles);
   PetscCall(MpmLayoutPeriod(scene, &o->period));
-  PetscCall(CheckSize(o));
+  PetscCall(CheckSize(comm, o));
   PetscCall(Assemble(comm, o));
   PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
   o->nonzeros   = info.nz_used;

@@ -16,6 +16,8 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
     MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
   else if (c->courant == 0)
     MpmPrint("%s: 0, the scheme grows at every one\n", name);
+  else if (isinf(c->stable_at))
+    MpmPrint("%s: %.6g; any growth beyond it is within tolerance\n", name, c->courant);
   else if (c->courant < c->stable_at)
     MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
   else
@@ -57,6 +59,26 @@ static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What holds at the scene's own Courant number. */
+static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
+{
+  PetscFunctionBegin;
+  MpmPrint("\nat Courant number %.6g: growth ", s->courant);
+  if (isinf(c->asked.growth))
+    MpmPrint("beyond the range of doubles");
+  else
+    MpmPrint("%.9g per step", c->asked.growth);
+  if (isfinite(c->asked.growth) && !isnan(c->moving)) {
+    MpmPrint("; if particles drift by 1/%d cell per step: ", MPM_CRITICAL_DRIFT);
+    if (isinf(c->moving))
+      MpmPrint("beyond that range");
+    else
+      MpmPrint("%.9g%s", c->moving, c->moving > 1 + s->tolerance ? ", it rings" : "");
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
 {
   PetscMPIInt ranks;
@@ -67,11 +89,7 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
   MpmPrint("\n");
   PetscCall(PrintLimit(s, c));
   PetscCall(PrintReason(s, c));
-  MpmPrint("\nat Courant number %.6g: growth %.9g per step", s->courant, c->asked.growth);
-  if (!isnan(c->moving))
-    MpmPrint("; if particles drift by 1/%d cell per step: %.9g%s", MPM_CRITICAL_DRIFT, c->moving,
-             c->moving > 1 + s->tolerance ? ", it rings" : "");
-  MpmPrint("\n");
+  PetscCall(PrintAsked(s, c));
   PetscCall(MpmReportFinding(&c->asked, NAN));
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",

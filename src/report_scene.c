@@ -73,7 +73,7 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
       MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
-  if (!isnan(c->corrected))
+  if (isfinite(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -82,11 +82,15 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
 {
   PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
-  if (!isnan(f->growth)) MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
-  if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
-    MpmPrint("; that is lost to rounding");
-  else if (f->growth > 1 + f->tolerance && isfinite(condition))
-    MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
+  if (isinf(f->growth))
+    MpmPrint(", growth is beyond the range of doubles");
+  else if (!isnan(f->growth)) {
+    MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
+    if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
+      MpmPrint("; that is lost to rounding");
+    else if (f->growth > 1 + f->tolerance && isfinite(condition))
+      MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
+  }
   if (f->verdict == MPM_UNDECIDED && isinf(f->blur))
     MpmPrint("; the operator is not what the march does");
   else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->blur > f->tolerance)

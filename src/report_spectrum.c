@@ -28,7 +28,10 @@ static PetscErrorCode PrintSpectrum(const MpmSpectrum *s)
     PetscCall(PetscSNPrintf(text, sizeof text, "%" PetscInt_FMT " of %" PetscInt_FMT " eigenvalues, residual %.1e",
                             s->eigen->n, s->op->order, s->max_residual));
   else
-    PetscCall(PetscStrncpy(text, "no eigenvalue converged", sizeof text));
+    PetscCall(PetscStrncpy(text,
+                           isfinite(s->eigen->norm) ? "no eigenvalue converged"
+                                                    : "the operator's numbers leave the range of doubles",
+                           sizeof text));
   PetscCall(MpmReportGrowth("spectrum", s->growth, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -61,8 +64,8 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
     MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
   else
     MpmPrint("not compared: the march leaves the range of doubles\n");
-  MpmPrint("solver: %s\n", s->eigen->solver);
-  if (s->symbol && s->eigen->n)
+  if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
+  if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
              s->radius > 1 ? ", relative to the largest" : "");
   if (s->at_one != MPM_UNCOUNTED) {

@@ -4,6 +4,7 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/material.h>
+#include <mpmstab/memory.h>
 #include <mpmstab/mode_file.h>
 #include <mpmstab/output.h>
 #include <mpmstab/progress.h>
@@ -245,6 +246,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   MpmRun *r;
 
   PetscFunctionBegin;
+  PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, scene, MpmMemoryOfMarch(scene), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;

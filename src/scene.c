@@ -246,27 +246,39 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In this order: what comes later needs what came before. */
+static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadWords(settings, scene));
+  PetscCall(ReadGrid(settings, scene));
+  PetscCall(MpmSettingsLayout(settings, scene));
+  PetscCall(ReadTime(settings, scene));
+  PetscCall(MpmSettingsScheme(settings, scene));
+  PetscCall(MpmSettingsMaterial(settings, scene));
+  PetscCall(ReadAnalysis(settings, scene));
+  PetscCall(ReadInitial(settings, scene));
+  PetscCall(CheckSizes(settings, scene));
+  PetscCall(ReadOutputs(settings, scene));
+  PetscCall(ReadExpect(settings, scene, &scene->expect));
+  if (scene->restart[0]) PetscCall(MpmCheckpointCheck(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A refusal frees what there is: the fuzzer reads one scene after another. */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene)
 {
-  MpmSettings *settings;
+  MpmSettings   *settings = NULL;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
   (*scene)->task = task;
-  PetscCall(MpmSettingsCreate(path, &settings));
-  PetscCall(ReadWords(settings, *scene));
-  PetscCall(ReadGrid(settings, *scene));
-  PetscCall(MpmSettingsLayout(settings, *scene));
-  PetscCall(ReadTime(settings, *scene));
-  PetscCall(MpmSettingsScheme(settings, *scene));
-  PetscCall(MpmSettingsMaterial(settings, *scene));
-  PetscCall(ReadAnalysis(settings, *scene));
-  PetscCall(ReadInitial(settings, *scene));
-  PetscCall(CheckSizes(settings, *scene));
-  PetscCall(ReadOutputs(settings, *scene));
-  PetscCall(ReadExpect(settings, *scene, &(*scene)->expect));
-  if ((*scene)->restart[0]) PetscCall(MpmCheckpointCheck(*scene));
+  ierr           = MpmSettingsCreate(path, &settings);
+  if (!ierr) ierr = ReadScene(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));
+  if (ierr) PetscCall(MpmSceneDestroy(scene));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

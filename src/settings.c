@@ -60,18 +60,29 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Options of the libraries below us: they read theirs while the task runs, so only the family can be known before. */
-static PetscBool IsLibraryOption(const char name[])
+/*
+   Options of the libraries below us: they read theirs while the task runs, so only the family can be known before, and
+   that only some tasks call SLEPc.
+*/
+static PetscErrorCode CheckLibrary(const char task[], const char name[], PetscBool *is_theirs)
 {
-  static const char *const families[] = {"log_",    "malloc",        "objects_", "options_", "on_error_", "info",
-                                         "dm_",     "da_",           "vec_",     "mat_",     "sf_",       "viewer_",
-                                         "mpi_",    "memory_",       "fp_trap",  "debugger", "start_in",  "saws",
-                                         "version", "check_pointer", "eps_",     "st_",      "bv_",       "ds_",
-                                         "svd_",    "ksp_",          "pc_",      "nodal_"};
+  static const char *const any[]   = {"log_",          "malloc",  "objects_", "options_", "on_error_", "info",
+                                      "dm_",           "da_",     "vec_",     "mat_",     "sf_",       "viewer_",
+                                      "mpi_",          "memory_", "fp_trap",  "debugger", "start_in",  "saws",
+                                      "check_pointer", "ksp_",    "pc_",      "nodal_"};
+  static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
 
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(families); i++)
-    if (!strncmp(name, families[i], strlen(families[i]))) return PETSC_TRUE;
-  return PETSC_FALSE;
+  PetscFunctionBegin;
+  *is_theirs = PETSC_FALSE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
+    if (!strncmp(name, any[i], strlen(any[i]))) *is_theirs = PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(slepc); i++) {
+    if (strncmp(name, slepc[i], strlen(slepc[i]))) continue;
+    MpmCheckInput(!strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
+                  "-%.200s: task %s does not read it; allowed: with task %s or %s", name, task, eigen[0], eigen[1]);
+    *is_theirs = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RefuseUnknown(const char name[])
@@ -86,7 +97,7 @@ static PetscErrorCode RefuseUnknown(const char name[])
   }
   near = MpmSuggest(name, n, names);
   if (near) MpmRefuse("unknown option -%s; did you mean -%s?", name, near);
-  MpmRefuse("unknown option -%s; 'mpmstab list options' shows those there are", name);
+  MpmRefuse("unknown option -%.200s; 'mpmstab list options' shows those there are", name);
 }
 
 static PetscBool IsKey(const char word[])
@@ -105,13 +116,20 @@ static PetscErrorCode CheckTask(const char task[], const MpmOption *option)
 
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first)
 {
+  PetscBool is_theirs;
+
   PetscFunctionBegin;
   for (int i = first; i < argc; i++) {
-    MpmCheckInput(IsKey(argv[i]), "unexpected word '%s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%.200s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    for (int j = first; j < i; j++)
+      MpmCheckInput(MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION || strcmp(argv[i], argv[j]),
+                    "%s is given a second time; allowed: once", argv[i]);
     if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION)
       PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
-    else if (!IsLibraryOption(argv[i] + 1))
-      PetscCall(RefuseUnknown(argv[i] + 1));
+    else {
+      PetscCall(CheckLibrary(task, argv[i] + 1, &is_theirs));
+      if (!is_theirs) PetscCall(RefuseUnknown(argv[i] + 1));
+    }
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
+
 PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
 {
   return settings->text[MpmOptionIndex(name)] ? PETSC_TRUE : PETSC_FALSE;
@@ -22,12 +24,14 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
 {
-  const PetscInt i = MpmOptionIndex(name);
+  const PetscInt    i    = MpmOptionIndex(name);
+  const char *const dots = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
 
   PetscFunctionBegin;
   if (settings->source[i] == MPM_FROM_SCENE)
-    MpmRefuse("%s:%d: %s: %s: %s", settings->scene, settings->line[i], name, settings->text[i], why);
-  MpmRefuse("-%s %s: %s", name, settings->text[i], why);
+    MpmRefuse("%s:%d: %s: %.*s%s: %s", settings->scene, settings->line[i], name, MOST_SHOWN, settings->text[i], dots,
+              why);
+  MpmRefuse("-%s %.*s%s: %s", name, MOST_SHOWN, settings->text[i], dots, why);
 }
 
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
@@ -55,6 +59,12 @@ static PetscBool InRange(const MpmOption *option, PetscReal value)
   return option->lo_open ? value > option->lo : value >= option->lo;
 }
 
+/* As integers: 2^53 + 1 is beyond 2^53, but the same double. */
+static PetscBool InWholeRange(const MpmOption *option, PetscInt64 value)
+{
+  return value >= (PetscInt64)option->lo && value <= (PetscInt64)option->hi ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* strtod takes blanks, hexadecimals, 'inf' and 'nan'; a setting does not. */
 static PetscBool ParseReal(const char text[], PetscReal *value)
 {
@@ -74,8 +84,7 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
   PetscFunctionBegin;
   errno  = 0;
   *value = strtoll(text, &end, 10);
-  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
-      !InRange(&MpmOptions[i], (PetscReal)*value))
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) || !InWholeRange(&MpmOptions[i], *value))
     PetscCall(RefuseNumber(settings, name, "a whole number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

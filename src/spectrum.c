@@ -216,9 +216,9 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
+  PetscCall(MpmOperatorCreate(comm, scene, &s->op)); /* first: it refuses what is too large */
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(scene, &s->predictor));
-  PetscCall(MpmOperatorCreate(comm, scene, &s->op)); /* first: it refuses what is too large */
   if (!MpmSymbolWhyNot(scene)) {
     PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));

@@ -3,6 +3,7 @@
 #include <mpmstab/eigen_small.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/memory.h>
 #include <mpmstab/progress.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
@@ -147,6 +148,19 @@ const char *MpmSymbolWhyNot(const MpmScene *scene)
   return NULL;
 }
 
+/* Curves, and with them the factors that are written, each on its way through the first rank. */
+static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s, PetscBool keep)
+{
+  const PetscReal numbers = (keep ? 2.0 * s->size : 1) * s->phases;
+
+  PetscFunctionBegin;
+  MpmCheckInput(numbers <= PETSC_MAX_INT,
+                "phases %" PetscInt_FMT ": the output would hold %.3g numbers; allowed: at most %d, so fewer phases",
+                s->phases, numbers, PETSC_MAX_INT);
+  PetscCall(MpmMemoryCheck(comm, s->scene, numbers * sizeof(PetscReal), "the symbol"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
                                MpmSymbol **symbol)
 {
@@ -154,6 +168,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscMPIInt     rank, size;
   MpmSymbol      *s;
   Reader          reader = {.noisy = NULL};
+  PetscInt        room;
 
   PetscFunctionBegin;
   MpmCheckInput(MpmSceneIsPeriodic(scene),
@@ -181,11 +196,13 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   s->count  = (PetscInt)((PetscInt64)(s->half + 1) * (rank + 1) / size) - s->first;
   PetscCall(MpmBlochCreate(scene, s->period, &reader.bloch));
   s->size = reader.bloch.size;
+  PetscCall(CheckSize(comm, s, keep));
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
-  PetscCall(PetscMalloc1(s->count, &s->per_phase));
-  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(s->count, &s->seen));
-  if (keep) PetscCall(PetscMalloc2(2 * s->size * s->count, &s->factors, s->count, &s->exponents));
+  room = PetscMax(1, s->count); /* a rank without phases, of nothing, would not know what there is to gather */
+  PetscCall(PetscMalloc1(room, &s->per_phase));
+  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(room, &s->seen));
+  if (keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));

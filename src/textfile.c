@@ -1,12 +1,20 @@
 /* Files that appear whole or not at all: written aside, checked, renamed. */
 #include <mpmstab/errors.h>
 #include <mpmstab/output.h>
+#include <mpmstab/unfinished.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define NOT_A_FILE -1 /* beside errno's */
+
+static const char *Reason(int error)
+{
+  return error == NOT_A_FILE ? "not a regular file" : strerror(error);
+}
 
 /* Rank 0's errno on all ranks, so that they refuse together. */
 static PetscErrorCode ShareErrno(int *error)
@@ -35,8 +43,9 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
     struct stat is;
     FILE       *file = NULL;
 
-    if (!stat(path, &is) && S_ISDIR(is.st_mode))
-      error = EISDIR;
+    /* the finished file takes the place of what has its name: no device's, and no link's whose target would stay */
+    if (!lstat(path, &is) && !S_ISREG(is.st_mode))
+      error = S_ISDIR(is.st_mode) ? EISDIR : NOT_A_FILE;
     else if (!(file = fopen(part, "ab")))
       error = errno;
     else {
@@ -45,7 +54,7 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
     }
   }
   PetscCall(ShareErrno(&error));
-  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path, strerror(error));
+  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path, Reason(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,6 +86,7 @@ PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
   PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
   PetscCall(PetscSNPrintf(file->part, sizeof file->part, "%s.part", path));
   file->stream = NULL;
+  MpmUnfinishedAdd(file->part);
   if (IsFirst()) {
     file->stream = fopen(file->part, "w");
     if (!file->stream) error = errno;
@@ -120,6 +130,7 @@ void MpmTextFileDrop(MpmTextFile *file)
   if (!file->stream) return;
   fclose(file->stream);
   (void)unlink(file->part);
+  MpmUnfinishedDone(file->part);
 }
 
 PetscErrorCode MpmTextFileClose(MpmTextFile *file)
@@ -133,6 +144,7 @@ PetscErrorCode MpmTextFileClose(MpmTextFile *file)
     if (!error && rename(file->part, file->path)) error = errno;
     if (error) (void)unlink(file->part);
   }
+  MpmUnfinishedDone(file->part);
   PetscCall(ShareErrno(&error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);

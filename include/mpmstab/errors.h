@@ -18,5 +18,17 @@ M*/
     if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                           \
   } while (0)
 
+/*
+   Not collective. Installs the handler for what happens while PETSc starts and ends: nothing of ours is at work then, so
+   that it is one of PETSc's own options which cannot be, such as -options_file with a file that is not there.
+*/
+PetscErrorCode MpmErrorsOutside(void);
+
 /* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
 PetscErrorCode MpmErrorsInstall(void);
+
+/*
+   Not collective. From here on ("": no more) an error of HDF5 is this file's, which cannot be written: it is said as a
+   refusal by one rank, and the program ends at once on all, since a collective operation half done has no other end.
+*/
+void MpmErrorsBlame(const char file[]);

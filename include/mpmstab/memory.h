@@ -1,0 +1,13 @@
+/* Memory: what would not fit is refused before it is asked for, since Linux grants it first and kills later. */
+#pragma once
+#include <mpmstab/scene.h>
+
+/*
+   MpmMemoryCheck - refuses a scene that needs more memory than there is.
+
+   Collective. bytes: of all ranks, who share them evenly; what: the work that needs them.
+*/
+PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[]);
+
+/* Not collective. Least that particles, nodes and output of a march take, on all ranks. */
+PetscReal MpmMemoryOfMarch(const MpmScene *scene);

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Runs the scenes of examples/extreme and prints a table: case, predicted, measured, verdict, time.
+
+extremes.py [--large] [--markdown] [--ranks N] [--check FILE] [PATTERN...]: --large: those that need gigabytes too;
+--check: the rows, but for their times, must be those that FILE holds. MPMSTAB names the program (build/mpmstab).
+
+A scene begins with what is expected and why, '# task: ' and, where the program's own prediction does not cover it,
+'# predicted: ' with a number and its formula, or with the task and options that make another scene of it. Measured: the growth of a march from random data (run, spectrum), the
+Courant number at which growth leaves the tolerance (critical), the share of unstable layouts (ensemble).
+"""
+import argparse
+import fnmatch
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+FOLDER = os.path.join(ROOT, "examples", "extreme")
+
+
+def header(path):
+    with open(path, encoding="ascii") as file:
+        lines = [line[2:].rstrip() for line in file if line.startswith("# ")]
+    keys = dict(line.split(": ", 1) for line in lines if re.match("(task|predicted): ", line))
+    return " ".join(line for line in lines if not re.match("(task|predicted): ", line)), keys
+
+
+def launch(arguments, path, options=()):
+    """Status, JSON and what was said."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "out.json")
+        command = [os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))]
+        if arguments.ranks > 1:
+            command = ["mpirun", "-q", "-n", str(arguments.ranks), *command]
+        done = subprocess.run([*command, options[0], path, *options[1:], "-json", out], capture_output=True, text=True,
+                              check=False)
+        found = {}
+        if os.path.exists(out):
+            with open(out, encoding="ascii") as file:
+                found = json.load(file)
+    return done.returncode, found, done.stderr.strip()
+
+
+def number(value):
+    if value is None:
+        return "-"
+    return f"{value:.7g}" if 1e-4 <= abs(value) < 1e5 else f"{value:.4e}"
+
+
+def growth_predicted(found):
+    predicted = found.get("predicted", {})
+    for name in ("corrected", "symbol"):
+        if predicted.get(name) is not None:
+            return number(predicted[name])
+    return number(found["spectrum"]["growth"] if "spectrum" in found else found.get("growth") if "run" not in found else None)
+
+
+def columns(task, found, predicted, told):
+    """Predicted and measured; told: a number that the scene's header gives."""
+    if task == "critical":
+        critical = found["critical"]
+        limit = critical.get("critical_courant")
+        return ("k " + number(critical.get("closed_form") or told),
+                "no limit up to k = 64" if limit is None else "k " + number(limit))
+    if task == "ensemble":
+        ensemble = found["ensemble"]
+        low, high = ensemble["interval"]
+        return "-", f"{ensemble['unstable']} of {ensemble['layouts']} [{low:.3f}, {high:.3f}]"
+    run = found.get("run", {})
+    measured = number(run.get("growth_measured"))
+    if run.get("growth_kind") == "exponential" and task == "run":
+        measured += f" +- {run['growth_error']:.0e}"
+    if "growth_above" in run:
+        measured = f"> {run['growth_above']:.0e}"
+    return growth_predicted(predicted or found), measured
+
+
+def row(arguments, path):
+    name = os.path.basename(path)[:-len(".yaml")]
+    _, keys = header(path)
+    begin = time.monotonic()
+    status, found, said = launch(arguments, path, (keys["task"],))
+    predicted, told = None, None
+    if re.match("[0-9.]", keys.get("predicted", "")):
+        told = float(keys["predicted"].split()[0])
+    elif "predicted" in keys:
+        _, predicted, more = launch(arguments, path, keys["predicted"].split())
+        said += more
+    seconds = time.monotonic() - begin
+    if status or not found:
+        return [name, keys["task"], "-", "-", f"FAILED, status {status}: {said}", f"{seconds:.1f} s"], False
+    return [name, keys["task"], *columns(keys["task"], found, predicted, told), found["verdict"], f"{seconds:.1f} s"], True
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--large", action="store_true")
+    parser.add_argument("--markdown", action="store_true")
+    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--check")
+    parser.add_argument("pattern", nargs="*", default=["*"])
+    arguments = parser.parse_args()
+    known = ""
+    if arguments.check:
+        with open(arguments.check, encoding="utf-8") as file:
+            known = file.read()
+    good = True
+    line = "| {} | {} | {} | {} | {} | {} |" if arguments.markdown else "{:<24} {:<9} {:<14} {:<26} {:<10} {:>7}"
+    print(line.format("case", "task", "predicted", "measured", "verdict", "time"))
+    if arguments.markdown:
+        print("|---" * 6 + "|")
+    for name in sorted(os.listdir(FOLDER)):
+        wanted = any(fnmatch.fnmatch(name, p + ("" if p.endswith(".yaml") else ".yaml")) for p in arguments.pattern)
+        if not name.endswith(".yaml") or not wanted or (name.startswith("large") and not arguments.large):
+            continue
+        cells, done = row(arguments, os.path.join(FOLDER, name))
+        good = good and done
+        print(line.format(*cells), flush=True)
+        if arguments.check and line.format(*cells[:5], "").rstrip(" |") not in known:
+            print(f"extremes: {arguments.check} has another row for {cells[0]}", file=sys.stderr)
+            good = False
+    sys.exit(0 if good else 1)
+
+
+if __name__ == "__main__":
+    main()

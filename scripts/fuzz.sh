@@ -1,0 +1,44 @@
+#!/bin/sh
+# fuzz.sh [SECONDS] [TARGET]: fuzzes a reader of files (300 s, scene) with libFuzzer, AddressSanitizer and UBSan, by two
+# processes. Inputs that reach code no other does join tests/fuzz/corpus/TARGET; one that fails stays in build-fuzz/found.
+set -eu
+cd "$(dirname "$0")/.."
+seconds=${1:-300}
+target=${2:-scene}
+corpus=$PWD/tests/fuzz/corpus/$target
+[ -d "$corpus" ] || { echo "fuzz.sh: no target '$target'; there are:" && ls tests/fuzz/corpus && exit 2; }
+
+missing=
+for package in clang libclang-rt-14-dev; do
+  case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true) in
+  *"ok installed") ;;
+  *) missing="$missing $package" ;;
+  esac
+done
+if [ -n "$missing" ]; then
+  as_root=
+  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  $as_root apt-get update -qq
+  # shellcheck disable=SC2086 # a list of packages
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
+
+work=$PWD/build-fuzz
+mkdir -p "$work/found" "$work/$target"
+cmake -S . -B "$work" -DCMAKE_C_COMPILER=clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS=-O1 -DMPMSTAB_NATIVE=OFF \
+  -DMPMSTAB_SANITIZE=ON -DMPMSTAB_FUZZ=ON >"$work/setup.log" 2>&1 || { cat "$work/setup.log"; exit 1; }
+cmake --build "$work" --parallel 2 --target "fuzz_$target" >>"$work/setup.log" 2>&1 || { cat "$work/setup.log"; exit 1; }
+
+. ./scripts/mpi-env.sh
+export UBSAN_OPTIONS=halt_on_error=1
+[ ! -w /dev/shm ] || export TMPDIR=/dev/shm # thousands of small files a second
+fuzzer=$work/tests/fuzz/fuzz_$target
+words=$work/words.dict
+grep -ho '"[A-Za-z_0-9]\{2,\}"' src/options.c src/tasks.c src/*/*.c | sort -u >"$words"
+cd "$work"
+nice -n 10 "$fuzzer" -jobs=2 -workers=2 -max_total_time="$seconds" -max_len=4096 -dict="$words" -print_final_stats=1 \
+  -artifact_prefix="$work/found/" "$work/$target" "$corpus" >"fuzz-$target.log" 2>&1 || status=$?
+grep -h 'number_of_executed_units\|^SUMMARY\|Test unit written' fuzz-*.log | sort -u
+nice -n 10 "$fuzzer" -merge=1 -use_counters=0 "$corpus" "$work/$target" >merge.log 2>&1 || { tail -n 20 merge.log; exit 1; }
+echo "corpus: $(ls "$corpus" | wc -l) files, $(cat "$corpus"/* | wc -c) bytes"
+exit ${status:-0}
