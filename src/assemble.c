@@ -116,7 +116,7 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
   if (mine) PetscCall(MatSetValue(only, wall, wall, a, INSERT_VALUES));
   PetscCall(MatAssemblyBegin(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(only, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatMatMult(only, r->node[op->src], MAT_INITIAL_MATRIX, PETSC_DEFAULT, &row));
+  PetscCall(MatMatMult(only, r->node[op->src], MAT_INITIAL_MATRIX, PETSC_DETERMINE, &row));
   PetscCall(MatAXPY(r->node[op->dst], 1, row, DIFFERENT_NONZERO_PATTERN));
   PetscCall(MatDestroy(&row));
   PetscCall(MatDestroy(&only));
@@ -129,7 +129,7 @@ static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates
   Mat product;
 
   PetscFunctionBegin;
-  PetscCall(MatMatMult(map, src, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+  PetscCall(MatMatMult(map, src, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
   if (accumulates) {
     PetscCall(MatAXPY(*dst, a, product, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&product));

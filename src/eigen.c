@@ -41,7 +41,7 @@ static PetscErrorCode SetTarget(EPS eps)
   PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
   PetscCall(EPSSetTarget(eps, 0));
   PetscCall(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-  PetscCall(EPSSetDimensions(eps, NEAR, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(EPSSetDimensions(eps, NEAR, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
   PetscCall(EPSSetConvergenceTestFunction(eps, InverseConverged, NULL, NULL));
   PetscCall(EPSGetST(eps, &st));
@@ -69,11 +69,11 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(SetTarget(eps));
   } else if (method == MPM_EIGEN_DENSE) {
     PetscCall(EPSSetType(eps, EPSLAPACK));
-    PetscCall(EPSSetDimensions(eps, order, PETSC_DEFAULT, PETSC_DEFAULT));
+    PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
     PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
-    PetscCall(EPSSetDimensions(eps, LARGEST, PetscMin(BASIS, order), PETSC_DEFAULT));
+    PetscCall(EPSSetDimensions(eps, LARGEST, PetscMin(BASIS, order), PETSC_DETERMINE));
     PetscCall(EPSSetTolerances(eps, 1e-10, (PetscInt)PetscMin(RESTARTS, PetscMax(20, WORK / order))));
   }
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));

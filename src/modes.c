@@ -43,7 +43,7 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
   PetscCall(KSPSetType(l->lsqr, KSPLSQR));
   PetscCall(KSPGetPC(l->lsqr, &pc));
   PetscCall(PCSetType(pc, PCNONE));
-  PetscCall(KSPSetTolerances(l->lsqr, 1e-10, 1e-14, PETSC_DEFAULT, ITERATIONS));
+  PetscCall(KSPSetTolerances(l->lsqr, 1e-10, 1e-14, PETSC_CURRENT, ITERATIONS));
   PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)op->p2g), &rank));
   if (rank == 0) {
     l->trace    = fftw_alloc_real((size_t)l->cells);

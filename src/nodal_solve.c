@@ -28,7 +28,7 @@ PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, M
   PetscCall(KSPSetType(s->ksp, KSPCG));
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCJACOBI));
-  PetscCall(KSPSetTolerances(s->ksp, 1e-14, PETSC_DEFAULT, PETSC_DEFAULT, MOST_ITERATIONS));
+  PetscCall(KSPSetTolerances(s->ksp, 1e-14, PETSC_CURRENT, PETSC_CURRENT, MOST_ITERATIONS));
   PetscCall(KSPSetFromOptions(s->ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

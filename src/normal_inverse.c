@@ -15,7 +15,7 @@ static PetscErrorCode Square(Mat W, PetscReal square[])
   Mat product;
 
   PetscFunctionBegin;
-  PetscCall(MatTransposeMatMult(W, W, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product));
+  PetscCall(MatTransposeMatMult(W, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
   PetscCall(MpmDenseCopy(product, square));
   PetscCall(MatDestroy(&product));
   PetscFunctionReturn(PETSC_SUCCESS);

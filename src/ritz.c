@@ -20,7 +20,7 @@ PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T)
     *T = shifted;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MatMatMult(shifted, shifted, MAT_INITIAL_MATRIX, PETSC_DEFAULT, T));
+  PetscCall(MatMatMult(shifted, shifted, MAT_INITIAL_MATRIX, PETSC_DETERMINE, T));
   PetscCall(MatShift(*T, target[1] * target[1]));
   PetscCall(MatDestroy(&shifted));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,0 +1,22 @@
+# Sourced: what every build here needs (Debian's names), and the function that installs what is missing.
+# shellcheck shell=sh disable=SC2034 # used where this is sourced
+common_packages="gcc libc6-dev make cmake pkg-config git libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
+                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev clang-format python3 python3-numpy
+                 python3-h5py python3-matplotlib valgrind"
+
+install_missing() {
+  missing=
+  for package; do
+    case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true) in
+    *"ok installed") ;;
+    *) missing="$missing $package" ;;
+    esac
+  done
+  [ -n "$missing" ] || return 0
+  echo "installing:$missing"
+  as_root=
+  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  $as_root apt-get update -qq
+  # shellcheck disable=SC2086 # a list of packages
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
