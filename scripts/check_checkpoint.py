@@ -161,10 +161,13 @@ def check_refusals():
     check_refused("flipped.h5", "checkpoint flipped.h5: damaged: its sum is not the one it was sealed with")
     check_refused("missing.h5", "checkpoint missing.h5: cannot be read: No such file or directory")
     check_refused(".", "checkpoint .: cannot be read: Is a directory")
+    if not os.path.exists("pipe.h5"):
+        os.mkfifo("pipe.h5")
+    check_refused("pipe.h5", "checkpoint pipe.h5: cannot be read: Invalid argument")
     check_refused("good.h5", "checkpoint good.h5: its jitter is 0.5, the scene's is 0.25; allowed: the scene that it "
                   "is of", "-jitter", "0.25")
     check_refused("good.h5", "checkpoint good.h5: its drift is 3/10, the scene's is 1/3", "-drift", "1/3")
-    check_refused("good.h5", "checkpoint good.h5: is at step 50 of 50; allowed: more steps", "-steps", "50")
+    check_refused("good.h5", "checkpoint good.h5: is at step 50 of 50; allowed: more steps or time", "-steps", "50")
 
 
 def check_full_disk():

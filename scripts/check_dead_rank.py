@@ -64,11 +64,14 @@ def end_one(command, ranks, number, folder):
         left = sorted(os.listdir(folder))
         final = [name for name in ("out.h5", "out.xmf", "out.csv", "out.json") if name in left]
         check(not final, f"files that are not whole have their names: {final}")
+        if ranks == 1 and number != signal.SIGKILL:
+            check(left == ["said"], f"left behind by signal {number}: {left}")
         return job.returncode, said.read()
 
 
 def main(mpiexec, mpmstab):
-    for ranks, number in ((3, signal.SIGKILL), (2, signal.SIGTERM), (1, signal.SIGTERM)):
+    for ranks, number in ((3, signal.SIGKILL), (2, signal.SIGTERM), (1, signal.SIGTERM), (1, signal.SIGHUP),
+                          (1, signal.SIGINT), (1, signal.SIGXCPU)):
         launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
         with tempfile.TemporaryDirectory() as folder:
             status, said = end_one([*launcher, mpmstab, *OPTIONS], ranks, number, folder)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs the scenes of examples/extreme and prints a table: case, predicted, measured, verdict, time.
 
-extremes.py [--large] [--markdown] [--ranks N] [--check FILE] [PATTERN...]: --large: those that need gigabytes too;
---check: the rows must be those that FILE holds, numbers to 1e-4 and times left out. MPMSTAB names the program (build/mpmstab).
+extremes.py [--large] [--ranks N] [--check FILE] [PATTERN...]: --large: those that need gigabytes too; --check: the rows
+must be those that FILE holds, numbers to 1e-4 and times left out. MPMSTAB names the program (build/mpmstab).
 
 A scene begins with what is expected and why, '# task: ' and, where the program's own prediction does not cover it,
 '# predicted: ' with a number and its formula, or with the task and options that make another scene of it. Measured: the growth of a march from random data (run, spectrum), the
@@ -20,20 +20,21 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOLDER = os.path.join(ROOT, "examples", "extreme")
+PROGRAM = os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))
 
 
 def header(path):
+    """What a scene's first lines say of its task and prediction."""
     with open(path, encoding="ascii") as file:
         lines = [line[2:].rstrip() for line in file if line.startswith("# ")]
-    keys = dict(line.split(": ", 1) for line in lines if re.match("(task|predicted): ", line))
-    return " ".join(line for line in lines if not re.match("(task|predicted): ", line)), keys
+    return dict(line.split(": ", 1) for line in lines if re.match("(task|predicted): ", line))
 
 
 def launch(arguments, path, options=()):
     """Status, JSON and what was said."""
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "out.json")
-        command = [os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))]
+        command = [PROGRAM]
         if arguments.ranks > 1:
             command = ["mpirun", "-q", "-n", str(arguments.ranks), *command]
         done = subprocess.run([*command, options[0], path, *options[1:], "-json", out], capture_output=True, text=True,
@@ -56,7 +57,9 @@ def growth_predicted(found):
     for name in ("corrected", "symbol"):
         if predicted.get(name) is not None:
             return number(predicted[name])
-    return number(found["spectrum"]["growth"] if "spectrum" in found else found.get("growth") if "run" not in found else None)
+    if "spectrum" in found:
+        return number(found["spectrum"]["growth"])
+    return number(None if "run" in found else found.get("growth"))
 
 
 def columns(task, found, predicted, told):
@@ -87,7 +90,7 @@ NUMBER = re.compile(r"\d+\.?\d*(?:e[+-]?\d+)?")
 def same(cells, known):
     """Whether a row is the one of its case in a text, but for its time."""
     for line in known.splitlines():
-        others = [cell.strip() for cell in line.strip("| ").split(" | " if "|" in line else "  ") if cell.strip()]
+        others = [cell.strip() for cell in line.split("  ") if cell.strip()]
         if not others or others[0] != cells[0]:
             continue
         mine, theirs = (" ".join(c[1:5]) for c in (cells, others))
@@ -99,7 +102,7 @@ def same(cells, known):
 
 def row(arguments, path):
     name = os.path.basename(path)[:-len(".yaml")]
-    _, keys = header(path)
+    keys = header(path)
     begin = time.monotonic()
     status, found, said = launch(arguments, path, (keys["task"],))
     predicted, told = None, None
@@ -115,32 +118,35 @@ def row(arguments, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--large", action="store_true")
-    parser.add_argument("--markdown", action="store_true")
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--check")
     parser.add_argument("pattern", nargs="*", default=["*"])
     arguments = parser.parse_args()
+    if not os.path.exists(PROGRAM):
+        sys.exit(f"extremes: there is no {PROGRAM}; ./scripts/setup.sh builds it")
     known = ""
     if arguments.check:
         with open(arguments.check, encoding="utf-8") as file:
             known = file.read()
     good = True
-    line = "| {} | {} | {} | {} | {} | {} |" if arguments.markdown else "{:<24} {:<9} {:<16} {:<26} {:<10} {:>7}"
+    line = "{:<24} {:<9} {:<16} {:<26} {:<10} {:>7}"
     print(line.format("case", "task", "predicted", "measured", "verdict", "time"))
-    if arguments.markdown:
-        print("|---" * 6 + "|")
+    count = 0
     for name in sorted(os.listdir(FOLDER)):
         wanted = any(fnmatch.fnmatch(name, p + ("" if p.endswith(".yaml") else ".yaml")) for p in arguments.pattern)
         if not name.endswith(".yaml") or not wanted or (name.startswith("large") and not arguments.large):
             continue
+        count += 1
         cells, done = row(arguments, os.path.join(FOLDER, name))
         good = good and done
         print(line.format(*cells), flush=True)
         if arguments.check and not same(cells, known):
             print(f"extremes: {arguments.check} has another row for {cells[0]}", file=sys.stderr)
             good = False
+    if not count:
+        sys.exit(f"extremes: no scene of {FOLDER} is called {' or '.join(arguments.pattern)}")
     sys.exit(0 if good else 1)
 
 

@@ -38,7 +38,7 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
 
   PetscFunctionBegin;
   PetscCall(Assemble((Probe *)context, courant, &op));
-  PetscCall(MpmDenseLargest(op->A, value));
+  PetscCall(MpmDenseLargest(op->balanced, value));
   PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
   *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
   PetscCall(MpmOperatorDestroy(&op));
@@ -54,11 +54,11 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Assemble(p, c->unstable_at, &op));
-  PetscCall(MpmEigenSolve(op->A, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+  PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
   eigen->n = PetscMin(eigen->n, 1); /* the leading one alone */
   PetscCall(MpmModesCreate(op, eigen, &modes));
-  c->beta       = modes.beta[0];
-  c->null_share = modes.null_share[0];
+  c->beta       = eigen->n ? modes.beta[0] : NAN; /* a solver may fail where the growth alone could be had */
+  c->null_share = eigen->n ? modes.null_share[0] : NAN;
   PetscCallMPI(MPI_Bcast(&c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(MpmModesDestroy(&modes));
   PetscCall(MpmEigenDestroy(&eigen));

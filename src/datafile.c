@@ -75,6 +75,8 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer
   PetscCall(WriteText(viewer, "material", MpmMaterialNames[s->material.kind]));
   PetscCall(WriteNumber(viewer, "density_ratio", s->material.density));
   PetscCall(WriteNumber(viewer, "stiffness_ratio", s->material.stiffness));
+  PetscCall(WriteNumber(viewer, "inclusion_from", s->material.inclusion[0]));
+  PetscCall(WriteNumber(viewer, "inclusion_to", s->material.inclusion[1]));
   if (s->transfer->option) PetscCall(WriteNumber(viewer, s->transfer->option, s->transfer->number(&s->numbers)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

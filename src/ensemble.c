@@ -71,7 +71,7 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
 
   PetscFunctionBegin;
   f->uncertainty = INFINITY;
-  PetscCall(MpmEigenSolve(op->A, "layout_", MPM_EIGEN_TARGET, target, &eigen));
+  PetscCall(MpmEigenSolve(op->balanced, "layout_", MPM_EIGEN_TARGET, target, &eigen));
   for (PetscInt j = 0; j < eigen->n; j++) {
     const PetscReal distance = hypot(eigen->re[j] - value[0], fabs(eigen->im[j]) - fabs(value[1]));
 
@@ -96,9 +96,9 @@ static PetscErrorCode Judge(const MpmScene *layout, MpmFinding *f)
   *f = (MpmFinding){.tolerance = layout->tolerance};
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &op));
   PetscCall(Mismatch(op, &mismatch));
-  PetscCall(MpmDenseLargest(op->A, value));
+  PetscCall(MpmDenseLargest(op->balanced, value));
   f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
-  PetscCall(MatNorm(op->A, NORM_INFINITY, &norm));
+  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
   f->blur = MpmBlurOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
   if (!(mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
   if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, value, mismatch, f));

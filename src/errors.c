@@ -1,5 +1,6 @@
 /* Refusals print one line; errors inside the program keep PETSc's stack trace. */
 #include <mpmstab/errors.h>
+#include <sys/stat.h>
 #include <mpmstab/task.h>
 #include <mpmstab/unfinished.h>
 #include <ctype.h>
@@ -75,4 +76,14 @@ PetscErrorCode MpmErrorsInstall(void)
   PetscFunctionBeginUser;
   PetscCall(PetscPushErrorHandler(RefusalHandler, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmErrorsReportLost(void)
+{
+  struct stat is;
+
+  if (!fflush(stdout) && !ferror(stdout)) return PETSC_FALSE;
+  if (!fstat(fileno(stdout), &is) && (S_ISFIFO(is.st_mode) || S_ISSOCK(is.st_mode))) return PETSC_FALSE;
+  fprintf(stderr, "mpmstab: standard output cannot be written: the report is lost\n");
+  return PETSC_TRUE;
 }

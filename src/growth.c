@@ -6,8 +6,11 @@
 #define BATCHES 10
 #define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
 
-/* Linear growth from the first step on rises by ln 2 over the second half; e leaves room for a slow start. */
-#define LARGEST_LINEAR_RISE 1.0
+/*
+   Growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2 over the second half: eigenvalues 1
+   in blocks of up to four. Beyond that it is not taken for algebraic.
+*/
+#define LARGEST_ALGEBRAIC_RISE 2.2
 
 PetscErrorCode MpmSeriesAppend(MpmSeries *s, PetscInt64 step, PetscReal log_state, PetscReal log_grid)
 {
@@ -108,7 +111,7 @@ static PetscBool StandsOut(const Fit *fit)
 static PetscBool Grows(const Fit *fit, PetscReal tolerance)
 {
   if (fit->slope <= log1p(tolerance)) return PETSC_FALSE;
-  return StandsOut(fit) || fit->rise > LARGEST_LINEAR_RISE ? PETSC_TRUE : PETSC_FALSE;
+  return StandsOut(fit) || fit->rise > LARGEST_ALGEBRAIC_RISE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Whether the better of the two fits is better beyond doubt. */
@@ -118,12 +121,12 @@ static PetscBool IsDecided(const Fit *fit)
                   better = PetscMin(fit->scatter, fit->linear_scatter);
 
   if (!StandsOut(fit)) return PETSC_FALSE;
-  return fit->rise > LARGEST_LINEAR_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
+  return fit->rise > LARGEST_ALGEBRAIC_RISE || worse > CLEARLY_BETTER * better ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool IsLinear(const Fit *fit)
 {
-  return fit->rise <= LARGEST_LINEAR_RISE && fit->linear_scatter < fit->scatter ? PETSC_TRUE : PETSC_FALSE;
+  return fit->rise <= LARGEST_ALGEBRAIC_RISE && fit->linear_scatter < fit->scatter ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* The first sample of the late half, or n when too few follow or they are not finite (the state vanished). */

@@ -66,6 +66,10 @@ void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscR
     shift++;
   }
   *cell = n + shift;
+  if (*cell == scene->cells && !MpmSceneIsPeriodic(scene)) { /* on the right end's node, whose cell is at its left */
+    *cell = scene->cells - 1;
+    *xi   = nextafter(1, 0);
+  }
 }
 
 void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, PetscInt *cell, PetscReal *xi)

@@ -1,6 +1,7 @@
 /* Tasks by name. */
 #include <mpmstab/errors.h>
 #include <mpmstab/settings.h>
+#include <mpmstab/stop.h>
 #include <mpmstab/task.h>
 #include <mpmstab/unfinished.h>
 #include <signal.h>
@@ -46,7 +47,7 @@ int main(int argc, char **argv)
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
-  (void)signal(SIGTERM, SIG_DFL); /* nor at an end that was asked for; PETSc does this itself with Open MPI only */
+  MpmStopClean();                 /* nor at an end that was asked for */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);
@@ -57,5 +58,6 @@ int main(int argc, char **argv)
     MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
   (void)PetscPopErrorHandler();
   ierr = PetscFinalize();
+  if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
   return ierr ? MPM_EXIT_REFUSED : status;
 }

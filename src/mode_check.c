@@ -104,6 +104,8 @@ static PetscErrorCode SameScene(Check *c)
   SameText(c, "material", MpmMaterialNames[s->material.kind]);
   SameNumber(c, "density_ratio", s->material.density);
   SameNumber(c, "stiffness_ratio", s->material.stiffness);
+  SameNumber(c, "inclusion_from", s->material.inclusion[0]);
+  SameNumber(c, "inclusion_to", s->material.inclusion[1]);
   SameNumber(c, "offset", s->offset.value);
   SameNumber(c, "jitter", s->jitter);
   if (s->jitter != 0) SameNumber(c, "seed", (PetscReal)s->seed);

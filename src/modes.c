@@ -147,6 +147,7 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
   PetscCall(PetscMalloc1(lens.cells / 2 + 1, &power));
   for (PetscInt j = 0; j < eigen->n; j++) {
     PetscCall(MpmEigenVector(eigen, j, lens.x[0], lens.x[1]));
+    PetscCall(MpmOperatorToState(op, lens.x[0], lens.x[1]));
     PetscCall(VecSetBlockSize(lens.x[0], op->fields));
     PetscCall(VecSetBlockSize(lens.x[1], op->fields));
     PetscCall(Look(&lens, power, &modes->beta[j], &modes->null_share[j]));
@@ -237,6 +238,7 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, Petsc
     char name[128];
 
     PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
+    PetscCall(MpmOperatorToState(op, x[0], x[1]));
     PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT, j + 1));
     PetscCall(PetscViewerHDF5PushGroup(file->viewer, name));
     for (PetscInt f = 0; f < op->fields; f++) {

@@ -1,4 +1,7 @@
-/* (W^T W)^+ M by all eigenvalues and vectors. */
+/*
+   (W^T W)^+ M by all eigenvalues and vectors, as D (D W^T W D)^+ D^-1 with D = M^-1/2: so scaled, light and heavy nodes
+   weigh alike, and only what no particle sees is singular.
+*/
 #include <mpmstab/dense.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/normal_inverse.h>
@@ -80,10 +83,33 @@ static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* sqrt(M), and 1 over it, 0 where there is no mass. */
+static PetscErrorCode Roots(Vec masses, Vec *root, Vec *inverse)
+{
+  PetscInt   n;
+  PetscReal *r, *i;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(masses, root));
+  PetscCall(VecDuplicate(masses, inverse));
+  PetscCall(VecCopy(masses, *root));
+  PetscCall(VecGetLocalSize(masses, &n));
+  PetscCall(VecGetArray(*root, &r));
+  PetscCall(VecGetArray(*inverse, &i));
+  for (PetscInt node = 0; node < n; node++) {
+    r[node] = sqrt(PetscMax(r[node], 0));
+    i[node] = r[node] > 0 ? 1 / r[node] : 0;
+  }
+  PetscCall(VecRestoreArray(*inverse, &i));
+  PetscCall(VecRestoreArray(*root, &r));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
 {
   PetscInt   n, local;
   PetscReal *half;
+  Vec        root, inverse_root;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(W, NULL, &n));
@@ -93,11 +119,15 @@ PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
                 " nodes; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
                 n, MOST_NODES);
   PetscCall(PetscMalloc1((size_t)n * n, &half));
+  PetscCall(Roots(masses, &root, &inverse_root));
+  PetscCall(MatDiagonalScale(W, NULL, inverse_root));
   PetscCall(Square(W, half));
   PetscCall(HalfInverse(n, half));
   PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)W), local, local, n, n, local, NULL, n - local, NULL, inverse));
   PetscCall(FillRows(n, half, *inverse));
   PetscCall(PetscFree(half));
-  PetscCall(MatDiagonalScale(*inverse, NULL, masses));
+  PetscCall(MatDiagonalScale(*inverse, inverse_root, root));
+  PetscCall(VecDestroy(&root));
+  PetscCall(VecDestroy(&inverse_root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -98,6 +98,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperat
   PetscCall(MpmLayoutPeriod(scene, &o->period));
   PetscCall(CheckSize(comm, o));
   PetscCall(Assemble(comm, o));
+  PetscCall(MpmOperatorBalance(o));
   PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
   o->nonzeros   = info.nz_used;
   o->bytes      = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * o->order * sizeof(PetscInt);
@@ -110,6 +111,8 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op)
   PetscFunctionBegin;
   if (!*op) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatDestroy(&(*op)->A));
+  PetscCall(MatDestroy(&(*op)->balanced));
+  PetscCall(VecDestroy(&(*op)->unit));
   PetscCall(MatDestroy(&(*op)->p2g));
   PetscCall(PetscFree(*op));
   PetscFunctionReturn(PETSC_SUCCESS);

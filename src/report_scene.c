@@ -31,8 +31,13 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt 
     MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n", (PetscReal)s->first / s->ppc,
              (PetscReal)(s->first + s->particles) / s->ppc, s->particles);
   if (s->material.kind != MPM_MATERIAL_UNIFORM)
-    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g\n", MpmMaterialNames[s->material.kind],
+    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g", MpmMaterialNames[s->material.kind],
              s->material.density, s->material.stiffness);
+  if (s->material.kind == MPM_MATERIAL_TWO)
+    MpmPrint(", in cells %.6g to %.6g", s->material.inclusion[0], s->material.inclusion[1]);
+  if (s->material.kind != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
+  if (s->cluster[1] - s->cluster[0] < 1)
+    MpmPrint("particles within %.17g to %.17g of their cells\n", s->cluster[0], s->cluster[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,6 +104,27 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In what particles differ; absent where they do not. */
+static void SetDifferences(json_t *object, const MpmScene *s)
+{
+  json_t *counts = json_array();
+
+  for (PetscInt r = 0; r < s->counts.n; r++) json_array_append_new(counts, json_integer(s->counts.of[r]));
+  if (s->counts.n > 1)
+    json_object_set_new(object, "counts", counts);
+  else
+    json_decref(counts);
+  if (s->cluster[1] - s->cluster[0] < 1)
+    json_object_set_new(object, "cluster", json_pack("[f, f]", s->cluster[0], s->cluster[1]));
+  if (s->material.kind == MPM_MATERIAL_UNIFORM) return;
+  json_object_set_new(object, "material",
+                      json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->material.kind], "density_ratio",
+                                s->material.density, "stiffness_ratio", s->material.stiffness));
+  if (s->material.kind == MPM_MATERIAL_TWO)
+    json_object_set_new(json_object_get(object, "material"), "inclusion",
+                        json_pack("[f, f]", s->material.inclusion[0], s->material.inclusion[1]));
+}
+
 json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
 {
   json_t *object = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version",
@@ -109,10 +135,7 @@ json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, Pe
 
   if (s->transfer->option)
     json_object_set_new(object, s->transfer->option, json_real(s->transfer->number(&s->numbers)));
-  if (s->material.kind != MPM_MATERIAL_UNIFORM)
-    json_object_set_new(object, "material",
-                        json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->material.kind], "density_ratio",
-                                  s->material.density, "stiffness_ratio", s->material.stiffness));
+  SetDifferences(object, s);
   return object;
 }
 

@@ -98,6 +98,17 @@ PetscErrorCode MpmSealWrite(MPI_Comm comm, const char path[], int *error)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Opens a file to read; a pipe would wait for its writer. */
+static FILE *Open(const char path[], int *error)
+{
+  struct stat is;
+  FILE       *file = NULL;
+
+  *error = stat(path, &is) ? errno : S_ISDIR(is.st_mode) ? EISDIR : S_ISREG(is.st_mode) ? 0 : EINVAL;
+  if (!*error && !(file = fopen(path, "rb"))) *error = errno;
+  return file;
+}
+
 /* What rank 0 reads from the seal, on all ranks; text is empty when there is none. */
 static PetscErrorCode ReadSeal(MPI_Comm comm, const char path[], char text[], int *error)
 {
@@ -108,9 +119,8 @@ static PetscErrorCode ReadSeal(MPI_Comm comm, const char path[], char text[], in
   memset(text, 0, MPM_SEAL_BYTES + 1);
   *error = 0;
   if (rank == 0) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = Open(path, error);
 
-    *error = file ? 0 : errno;
     if (file) {
       if (fread(text, 1, MPM_SEAL_BYTES, file) < MPM_SEAL_BYTES && ferror(file)) *error = errno ? errno : EIO;
       fclose(file);

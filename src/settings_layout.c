@@ -32,7 +32,10 @@ PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(ReadCounts(settings, scene));
   if (scene->sites > MOST_PARTICLES)
-    PetscCall(MpmSettingsRefuse(settings, MpmSettingsSource(settings, "ppc") ? "ppc" : "cells",
+    PetscCall(MpmSettingsRefuse(settings,
+                                MpmSettingsGiven(settings, "counts") ? "counts"
+                                : MpmSettingsSource(settings, "ppc") ? "ppc"
+                                                                     : "cells",
                                 "cells times ppc is too large; allowed: at most 1073741823 particles"));
   scene->particles = scene->sites;
   scene->width     = 0.5 / scene->ppc;

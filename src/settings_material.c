@@ -30,6 +30,8 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
     PetscCall(CheckReader(settings, "inclusion", "allowed: only with material two"));
   else if (MpmSettingsGiven(settings, "inclusion"))
     PetscCall(MpmSettingsRange(settings, "inclusion", m->inclusion));
+  if (!(m->inclusion[0] >= 0 && m->inclusion[0] < m->inclusion[1] && m->inclusion[1] <= scene->cells))
+    PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

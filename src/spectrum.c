@@ -64,7 +64,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
   PetscCall(MpmProgressBegin(s->scene, "", &progress));
   PetscCall(MpmProgressNote(&progress, note));
-  PetscCall(MpmEigenSolve(s->op->A, NULL, method, s->target, &s->eigen));
+  PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
   for (PetscInt j = 0; j < s->eigen->n; j++) {
     if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);

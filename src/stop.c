@@ -1,9 +1,16 @@
-/* SIGTERM sets a flag that ranks agree on. */
+/* Signals that ask for an end: unlink() and a flag are all that a handler may touch. */
 #include <mpmstab/stop.h>
+#include <mpmstab/unfinished.h>
 #include <signal.h>
 
 static volatile sig_atomic_t asked;
 static PetscBool             stopped;
+
+static void Clean(int signal)
+{
+  (void)MpmUnfinishedRemove();
+  (void)raise(signal); /* its own action is back already */
+}
 
 static void Ask(int signal)
 {
@@ -11,9 +18,23 @@ static void Ask(int signal)
   asked = 1;
 }
 
+static void Install(void (*handler)(int))
+{
+  const int        signals[] = {SIGTERM, SIGHUP, SIGINT, SIGXCPU};
+  struct sigaction action    = {.sa_handler = handler, .sa_flags = SA_RESETHAND};
+
+  (void)sigemptyset(&action.sa_mask);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(signals); i++) (void)sigaction(signals[i], &action, NULL);
+}
+
+void MpmStopClean(void)
+{
+  Install(Clean);
+}
+
 void MpmStopInstall(void)
 {
-  (void)signal(SIGTERM, Ask);
+  Install(Ask);
 }
 
 PetscErrorCode MpmStopAgreed(MPI_Comm comm, PetscBool *stop)

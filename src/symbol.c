@@ -174,6 +174,10 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   MpmCheckInput(MpmSceneIsPeriodic(scene),
                 "boundary %s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes any)",
                 scene->boundary);
+  MpmCheckInput(scene->counts.n == 1 && scene->material.kind == MPM_MATERIAL_UNIFORM,
+                "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
+                "any layout)",
+                scene->counts.n > 1 ? "counts" : "material");
   MpmCheckInput(MpmSceneIsFull(scene),
                 "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
                 "takes any layout)");

@@ -49,7 +49,7 @@ static PetscErrorCode ListOptions(void)
 {
   PetscFunctionBegin;
   for (const MpmOption *o = MpmOptions; o->name; o++)
-    Print("  %-15s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+    Print("  %-16s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -73,8 +73,8 @@ PetscErrorCode MpmFileReserve(MPI_Comm comm, const char what[], const char part[
     (void)unlink(part);
   }
   PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
-  MpmCheckInput(!error, "%s: cannot be written: %s; allowed: a disk with room for %.3g MB", what, strerror(error),
-                1e-6 * (PetscReal)bytes);
+  MpmCheckInput(!error, "%s: cannot be written: %s; it needs a folder that is there and %.3g MB of room", what,
+                strerror(error), 1e-6 * (PetscReal)bytes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -104,24 +104,28 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
     fprintf(file->stream, ",");
 }
 
+/* On the rank that writes; returns an errno. */
+static int ReadBack(const MpmTextFile *file, char **text)
+{
+  const long end   = fflush(file->stream) ? -1 : ftell(file->stream);
+  FILE      *again = end < 0 ? NULL : fopen(file->part, "r");
+  int        error = again ? 0 : errno;
+
+  if (again && PetscCalloc1((size_t)end + 1, text)) error = ENOMEM;
+  if (!error && fread(*text, 1, (size_t)end, again) < (size_t)end) error = EIO;
+  if (again) fclose(again);
+  return error;
+}
+
 PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
 {
-  FILE  *again;
-  size_t size = 0;
-  long   end;
+  int error = 0;
 
   PetscFunctionBegin;
   *text = NULL;
-  if (!file->stream) PetscFunctionReturn(PETSC_SUCCESS);
-  end   = fflush(file->stream) ? -1 : ftell(file->stream);
-  again = fopen(file->part, "r");
-  if (again && end >= 0) {
-    PetscCall(PetscCalloc1((size_t)end + 1, text));
-    size = fread(*text, 1, (size_t)end, again);
-  }
-  if (again) fclose(again);
-  /* the other ranks do not know: that a file has vanished is no refusal but an error that ends all of them */
-  PetscCheck(end >= 0 && size == (size_t)end, PETSC_COMM_SELF, PETSC_ERR_FILE_READ, "cannot read %s", file->part);
+  if (file->stream) error = ReadBack(file, text);
+  PetscCall(ShareErrno(&error));
+  MpmCheckInput(!error, "%s: cannot be read back: %s", file->part, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

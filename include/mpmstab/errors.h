@@ -24,6 +24,9 @@ M*/
 */
 PetscErrorCode MpmErrorsOutside(void);
 
+/* Not collective. Whether what was printed has not arrived, and says so; a reader that has gone is no loss. */
+PetscBool MpmErrorsReportLost(void);
+
 /* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
 PetscErrorCode MpmErrorsInstall(void);
 

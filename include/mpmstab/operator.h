@@ -9,14 +9,17 @@
 
    The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is
    parallel AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long
-   periods of unstable schemes stay in range. p2g (nodes x particles) is at the first step; bytes is what A takes on all
+   periods of unstable schemes stay in range. balanced is D A D^-1, in variables whose squares make the energy: where
+   masses or stiffnesses differ by orders of magnitude A is badly scaled and eigenvalues are lost to rounding. D = unit
+   holds powers of two, so nothing is rounded; unit is NULL and balanced is A where particles are alike. p2g (nodes x particles) is at the first step; bytes is what A takes on all
    ranks.
 
    Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
 */
 typedef struct {
   const MpmScene *scene;
-  Mat             A, p2g;
+  Mat             A, balanced, p2g;
+  Vec             unit;
   PetscInt        fields, order, period, exponent;
   PetscReal       nonzeros, bytes, assemble_s;
 } MpmOperator;
@@ -24,6 +27,12 @@ typedef struct {
 /* Collective. Refuses drifts without a short period, and operators that would fill the memory. */
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperator **op);
 PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
+
+/* Collective. Sets balanced and unit from A; part of MpmOperatorCreate. */
+PetscErrorCode MpmOperatorBalance(MpmOperator *op);
+
+/* Collective. Takes a vector of the balanced operator, real and imaginary part, back to the state, of norm 1 again. */
+PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im);
 
 /*
    MpmOperatorMismatch - largest norm(A q - march(q)) relative to the larger of norm(q) and norm(A q), over periods that

@@ -31,7 +31,7 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value);
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file);
 PetscErrorCode MpmTextFileClose(MpmTextFile *file);
 
-/* Not collective. All that has been written so far, on the rank that writes; NULL elsewhere. Free with PetscFree. */
+/* Collective. All that has been written so far, on the rank that writes; NULL elsewhere. Free with PetscFree. */
 PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text);
 
 /* Not collective. Removes a file that is not to be. */

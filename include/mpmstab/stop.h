@@ -1,8 +1,11 @@
-/* Stop: a run that is asked to end by SIGTERM ends after the step it is in. */
+/* Stop: what the program does when it is asked to end by SIGTERM, SIGHUP, SIGINT or SIGXCPU. */
 #pragma once
 #include <mpmstab/compat.h>
 
-/* Not collective. From here on SIGTERM asks, instead of ending the program. */
+/* Not collective. From here on such a signal removes the files that are not finished, and ends the program. */
+void MpmStopClean(void);
+
+/* Not collective. From here on the first such signal asks; a second one ends the program. */
 void MpmStopInstall(void);
 
 /* Collective. Whether any rank has been asked. */
