@@ -2,6 +2,8 @@
 #pragma once
 #include <mpmstab/march.h>
 
+#define MPM_MASS_ROUNDING 1e-10 /* of the nodes' mass, relative */
+
 /*S
    MpmConserved - sums over the grid and over all particles.
 
