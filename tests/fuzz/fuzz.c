@@ -1,3 +1,4 @@
+/* The program around fuzz targets. */
 #include "fuzz.h"
 #include <fcntl.h>
 #include <slepcsys.h>
