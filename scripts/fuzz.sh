@@ -34,6 +34,9 @@ cmake --build "$work" --parallel 2 --target "fuzz_$target" >>"$work/setup.log" 2
 export UBSAN_OPTIONS=halt_on_error=1
 export ASAN_OPTIONS=quarantine_size_mb=16 # HDF5 asks for much and gives it back, and new pages take longest
 [ ! -w /dev/shm ] || export TMPDIR=/dev/shm # thousands of small files a second
+TMPDIR=$(mktemp -d) # libFuzzer ends without what a program does at its exit, so that the targets' folders stay
+export TMPDIR
+trap 'rm -rf "$TMPDIR"' EXIT
 fuzzer=$work/tests/fuzz/fuzz_$target
 words=$work/words.dict
 grep -ho '"[A-Za-z_0-9]\{2,\}"' src/options.c src/tasks.c src/*/*.c | sort -u >"$words"
