@@ -14,6 +14,7 @@ import sys
 import time
 
 import h5py
+import numpy as np
 
 TRIAL, CHECKPOINTS, KILLS = 20000, 100, 4
 SCENE = {"-formulation": "gas2", "-cells": "500", "-courant": "0.2", "-drift": "0.3", "-jitter": "0.5",
@@ -112,7 +113,8 @@ def kill(ranks, how, seconds):
         if os.path.exists("parts.json"): # it may be killed when all is done
             break
         if how == signal.SIGTERM and ranks == 1 and status != -how: # before it is marching it just ends
-            check(status == 143 and "to go on: the same command with -restart c.h5" in said, f"SIGTERM: {status} {said}")
+            check(status == 143 and "to go on: the same command with -restart c.h5" in said,
+                  f"SIGTERM: {status} {said}")
         kills += 1
     if not os.path.exists("parts.json"):
         check(os.path.exists("c.h5"), f"no checkpoint after {kills} runs")
@@ -170,6 +172,41 @@ def check_refusals():
     check_refused("good.h5", "checkpoint good.h5: is at step 50 of 50; allowed: more steps or time", "-steps", "50")
 
 
+def seal(path):
+    """Makes the seal of a file right again (src/seal.c)."""
+    with open(path, "rb") as file:
+        content = file.read()
+    word = np.frombuffer(content[512:] + bytes(-len(content) % 8), dtype="<u8")
+    z = word + np.arange(1, len(word) + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    z ^= z >> np.uint64(31)
+    text = f"mpmstab checkpoint\nformat 1\nbytes {len(content)}\nsum {int(z.sum()):x}\n".encode()
+    with open(path, "wb") as file:
+        file.write(text.ljust(512, b"\0") + content[512:])
+
+
+def check_sealed():
+    """Files that are whole, and that no run has written: offered to the one rank that wrote, and to two. More: tests/fuzz."""
+    shutil.copy("good.h5", "other.h5")
+    seal("other.h5")
+    with open("good.h5", "rb") as good, open("other.h5", "rb") as other:
+        check(good.read() == other.read(), "the seal made here is not the program's")
+    for message, name, index, value in (
+            ("its particles are at another step", "where", 1, 2**63 - 1),
+            ("its exponent is none that so many steps lead to", "where", 3, 2**32),
+            ("its series has a number that is no logarithm of a norm", "series_grid", 3, float("nan")),
+            ("its ranks' particles do not add up to the scene's", "rank_particles", 0, -1),
+            ("its particles are not those of the scene", "DMSwarm_pid", 7, 2**63 - 1),
+            ("its particles are where none can be", "cell", 0, -2**63),
+            ("its state has numbers out of range", "u", 9, 1e200)):
+        shutil.copy("good.h5", "other.h5")
+        with h5py.File("other.h5", "r+") as file:
+            file[name][index] = value
+        seal("other.h5")
+        check_refused("other.h5", f"checkpoint other.h5: {message}; allowed: one that 'mpmstab run' has written")
+
+
 def check_full_disk():
     """A limit on the size of files does what a full disk does; the checkpoint before it stays.
 
@@ -193,4 +230,5 @@ for r in (1, 2):
     check_killed(r, signal.SIGKILL)
     check_killed(r, signal.SIGTERM)
 check_refusals()
+check_sealed()
 check_full_disk()

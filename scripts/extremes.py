@@ -5,7 +5,8 @@ extremes.py [--large] [--ranks N] [--check FILE] [PATTERN...]: --large: those th
 must be those that FILE holds, numbers to 1e-4 and times left out. MPMSTAB names the program (build/mpmstab).
 
 A scene begins with what is expected and why, '# task: ' and, where the program's own prediction does not cover it,
-'# predicted: ' with a number and its formula, or with the task and options that make another scene of it. Measured: the growth of a march from random data (run, spectrum), the
+'# predicted: ' with a number and its formula, or with the task and options that make another scene of it.
+Measured: the growth of a march from random data (run, spectrum), the
 Courant number at which growth leaves the tolerance (critical), the share of unstable layouts (ensemble).
 """
 import argparse
@@ -114,7 +115,8 @@ def row(arguments, path):
     seconds = time.monotonic() - begin
     if status or not found:
         return [name, keys["task"], "-", "-", f"FAILED, status {status}: {said}", f"{seconds:.1f} s"], False
-    return [name, keys["task"], *columns(keys["task"], found, predicted, told), found["verdict"], f"{seconds:.1f} s"], True
+    predicted_and_measured = columns(keys["task"], found, predicted, told)
+    return [name, keys["task"], *predicted_and_measured, found["verdict"], f"{seconds:.1f} s"], True
 
 
 def main():

@@ -1,13 +1,12 @@
-/* Going on from a checkpoint. */
+/* Going on from a checkpoint. What all ranks hold is checked before it is used, the rest once it is read. */
 #include <mpmstab/checkpoint.h>
+#include <mpmstab/checkpoint_file.h>
+#include <mpmstab/conserved.h>
 #include <mpmstab/errors.h>
-#include <mpmstab/facts.h>
 #include <mpmstab/seal.h>
 #include <mpmstab/slabs.h>
-#include <string.h>
 
-enum { STEP, PLACES, REBASED, EXPONENT, BLEW_UP, WHERE };             /* of the array 'where' */
-enum { ENERGY_FIRST, ENERGY_LAST, ENERGY_RATIO, LOG_FIRST, NUMBERS }; /* of 'numbers' */
+#define ANY -1 /* length */
 
 static PetscErrorCode Require(MpmSlabs *s, const char path[], const char name[], hid_t type, PetscInt64 length)
 {
@@ -15,68 +14,76 @@ static PetscErrorCode Require(MpmSlabs *s, const char path[], const char name[],
 
   PetscFunctionBegin;
   PetscCall(MpmSlabsLength(s, name, type, &has));
-  MpmCheckInput(has >= 0 && (length < 0 || has == length),
+  MpmCheckInput(has >= 0 && (length == ANY || has == length),
                 "checkpoint %s: no array '%s' of the right length in it; allowed: one that 'mpmstab run' has written",
                 path, name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All of an array on every rank, with a zero behind it. */
+/* All of an array on every rank, with a zero behind it. n: its length, to be found when it is ANY. */
 static PetscErrorCode All(MpmSlabs *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
                           void *values)
 {
   PetscFunctionBegin;
-  PetscCall(Require(s, path, name, type, -1));
+  PetscCall(Require(s, path, name, type, *n));
   PetscCall(MpmSlabsLength(s, name, type, n));
   PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
   PetscCall(MpmSlabsRead(s, name, type, 0, *n, *(char **)values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of lines 'name text' the text of one name, or NULL. */
-static char *FactIn(const char scene[], const char name[], size_t room, char text[])
+static PetscErrorCode ReadRun(MpmSlabs *s, MpmCheckpoint *f)
 {
-  const size_t length = strlen(name);
-
-  for (const char *line = scene; *line; line++) {
-    const size_t end = strcspn(line, "\n");
-
-    if (!strncmp(line, name, length) && line[length] == ' ') {
-      snprintf(text, room, "%.*s", (int)(end - length - 1), line + length + 1);
-      return text;
-    }
-    line += end;
-    if (!*line) break;
-  }
-  return NULL;
-}
-
-static PetscErrorCode CompareScenes(const MpmScene *scene, const char path[], const char theirs[])
-{
-  MpmFact  mine[MPM_MAX_FACTS];
-  char     text[MPM_COUNTS_TEXT];
-  PetscInt n;
+  const hid_t integer = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneFacts(scene, &n, mine));
-  for (PetscInt f = 0; f < n; f++) {
-    const char *has = FactIn(theirs, mine[f].name, sizeof text, text);
-
-    MpmCheckInput(has && !strcmp(has, mine[f].text),
-                  "checkpoint %s: its %s is %s, the scene's is %s; allowed: the scene that it is of, but for steps, "
-                  "tolerance, expectations and files",
-                  path, mine[f].name, has ? has : "not there", mine[f].text);
-  }
+  f->scene_length = f->csv_length = f->samples = f->ranks = ANY;
+  PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
+  PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
+  PetscCall(Require(s, f->path, "where", integer, MPM_WHERE));
+  PetscCall(MpmSlabsRead(s, "where", integer, 0, MPM_WHERE, f->where));
+  PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
+  PetscCall(MpmSlabsRead(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
+  PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
+  PetscCall(All(s, f->path, "series_state", real, sizeof *f->log_state, &f->samples, &f->log_state));
+  PetscCall(All(s, f->path, "series_grid", real, sizeof *f->log_grid, &f->samples, &f->log_grid));
+  PetscCall(All(s, f->path, "rank_particles", integer, sizeof *f->rank_particles, &f->ranks, &f->rank_particles));
+  PetscCall(All(s, f->path, "rank_nodes", integer, sizeof *f->rank_nodes, &f->ranks, &f->rank_nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CheckState(MpmSlabs *s, const MpmScene *scene, const char path[])
+static PetscErrorCode Free(MpmCheckpoint *f)
 {
   PetscFunctionBegin;
-  PetscCall(Require(s, path, "where", H5T_NATIVE_INT64, WHERE));
-  PetscCall(Require(s, path, "numbers", H5T_NATIVE_DOUBLE, NUMBERS));
-  PetscCall(Require(s, path, "rank_particles", H5T_NATIVE_INT64, -1));
-  PetscCall(Require(s, path, "rank_nodes", H5T_NATIVE_INT64, -1));
+  PetscCall(PetscFree(f->scene));
+  PetscCall(PetscFree(f->csv));
+  PetscCall(PetscFree(f->sample_step));
+  PetscCall(PetscFree(f->log_state));
+  PetscCall(PetscFree(f->log_grid));
+  PetscCall(PetscFree(f->rank_particles));
+  PetscCall(PetscFree(f->rank_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What HDF5 could not read has no value to be checked. */
+static PetscErrorCode CheckRead(const MpmSlabs *s, const char path[])
+{
+  PetscBool failed;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSlabsFailed(s, &failed));
+  MpmCheckInput(!failed, "checkpoint %s: HDF5 cannot read it; allowed: one that 'mpmstab run' has written", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file)
+{
+  const char *path = file->path;
+
+  PetscFunctionBegin;
+  PetscCall(ReadRun(s, file));
+  PetscCall(CheckRead(s, path));
+  PetscCall(MpmCheckpointCheckRun(scene, file));
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->particles));
   PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->particles));
   PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->particles));
@@ -85,58 +92,40 @@ static PetscErrorCode CheckState(MpmSlabs *s, const MpmScene *scene, const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refused or not, nothing stays open. */
 PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
 {
-  const char *path = scene->restart;
-  char        why[256], *theirs;
-  PetscInt64  n, where[WHERE] = {0};
-  PetscBool   failed;
-  MpmSlabs    slabs;
+  MpmCheckpoint  file = {.path = scene->restart};
+  char           why[256];
+  PetscBool      failed;
+  MpmSlabs       slabs;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  PetscCall(MpmSealCheck(PETSC_COMM_WORLD, path, sizeof why, why));
-  MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", path, why);
-  PetscCall(MpmSlabsOpen(PETSC_COMM_WORLD, path, &slabs));
-  PetscCall(All(&slabs, path, "scene", H5T_NATIVE_CHAR, 1, &n, &theirs));
-  PetscCall(CompareScenes(scene, path, theirs));
-  PetscCall(PetscFree(theirs));
-  PetscCall(CheckState(&slabs, scene, path));
-  PetscCall(MpmSlabsRead(&slabs, "where", H5T_NATIVE_INT64, 0, WHERE, where));
+  PetscCall(MpmSealCheck(PETSC_COMM_WORLD, file.path, sizeof why, why));
+  MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", file.path, why);
+  PetscCall(MpmSlabsOpen(PETSC_COMM_WORLD, file.path, &slabs));
+  ierr = ReadAndCheckRun(&slabs, scene, &file);
+  PetscCall(Free(&file));
   PetscCall(MpmSlabsClose(&slabs, &failed));
-  MpmCheckInput(!failed, "checkpoint %s: HDF5 cannot read it; allowed: one that 'mpmstab run' has written", path);
-  MpmCheckInput(where[STEP] < scene->steps,
-                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: more steps", path,
-                where[STEP], scene->steps);
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadRun(MpmSlabs *s, const char path[], MpmMarch *march, MpmRun *run, char **csv)
+static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 {
-  PetscInt64 where[WHERE], n, *step;
-  PetscReal  numbers[NUMBERS], *state, *grid;
-
   PetscFunctionBegin;
-  PetscCall(MpmSlabsRead(s, "where", H5T_NATIVE_INT64, 0, WHERE, where));
-  PetscCall(MpmSlabsRead(s, "numbers", H5T_NATIVE_DOUBLE, 0, NUMBERS, numbers));
-  march->step               = where[STEP];
-  march->particles->step    = where[PLACES];
-  march->particles->rebased = where[REBASED];
-  march->exponent           = (PetscInt)where[EXPONENT];
-  run->blew_up_at_step      = where[BLEW_UP];
-  run->energy_initial       = numbers[ENERGY_FIRST];
-  run->energy_final         = numbers[ENERGY_LAST];
-  run->energy_ratio         = numbers[ENERGY_RATIO];
-  run->log_energy_first     = numbers[LOG_FIRST];
-  PetscCall(All(s, path, "series_step", H5T_NATIVE_INT64, sizeof *step, &n, &step));
-  PetscCall(Require(s, path, "series_state", H5T_NATIVE_DOUBLE, n));
-  PetscCall(All(s, path, "series_state", H5T_NATIVE_DOUBLE, sizeof *state, &n, &state));
-  PetscCall(Require(s, path, "series_grid", H5T_NATIVE_DOUBLE, n));
-  PetscCall(All(s, path, "series_grid", H5T_NATIVE_DOUBLE, sizeof *grid, &n, &grid));
-  for (PetscInt64 i = 0; i < n; i++) PetscCall(MpmSeriesAppend(&run->series, step[i], state[i], grid[i]));
-  PetscCall(PetscFree(step));
-  PetscCall(PetscFree(state));
-  PetscCall(PetscFree(grid));
-  PetscCall(All(s, path, "csv", H5T_NATIVE_CHAR, 1, &n, csv));
+  march->step               = file->where[MPM_AT_STEP];
+  march->particles->step    = file->where[MPM_AT_PLACES];
+  march->particles->rebased = file->where[MPM_AT_REBASED];
+  march->exponent           = (PetscInt)file->where[MPM_AT_EXPONENT];
+  run->blew_up_at_step      = file->where[MPM_AT_BLEW_UP];
+  run->energy_initial       = file->numbers[MPM_ENERGY_FIRST];
+  run->energy_final         = file->numbers[MPM_ENERGY_LAST];
+  run->energy_ratio         = file->numbers[MPM_ENERGY_RATIO];
+  run->log_energy_first     = file->numbers[MPM_LOG_ENERGY_FIRST];
+  for (PetscInt64 i = 0; i < file->samples; i++)
+    PetscCall(MpmSeriesAppend(&run->series, file->sample_step[i], file->log_state[i], file->log_grid[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,33 +135,28 @@ typedef struct {
   PetscInt64 begin, n, node, nodes;
 } Share;
 
-static PetscErrorCode FindShare(MpmSlabs *s, const char path[], const MpmMarch *march, Share *share)
+static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const MpmMarch *march, Share *share)
 {
   PetscMPIInt rank, size;
-  PetscInt64  ranks, again, *particles, *nodes;
   PetscInt    mine;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(s->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(s->comm, &size));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
-  PetscCall(All(s, path, "rank_particles", H5T_NATIVE_INT64, sizeof *particles, &ranks, &particles));
-  PetscCall(All(s, path, "rank_nodes", H5T_NATIVE_INT64, sizeof *nodes, &again, &nodes));
-  *share = (Share){.same = ranks == size && again == size && nodes[rank] == mine ? PETSC_TRUE : PETSC_FALSE};
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &share->same, 1, MPIU_BOOL, MPI_LAND, s->comm));
+  *share = (Share){.same = file->ranks == size && file->rank_nodes[rank] == mine ? PETSC_TRUE : PETSC_FALSE};
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &share->same, 1, MPIU_BOOL, MPI_LAND, comm));
   if (share->same) {
     for (PetscMPIInt r = 0; r < rank; r++) {
-      share->begin += particles[r];
-      share->node += nodes[r];
+      share->begin += file->rank_particles[r];
+      share->node += file->rank_nodes[r];
     }
-    share->n     = particles[rank];
+    share->n     = file->rank_particles[rank];
     share->nodes = mine;
   } else {
     share->begin = march->particles->total * rank / size;
     share->n     = march->particles->total * (rank + 1) / size - share->begin;
   }
-  PetscCall(PetscFree(particles));
-  PetscCall(PetscFree(nodes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,10 +178,11 @@ static PetscErrorCode ReadCells(MpmSlabs *s, const Share *share, const MpmMarch 
   PetscInt64 *global;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(share->n, &global));
+  PetscCall(PetscCalloc1(share->n, &global));
   PetscCall(MpmSlabsRead(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
-  for (PetscInt64 p = 0; p < share->n; p++) cell[p] = (PetscInt)(global[p] - march->grid->first);
+  for (PetscInt64 p = 0; p < share->n; p++) /* what is off the grid stays so */
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
   PetscCall(PetscFree(global));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -246,51 +231,40 @@ static PetscErrorCode ReadNodes(MpmSlabs *s, const char path[], const Share *sha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the march takes for granted: each particle there once, in a cell that is near, at a place within it. */
-static PetscErrorCode CheckParticles(const MpmMarch *march, const Share *share, const char path[])
+static PetscErrorCode ReadState(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
+                                Share *share)
 {
-  const MpmParticles *particles = march->particles;
-  const PetscInt64   *id;
-  const PetscInt     *cell;
-  const PetscReal    *xi;
-  const PetscInt64    n = particles->total, least = -1 - (share->same ? 0 : march->grid->first);
-  const PetscInt64    most    = share->same ? march->grid->count : march->grid->cells - march->grid->first;
-  PetscInt64          sums[2] = {0, 0}; /* particles that cannot be, and the sum of all ids */
-
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  for (PetscInt p = 0; p < particles->count; p++) {
-    sums[0] += id[p] < 0 || id[p] >= n || cell[p] < least || cell[p] > most || !(xi[p] >= 0 && xi[p] < 1);
-    sums[1] += id[p];
-  }
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
-  MpmCheckInput(!sums[0] && sums[1] == n * (n - 1) / 2,
-                "checkpoint %s: its particles are not those of the scene; allowed: one that 'mpmstab run' has written",
-                path);
+  PetscCall(ReadAndCheckRun(s, scene, file));
+  PetscCall(TakeRun(file, march, run));
+  PetscCall(FindShare(s->comm, file, march, share));
+  PetscCall(ReadParticles(s, share, march));
+  if (share->same) PetscCall(ReadNodes(s, file->path, share, march));
+  PetscCall(CheckRead(s, file->path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv)
 {
-  Share     share;
-  PetscBool failed;
-  MpmSlabs  slabs;
+  MpmCheckpoint  file = {.path = path};
+  PetscBool      failed;
+  Share          share;
+  MpmConserved   before;
+  MpmSlabs       slabs;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
+  PetscCall(MpmConservedSum(march, &before));
   PetscCall(MpmSlabsOpen(PetscObjectComm((PetscObject)march->grid->da), path, &slabs));
-  PetscCall(ReadRun(&slabs, path, march, run, csv));
-  PetscCall(FindShare(&slabs, path, march, &share));
-  PetscCall(ReadParticles(&slabs, &share, march));
-  if (share.same) PetscCall(ReadNodes(&slabs, path, &share, march));
+  ierr = ReadState(&slabs, march->scene, &file, march, run, &share);
+  if (!ierr) {
+    *csv     = file.csv;
+    file.csv = NULL;
+  }
+  PetscCall(Free(&file));
   PetscCall(MpmSlabsClose(&slabs, &failed));
-  MpmCheckInput(!failed, "checkpoint %s: HDF5 cannot read it; allowed: one that 'mpmstab run' has written", path);
-  PetscCall(CheckParticles(march, &share, path));
+  PetscCall(ierr);
+  PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
   if (!share.same) PetscCall(MpmParticlesRebase(march->particles, march->grid));
   PetscCall(MpmParticlesWeigh(march->scene, march->particles));
   if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));

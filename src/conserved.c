@@ -7,8 +7,6 @@
 #include <mpmstab/conserved.h>
 #include <math.h>
 
-#define MASS_ROUNDING 1e-10
-
 static PetscErrorCode SumParticles(const MpmMarch *march, PetscInt field, PetscReal sums[2])
 {
   const MpmParticles *particles = march->particles;
@@ -81,7 +79,7 @@ PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *befo
   PetscCheck(now.particles == before->particles, PETSC_COMM_WORLD, PETSC_ERR_PLIB,
              "%" PetscInt64_FMT " particles at step %" PetscInt64_FMT ", %" PetscInt64_FMT " at the start",
              now.particles, march->step, before->particles);
-  PetscCheck(changes[0] <= MASS_ROUNDING, PETSC_COMM_WORLD, PETSC_ERR_PLIB,
+  PetscCheck(changes[0] <= MPM_MASS_ROUNDING, PETSC_COMM_WORLD, PETSC_ERR_PLIB,
              "the nodes' mass at step %" PetscInt64_FMT " is %.17g, %.17g at the start", march->step, now.mass,
              before->mass);
   PetscFunctionReturn(PETSC_SUCCESS);

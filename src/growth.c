@@ -7,7 +7,8 @@
 #define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
 
 /*
-   Growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2 over the second half: eigenvalues 1
+   Growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2 over the second half:
+   eigenvalues 1
    in blocks of up to four. Beyond that it is not taken for algebraic.
 */
 #define LARGEST_ALGEBRAIC_RISE 2.2

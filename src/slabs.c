@@ -45,13 +45,20 @@ PetscErrorCode MpmSlabsOpen(MPI_Comm comm, const char path[], MpmSlabs *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSlabsFailed(const MpmSlabs *s, PetscBool *failed)
+{
+  PetscFunctionBegin;
+  *failed = s->failed;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_BOOL, MPI_LOR, s->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSlabsClose(MpmSlabs *s, PetscBool *failed)
 {
   PetscFunctionBegin;
   if (s->file >= 0) (void)Try(s, H5Fclose(s->file));
   (void)Try(s, H5Pclose(s->transfer));
-  *failed = s->failed;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_BOOL, MPI_LOR, s->comm));
+  PetscCall(MpmSlabsFailed(s, failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,11 +94,11 @@ PetscErrorCode MpmSlabsWrite(MpmSlabs *s, const char name[], hid_t type, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An array, if it has one dimension and numbers of the right class, and its length. */
+/* An array of one dimension with numbers of the right class, and its length; more than the file holds is none. */
 static hid_t Find(MpmSlabs *s, const char name[], hid_t type, PetscInt64 *length)
 {
   hid_t   array, space, has;
-  hsize_t n = 0;
+  hsize_t n = 0, bytes = 0;
 
   *length = -1;
   if (H5Lexists(s->file, name, H5P_DEFAULT) <= 0) return -1;
@@ -99,8 +106,9 @@ static hid_t Find(MpmSlabs *s, const char name[], hid_t type, PetscInt64 *length
   if (array < 0) return -1;
   space = H5Dget_space(array);
   has   = H5Dget_type(array);
+  (void)Try(s, H5Fget_filesize(s->file, &bytes));
   if (H5Tget_class(has) == H5Tget_class(type) && H5Sget_simple_extent_ndims(space) == 1 &&
-      H5Sget_simple_extent_dims(space, &n, NULL) == 1)
+      H5Sget_simple_extent_dims(space, &n, NULL) == 1 && n <= bytes / H5Tget_size(has))
     *length = (PetscInt64)n;
   (void)Try(s, H5Tclose(has));
   (void)Try(s, H5Sclose(space));

@@ -2,6 +2,8 @@
 #pragma once
 #include <mpmstab/march.h>
 
+#define MPM_MASS_ROUNDING 1e-10 /* of the nodes' mass, relative */
+
 /*S
    MpmConserved - sums over the grid and over all particles.
 
@@ -22,7 +24,8 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *sums);
 /*
    MpmConservedCheck - whether nothing has been lost between two steps of a march.
 
-   Collective. That particles or mass have changed is an error of the program; momentum may be lost at nodes without mass. changes[]: relative changes of mass, of
+   Collective. That particles or mass have changed is an error of the program; momentum may be lost at nodes without
+   mass. changes[]: relative changes of mass, of
    what the particles have, and of momentum, of its size; NaN where there is none to conserve.
 */
 PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *before, PetscReal changes[2]);

@@ -19,7 +19,8 @@ M*/
   } while (0)
 
 /*
-   Not collective. Installs the handler for what happens while PETSc starts and ends: nothing of ours is at work then, so
+   Not collective. Installs the handler for what happens while PETSc starts and ends: nothing of ours is at work then,
+   so
    that it is one of PETSc's own options which cannot be, such as -options_file with a file that is not there.
 */
 PetscErrorCode MpmErrorsOutside(void);

@@ -11,7 +11,8 @@ typedef struct {
 } MpmFloatCheck;
 
 /*
-   MpmFloatBegin, MpmFloatEnd - stand around a step. An invalid operation (0/0, inf - inf, a conversion out of range) or a
+   MpmFloatBegin, MpmFloatEnd - stand around a step. An invalid operation (0/0, inf - inf, a conversion out of range)
+   or a
    division by 0 between them is an error that names the work and the step.
 
    MpmFloatEnd is collective: all ranks end when one of them has failed. Release builds have neither: optimisation may

@@ -25,7 +25,8 @@ PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, M
 PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
-   MpmNodalSolveApply - solves at the particles' present places, which follow from their resting places. Local arrays, ghosts
+   MpmNodalSolveApply - solves at the particles' present places, which follow from their resting places. Local arrays,
+   ghosts
    included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the walls that impose it (fixed without
    reaction).
 

@@ -11,7 +11,8 @@
 PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 
 /*
-   MpmFileReserve - refuses when there is no room for a file of so many bytes, before HDF5 and MPI find out and say it in
+   MpmFileReserve - refuses when there is no room for a file of so many bytes, before HDF5 and MPI find out and say it
+   in
    their own words.
 
    Collective. what begins the message; part is removed again.

@@ -17,13 +17,15 @@ typedef struct {
 PetscErrorCode MpmSlabsCreate(MPI_Comm comm, const char path[], PetscInt reserved, MpmSlabs *slabs);
 PetscErrorCode MpmSlabsOpen(MPI_Comm comm, const char path[], MpmSlabs *slabs);
 
-/* Collective. failed: whether anything went wrong on any rank. */
+/* Collective. failed: whether anything went wrong on any rank so far. */
+PetscErrorCode MpmSlabsFailed(const MpmSlabs *slabs, PetscBool *failed);
 PetscErrorCode MpmSlabsClose(MpmSlabs *slabs, PetscBool *failed);
 
 /* Collective. Writes a new array of which this rank has n numbers. */
 PetscErrorCode MpmSlabsWrite(MpmSlabs *slabs, const char name[], hid_t type, PetscInt64 n, const void *part);
 
-/* Collective. How long an array is; -1 when there is none of this name, or of another class than type. */
+/* Collective. How long an array is; -1 when there is none of this name, or of another class than type,
+   or longer than the file. */
 PetscErrorCode MpmSlabsLength(MpmSlabs *slabs, const char name[], hid_t type, PetscInt64 *length);
 
 /* Collective. Reads n numbers from begin on; the array must be that long. */

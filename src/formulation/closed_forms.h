@@ -19,7 +19,8 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 /* clang-format off */
 #define MOMENTUM                                                                                                       \
   .particle_fields = {"v", "s"}, .node_fields = {"v_i", "a_i"}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,    \
-  .affine = V, .conserved = V, .free_ends = PETSC_TRUE, .materials = PETSC_TRUE, .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                       \
+  .affine = V, .conserved = V, .free_ends = PETSC_TRUE, .materials = PETSC_TRUE,                                       \
+  .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                                                             \
   .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum
 
 /* The closed forms of those whose stress sees the velocity it goes on with. */

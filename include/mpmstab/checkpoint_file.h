@@ -1,0 +1,38 @@
+/* Checkpoint file: what every rank holds of a checkpoint while it is read, and whether a run can have written it. */
+#pragma once
+#include <mpmstab/march.h>
+
+/* Of the array 'where': the step, that of the places, whole cells of drift taken in, exponent, step of the blow-up. */
+enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_UP, MPM_WHERE };
+
+/* Of 'numbers'. */
+enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
+
+/*S
+   MpmCheckpoint - all of a checkpoint but particles and nodes.
+
+   scene, csv: text, with a zero behind it. The samples are those of MpmSeries. Of each rank that wrote: how many
+   particles, and nodes with ghosts.
+S*/
+typedef struct {
+  const char *path;
+  PetscInt64  where[MPM_WHERE], scene_length, csv_length, samples, ranks;
+  PetscInt64 *sample_step, *rank_particles, *rank_nodes;
+  PetscReal   numbers[MPM_NUMBERS], *log_state, *log_grid;
+  char       *scene, *csv;
+} MpmCheckpoint;
+
+/*
+   MpmCheckpointCheckRun - refuses a checkpoint of another scene, and numbers that no run has.
+
+   Not collective: the same on every rank.
+*/
+PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, const MpmCheckpoint *file);
+
+/*
+   MpmCheckpointCheckState - refuses particles and nodes that the march could not go on with.
+
+   Collective. same: each rank has read what it wrote itself, particles in the order of their places, and nodes. mass:
+   what the nodes had of the particles before.
+*/
+PetscErrorCode MpmCheckpointCheckState(const MpmMarch *march, PetscBool same, PetscReal mass, const char path[]);
