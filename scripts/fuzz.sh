@@ -9,20 +9,8 @@ target=${2:-scene}
 corpus=$PWD/tests/fuzz/corpus/$target
 [ -d "$corpus" ] || { echo "fuzz.sh: no target '$target'; there are:" && ls tests/fuzz/corpus && exit 2; }
 
-missing=
-for package in clang libclang-rt-14-dev; do
-  case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true) in
-  *"ok installed") ;;
-  *) missing="$missing $package" ;;
-  esac
-done
-if [ -n "$missing" ]; then
-  as_root=
-  [ "$(id -u)" -eq 0 ] || as_root=sudo
-  $as_root apt-get update -qq
-  # shellcheck disable=SC2086 # a list of packages
-  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
-fi
+. ./scripts/install.sh
+install_missing clang libclang-rt-14-dev
 
 work=$PWD/build-fuzz
 mkdir -p "$work/found" "$work/$target"

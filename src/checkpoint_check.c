@@ -62,8 +62,8 @@ static PetscErrorCode CheckStep(const MpmScene *scene, const MpmCheckpoint *file
 
   PetscFunctionBegin;
   MpmCheckInput(step < scene->steps,
-                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: more steps", file->path,
-                step, scene->steps);
+                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: more steps or time",
+                file->path, step, scene->steps);
   Allow(step >= 0, file->path, "its step is negative");
   Allow(file->where[MPM_AT_PLACES] == places, file->path, "its particles are at another step");
   PetscFunctionReturn(PETSC_SUCCESS);

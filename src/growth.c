@@ -8,8 +8,7 @@
 
 /*
    Growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2 over the second half:
-   eigenvalues 1
-   in blocks of up to four. Beyond that it is not taken for algebraic.
+   eigenvalues 1 in blocks of up to four. Beyond that it is not taken for algebraic.
 */
 #define LARGEST_ALGEBRAIC_RISE 2.2
 

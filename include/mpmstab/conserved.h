@@ -25,7 +25,7 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *sums);
    MpmConservedCheck - whether nothing has been lost between two steps of a march.
 
    Collective. That particles or mass have changed is an error of the program; momentum may be lost at nodes without
-   mass. changes[]: relative changes of mass, of
-   what the particles have, and of momentum, of its size; NaN where there is none to conserve.
+   mass. changes[]: relative changes of mass, of what the particles have, and of momentum, of its size; NaN where
+   there is none to conserve.
 */
 PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *before, PetscReal changes[2]);

@@ -145,14 +145,13 @@ typedef struct {
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
-   staggered names the particle field that is updated first in a step and so lags half a step in a
-   second-order start, or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE.
-   conserved: the particle field whose sum over masses no step changes without walls, or MPM_NONE. free_ends: whether an
-   end may be left free. materials: whether particles may differ in density and stiffness. published (NULL: the slides
-   do not treat it) and corrected give abs(G) at
-   a phase; published returns NaN where the formula says nothing. published_slip says in a sentence what is wrong with
-   the published one; published_centred: it also takes particles for centred, C1 = C2. limit is the largest stable
-   Courant number at a phase, infinite where there is none.
+   staggered names the particle field that is updated first in a step and so lags half a step in a second-order start,
+   or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE. conserved: the particle
+   field whose sum over masses no step changes without walls, or MPM_NONE. free_ends: whether an end may be left free.
+   materials: whether particles may differ in density and stiffness. published (NULL: the slides do not treat it) and
+   corrected give abs(G) at a phase; published returns NaN where the formula says nothing. published_slip says in a
+   sentence what is wrong with the published one; published_centred: it also takes particles for centred, C1 = C2.
+   limit is the largest stable Courant number at a phase, infinite where there is none.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;

@@ -7,13 +7,12 @@
    MpmOperator - the assembled operator of a scene: of one step, or under drift of the period after which the particles
    are back in their places.
 
-   The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is
-   parallel AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long
-   periods of unstable schemes stay in range. balanced is D A D^-1, in variables whose squares make the energy: where
-   masses or stiffnesses differ by orders of magnitude A is badly scaled and eigenvalues are lost to rounding. D = unit
-   holds powers of two, so nothing is rounded; unit is NULL and balanced is A where particles are alike. p2g (nodes x
-   particles) is at the first step; bytes is what A takes on all
-   ranks.
+   The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is parallel
+   AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long periods
+   of unstable schemes stay in range. balanced is D A D^-1, in variables whose squares make the energy: where masses
+   or stiffnesses differ by orders of magnitude A is badly scaled and eigenvalues are lost to rounding. D = unit holds
+   powers of two, so nothing is rounded; unit is NULL and balanced is A where particles are alike. p2g (nodes x
+   particles) is at the first step; bytes is what A takes on all ranks.
 
    Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
 */

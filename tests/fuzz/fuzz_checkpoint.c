@@ -2,10 +2,9 @@
    Fuzzes what reads checkpoints, and the march that goes on from them.
 
    The first byte of an input says of which scene: a number below the number of scenes, or, with 128 added, that the
-   rest
-   of the input is the file as it is. Else the rest are edits to the scene's own checkpoint (sealed.h), whose seal is
-   made
-   right again: what is behind the seal is reached, and HDF5, which does not stand damaged files, has one that is whole.
+   rest of the input is the file as it is. Else the rest are edits to the scene's own checkpoint (sealed.h), whose
+   seal is made right again: what is behind the seal is reached, and HDF5, which does not stand damaged files, has one
+   that is whole.
 */
 #include "fuzz.h"
 #include "sealed.h"
