@@ -211,6 +211,27 @@ def check_tampered(mpmstab):
               lines[0].startswith(f"mpmstab: mode_file tampered.h5: {why}; allowed: "), f"{why}: {done.stderr}")
 
 
+def check_balanced(mpmstab):
+    """An eigenvector of a bar of two materials, solved for in other variables, grows as it should in the scene's own.
+
+    And belongs to the bar it was taken from: with the second material elsewhere it is refused.
+    """
+    bar = ["-formulation", "musl", "-cells", "8", "-material", "two", "-density_ratio", "1e3", "-stiffness_ratio", "1e6",
+           "-courant", "0.07", "-boundary", "fixed,free"]
+    mode = ["run", *bar, "-steps", "60", "-initial", "eigenmode", "-mode_file", "bar.h5", "-json", "bar.json"]
+    for options in (["spectrum", *bar, "-inclusion", "0,4", "-output", "bar.h5", "-measure", "false"],
+                    [*mode, "-inclusion", "0,4"]):
+        done = subprocess.run([mpmstab, *options], capture_output=True, text=True, check=False)
+        check(done.returncode == 0, f"{options}: {done.stderr}")
+    with open("bar.json") as file:
+        found = json.load(file)
+    check(found["growth"] > 1.01 and math.isclose(found["growth"], found["predicted"]["eigenmode"], rel_tol=1e-9),
+          f"growth {found['growth']}, eigenvalue {found['predicted']['eigenmode']}")
+    done = subprocess.run([mpmstab, *mode, "-inclusion", "1,2"], capture_output=True, text=True, check=False)
+    check(done.returncode == 2 and "its inclusion_from is 0, the scene's is 1; allowed: the same" in done.stderr,
+          f"a mode of another bar: {done.stderr}")
+
+
 def check_critical(mpmstab):
     """The object and the rows of critical: a limit with its reason; none; and a survey of all schemes."""
     def ask(*options):
@@ -253,6 +274,7 @@ def main(mpiexec, mpmstab):
         check_symbol(run(mpiexec, mpmstab, ranks, "symbol", "-phases", "60"), 60)
     check_tampered(mpmstab)
     check_turned(mpmstab)
+    check_balanced(mpmstab)
     check_critical(mpmstab)
 
 
