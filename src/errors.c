@@ -1,9 +1,10 @@
 /* Refusals print one line; errors inside the program keep PETSc's stack trace. */
 #include <mpmstab/errors.h>
-#include <sys/stat.h>
 #include <mpmstab/task.h>
 #include <mpmstab/unfinished.h>
 #include <ctype.h>
+#include <stdarg.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char blamed[PETSC_MAX_PATH_LEN];
@@ -78,6 +79,18 @@ PetscErrorCode MpmErrorsInstall(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPrint(const char format[], ...)
+{
+  PetscMPIInt rank = 0;
+  va_list     arguments;
+
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank) return;
+  va_start(arguments, format);
+  (void)vprintf(format, arguments);
+  va_end(arguments);
+}
+
 PetscBool MpmErrorsReportLost(void)
 {
   struct stat is;
@@ -85,5 +98,6 @@ PetscBool MpmErrorsReportLost(void)
   if (!fflush(stdout) && !ferror(stdout)) return PETSC_FALSE;
   if (!fstat(fileno(stdout), &is) && (S_ISFIFO(is.st_mode) || S_ISSOCK(is.st_mode))) return PETSC_FALSE;
   fprintf(stderr, "mpmstab: standard output cannot be written: the report is lost\n");
+  if (!freopen("/dev/null", "w", stdout)) (void)fclose(stdout); /* PETSc flushes it when it ends, and would complain */
   return PETSC_TRUE;
 }

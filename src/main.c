@@ -57,7 +57,7 @@ int main(int argc, char **argv)
   else if (ierr)
     MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
   (void)PetscPopErrorHandler();
-  ierr = PetscFinalize();
   if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
+  ierr = PetscFinalize();
   return ierr ? MPM_EXIT_REFUSED : status;
 }

@@ -3,13 +3,11 @@
 #include <mpmstab/task.h>
 #include <string.h>
 
-#define Print(...) PetscCall(PetscPrintf(PETSC_COMM_WORLD, __VA_ARGS__))
-
 static PetscErrorCode ListFormulations(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmFormulations[i]; i++)
-    Print("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
+    MpmPrint("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -17,7 +15,7 @@ static PetscErrorCode ListBases(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmBases[i]; i++)
-    Print("  %-14s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
+    MpmPrint("  %-14s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -25,23 +23,23 @@ static PetscErrorCode ListTransfers(void)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmTransfers[i]; i++)
-    Print("  %-14s %s (%s)\n", MpmTransfers[i]->name, MpmTransfers[i]->summary, MpmTransfers[i]->reference);
+    MpmPrint("  %-14s %s (%s)\n", MpmTransfers[i]->name, MpmTransfers[i]->summary, MpmTransfers[i]->reference);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ListBoundaries(void)
 {
   PetscFunctionBegin;
-  for (PetscInt i = 0; MpmEndNames[i]; i++) Print("  %-14s %s\n", MpmEndNames[i], MpmEndSummaries[i]);
+  for (PetscInt i = 0; MpmEndNames[i]; i++) MpmPrint("  %-14s %s\n", MpmEndNames[i], MpmEndSummaries[i]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ListLayouts(void)
 {
   PetscFunctionBegin;
-  Print("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
-        "cluster, ppc or counts in a cell\n",
-        "uniform");
+  MpmPrint("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
+           "cluster, ppc or counts in a cell\n",
+           "uniform");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +47,7 @@ static PetscErrorCode ListOptions(void)
 {
   PetscFunctionBegin;
   for (const MpmOption *o = MpmOptions; o->name; o++)
-    Print("  %-16s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+    MpmPrint("  %-16s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,7 +75,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
     names[i] = lists[i].name;
     if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
     found = PETSC_TRUE;
-    Print("%s\n", lists[i].title);
+    MpmPrint("%s\n", lists[i].title);
     PetscCall(lists[i].list());
   }
   if (!found) {

@@ -1,4 +1,5 @@
 /* mpmstab run [SCENE.yaml] [-option value]... */
+#include <mpmstab/errors.h>
 #include <mpmstab/expect.h>
 #include <mpmstab/task.h>
 
@@ -10,10 +11,9 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(MpmRunCreate(scene, started, &run));
   *missed = 0;
   if (run->stopped)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                          "stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
-                          "; to go on: the same command with -restart %s\n",
-                          run->steps, scene->steps, scene->checkpoint));
+    MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
+             "; to go on: the same command with -restart %s\n",
+             run->steps, scene->steps, scene->checkpoint);
   else {
     PetscCall(MpmRunPrint(run));
     if (scene->json[0]) PetscCall(MpmRunWriteJson(run));

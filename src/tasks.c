@@ -1,4 +1,5 @@
 /* The list of tasks and the program's ten lines about itself. */
+#include <mpmstab/errors.h>
 #include <mpmstab/stop.h>
 #include <mpmstab/task.h>
 
@@ -33,13 +34,11 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 PetscErrorCode MpmPrintUsage(void)
 {
   PetscFunctionBegin;
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD,
-                        "mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
-                        "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
-                        MPMSTAB_VERSION));
-  for (const MpmTask *task = MpmTasks; task->name; task++)
-    PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  %-9s%s\n", task->name, task->summary));
-  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
-                                          "  mpmstab list options                                  every option\n"));
+  MpmPrint("mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
+           "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
+           MPMSTAB_VERSION);
+  for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
+  MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
+           "  mpmstab list options                                  every option\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

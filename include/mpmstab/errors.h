@@ -25,6 +25,14 @@ M*/
 */
 PetscErrorCode MpmErrorsOutside(void);
 
+/*
+   MpmPrint - prints on standard output, from the first rank; a printf format and its arguments.
+
+   Not collective. Whether it has arrived is asked once, at the end: newer PETSc's own function would end the program in a
+   stack trace where the disk is full.
+*/
+void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
+
 /* Not collective. Whether what was printed has not arrived, and says so; a reader that has gone is no loss. */
 PetscBool MpmErrorsReportLost(void);
 

@@ -1,9 +1,8 @@
 /* What the tasks' tables and JSON objects have in common. */
 #pragma once
+#include <mpmstab/errors.h>
 #include <mpmstab/predict.h>
 #include <jansson.h>
-
-#define MpmPrint(...) PetscCall(PetscPrintf(PETSC_COMM_WORLD, __VA_ARGS__))
 
 /* Collective. The scene in two lines: scheme, grid and particles. */
 PetscErrorCode MpmReportScene(const MpmScene *scene, const char task[], PetscMPIInt ranks);
