@@ -139,13 +139,15 @@ static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const 
 {
   PetscMPIInt rank, size;
   PetscInt    mine;
+  int         same;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
-  *share = (Share){.same = file->ranks == size && file->rank_nodes[rank] == mine ? PETSC_TRUE : PETSC_FALSE};
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &share->same, 1, MPIU_BOOL, MPI_LAND, comm));
+  same = file->ranks == size && file->rank_nodes[rank] == mine;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
+  *share = (Share){.same = same ? PETSC_TRUE : PETSC_FALSE};
   if (share->same) {
     for (PetscMPIInt r = 0; r < rank; r++) {
       share->begin += file->rank_particles[r];

@@ -47,9 +47,11 @@ PetscErrorCode MpmSlabsOpen(MPI_Comm comm, const char path[], MpmSlabs *s)
 
 PetscErrorCode MpmSlabsFailed(const MpmSlabs *s, PetscBool *failed)
 {
+  int any = s->failed ? 1 : 0; /* PETSc has changed MPI's name of its own type */
+
   PetscFunctionBegin;
-  *failed = s->failed;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, failed, 1, MPIU_BOOL, MPI_LOR, s->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, s->comm));
+  *failed = any ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

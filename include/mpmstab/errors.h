@@ -28,7 +28,7 @@ PetscErrorCode MpmErrorsOutside(void);
 /*
    MpmPrint - prints on standard output, from the first rank; a printf format and its arguments.
 
-   Not collective. Whether it has arrived is asked once, at the end: newer PETSc's own function would end the program in a
+   Not collective. Whether it has arrived is asked once, at the end: newer PETSc would end the program in a
    stack trace where the disk is full.
 */
 void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
