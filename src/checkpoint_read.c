@@ -250,7 +250,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
 {
   MpmCheckpoint  file = {.path = path};
   PetscBool      failed;
-  Share          share;
+  Share          share = {.same = PETSC_FALSE};
   MpmConserved   before;
   MpmSlabs       slabs;
   PetscErrorCode ierr;
