@@ -2,39 +2,44 @@
 #include <mpmstab/march.h>
 #include <math.h>
 
-/* Squares times a property that varies, or over it. */
-static PetscErrorCode Weigh(const MpmMarch *march, MpmProperty property, PetscBool divide, PetscReal square[])
-{
-  const PetscReal *w;
-
-  PetscFunctionBegin;
-  if (!march->scene->table->varies[property]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], &w));
-  for (PetscInt p = 0; p < march->particles->count; p++) square[p] *= divide ? 1 / w[p] : w[p];
-  PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], &w));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscBool Differ(const MpmTable *table)
 {
   return table->varies[MPM_MASS] || table->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* A property's array where it varies, else NULL. */
+static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+{
+  PetscFunctionBegin;
+  *values = NULL;
+  if (march->scene->table->varies[property])
+    PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+{
+  PetscFunctionBegin;
+  if (*values) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], values));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* By volume alone, or as the energy's term does. Particles that differ are gone through again at each sample. */
 static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm *term, const PetscReal q[],
                                      PetscReal *sum)
 {
-  const PetscInt n = march->particles->count;
-  PetscReal     *square;
+  const MpmProperty by     = term && !term->stress ? MPM_MASS : MPM_VOLUME;
+  const PetscBool   stress = term && term->stress ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal  *weight, *stiffness;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &square));
-  for (PetscInt p = 0; p < n; p++) square[p] = q[p] * q[p];
-  PetscCall(Weigh(march, term && !term->stress ? MPM_MASS : MPM_VOLUME, PETSC_FALSE, square));
-  if (term && term->stress) PetscCall(Weigh(march, MPM_STIFFNESS, PETSC_TRUE, square));
+  PetscCall(GetProperty(march, by, &weight));
+  PetscCall(GetProperty(march, MPM_STIFFNESS, &stiffness));
   *sum = 0;
-  for (PetscInt p = 0; p < n; p++) *sum += square[p];
-  PetscCall(PetscFree(square));
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    *sum += q[p] * q[p] * (weight ? weight[p] : 1) / (stress && stiffness ? stiffness[p] : 1);
+  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(RestoreProperty(march, by, &weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

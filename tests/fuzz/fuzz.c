@@ -52,7 +52,7 @@ void FuzzStart(const char name[], const char file[])
   FuzzNeed(SlepcInitialize(&n, &mine, NULL, NULL) ? PETSC_FALSE : PETSC_TRUE, "SLEPc does not start");
   if (__lsan_enable) __lsan_enable();
   FuzzNeed(PetscPushErrorHandler(Judge, NULL) ? PETSC_FALSE : PETSC_TRUE, "no error handler");
-  (void)snprintf(folder, sizeof folder, "%s/fuzz_%s.XXXXXX", parent ? parent : "/tmp", name);
+  (void)snprintf(folder, sizeof folder, "%s/fuzz_%s.XXXXXX", parent ? parent : P_tmpdir, name);
   home = open(".", O_RDONLY);
   FuzzNeed(home >= 0 && mkdtemp(folder) ? PETSC_TRUE : PETSC_FALSE, "no folder to work in");
   FuzzNeed(atexit(Leave) ? PETSC_FALSE : PETSC_TRUE, "the folder would stay");
