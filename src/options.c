@@ -100,7 +100,7 @@ const MpmOption MpmOptions[] = {
   {"restart",      MPM_PATH,     NULL,       "checkpoint to go on from", NO_RANGE, .tasks = "run"},
   {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
   {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout", NO_RANGE},
-  {"progress",     MPM_SWITCH,   NULL,       "progress line (default: on a terminal)", NO_RANGE},
+  {"progress",     MPM_SWITCH,   NULL,       "progress line from the start (default: after 2 s on a terminal)", NO_RANGE},
   {"expect",       MPM_WORD,     NULL,       "fail unless the verdict is this: stable, unstable or undecided", .word = VerdictWord},
   {"expect_kind",  MPM_WORD,     NULL,       "fail unless growth is of this kind: bounded, linear or exponential", .word = GrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE,   NULL,       "fail unless measured growth lies in lo,hi", ANY, .tasks = "run"},

@@ -2,7 +2,7 @@
 #include <mpmstab/progress.h>
 #include <unistd.h>
 
-#define SILENT_S 2.0 /* shorter work shows nothing */
+#define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
 #define BETWEEN_S 0.5
 
 PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress)
@@ -16,7 +16,7 @@ PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmPro
   if (rank) progress->enabled = PETSC_FALSE;
   progress->shown   = PETSC_FALSE;
   progress->started = MPI_Wtime();
-  progress->last    = progress->started + SILENT_S - BETWEEN_S;
+  progress->last    = progress->started - BETWEEN_S + (scene->has_progress ? 0 : SILENT_S);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -25,10 +25,10 @@ PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscIn
   const PetscReal now = progress->enabled ? MPI_Wtime() : 0;
 
   PetscFunctionBegin;
-  if (!progress->enabled || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!progress->enabled || done < 1 || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(stderr, "\r%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", progress->unit, done,
           total, 100.0 * (double)done / (double)total,
-          (now - progress->started) * (double)(total - done) / (double)PetscMax(done, 1));
+          (now - progress->started) * (double)(total - done) / (double)done);
   fflush(stderr);
   progress->last  = now;
   progress->shown = PETSC_TRUE;
