@@ -177,6 +177,16 @@ def check_words():
     check(orders["d", 64] is None, "an unstable family has an order")
 
 
+def check_all_waves():
+    """A smooth run of musl that drifts shows nothing; its symbol does."""
+    with open("drift.yaml", "w", encoding="ascii") as file:
+        file.write("formulation: musl\ncells: 16\ndrift: 1/8\ntime: 1\n")
+    start("drift.yaml", "--repeats", "1", "-o", "drift")
+    row, = rows_of("drift.csv")
+    check(row["verdict"] != "unstable" and row["status"] == "unstable" and row["frontier"] == "0", f"{row}")
+    check(abs(float(row["growth_all_waves"]) - 1.027) < 1e-3, f"{row}")
+
+
 def main():
     for path in glob.glob("*.jsonl"):
         os.remove(path)
@@ -184,6 +194,7 @@ def main():
         file.write(SCENE)
     check_words()
     check_content()
+    check_all_waves()
     check_resume()
     check_refusals()
 
