@@ -11,17 +11,14 @@ Courant number at which growth leaves the tolerance (critical), the share of uns
 """
 import argparse
 import fnmatch
-import json
 import os
 import re
-import subprocess
 import sys
-import tempfile
 import time
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+from program import ROOT, launch, require_program
+
 FOLDER = os.path.join(ROOT, "examples", "extreme")
-PROGRAM = os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))
 
 
 def header(path):
@@ -29,22 +26,6 @@ def header(path):
     with open(path, encoding="ascii") as file:
         lines = [line[2:].rstrip() for line in file if line.startswith("# ")]
     return dict(line.split(": ", 1) for line in lines if re.match("(task|predicted): ", line))
-
-
-def launch(arguments, path, options=()):
-    """Status, JSON and what was said."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = os.path.join(folder, "out.json")
-        command = [PROGRAM]
-        if arguments.ranks > 1:
-            command = ["mpirun", "-q", "-n", str(arguments.ranks), *command]
-        done = subprocess.run([*command, options[0], path, *options[1:], "-json", out], capture_output=True, text=True,
-                              check=False)
-        found = {}
-        if os.path.exists(out):
-            with open(out, encoding="ascii") as file:
-                found = json.load(file)
-    return done.returncode, found, done.stderr.strip()
 
 
 def number(value):
@@ -105,12 +86,13 @@ def row(arguments, path):
     name = os.path.basename(path)[:-len(".yaml")]
     keys = header(path)
     begin = time.monotonic()
-    status, found, said = launch(arguments, path, (keys["task"],))
+    status, found, said = launch(keys["task"], path, ranks=arguments.ranks)
     predicted, told = None, None
     if re.match("[0-9.]", keys.get("predicted", "")):
         told = float(keys["predicted"].split()[0])
     elif "predicted" in keys:
-        _, predicted, more = launch(arguments, path, keys["predicted"].split())
+        task, *options = keys["predicted"].split()
+        _, predicted, more = launch(task, path, options, arguments.ranks)
         said += more
     seconds = time.monotonic() - begin
     if status or not found:
@@ -126,8 +108,7 @@ def main():
     parser.add_argument("--check")
     parser.add_argument("pattern", nargs="*", default=["*"])
     arguments = parser.parse_args()
-    if not os.path.exists(PROGRAM):
-        sys.exit(f"extremes: there is no {PROGRAM}; ./scripts/setup.sh builds it")
+    require_program()
     known = ""
     if arguments.check:
         with open(arguments.check, encoding="utf-8") as file:

@@ -15,8 +15,7 @@ static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The least of the closed form over all phases. */
-static PetscErrorCode ByClosedForm(const MpmScene *scene, MpmCritical *c)
+PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
 {
   MpmPredictor predictor;
   PetscReal    limit, beta;
@@ -76,7 +75,7 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
   else
     PetscCall(MpmCriticalBySymbol(scene, alone, c));
   if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
-  PetscCall(ByClosedForm(scene, c));
+  PetscCall(MpmCriticalByClosedForm(scene, c));
   /* long waves may grow by less than tolerance per step: the closed form knows */
   if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
   c->seconds = MPI_Wtime() - begin;

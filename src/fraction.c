@@ -95,6 +95,31 @@ PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscB
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n)
+{
+  const PetscReal part = (PetscReal)j / (n - 1);
+  MpmFraction     f    = {.value = (1 - part) * from->value + part * to->value};
+  Wide            num, den, a, b;
+
+  if (j == 0) return *from;
+  if (j == n - 1) return *to;
+  if (!from->den || !to->den) return f;
+  if (__builtin_mul_overflow((Wide)from->den * to->den, n - 1, &den)) return f;
+  if (__builtin_mul_overflow((Wide)from->num * to->den, n - 1 - j, &num)) return f;
+  if (__builtin_mul_overflow((Wide)to->num * from->den, j, &a) || __builtin_add_overflow(num, a, &num)) return f;
+  for (a = num < 0 ? -num : num, b = den; b;) { /* their greatest common divisor */
+    const Wide rest = a % b;
+
+    a = b;
+    b = rest;
+  }
+  num /= a;
+  den /= a;
+  if (den <= LARGEST_TERM && num <= LARGEST_TERM && num >= -LARGEST_TERM)
+    f = (MpmFraction){.num = (PetscInt64)num, .den = (PetscInt64)den, .value = (PetscReal)num / (PetscReal)den};
+  return f;
+}
+
 void MpmFractionMultiple(const MpmFraction *f, PetscInt64 n, PetscInt64 *whole, PetscReal *part)
 {
   if (f->den) {

@@ -47,6 +47,11 @@ static const char *EndWord(PetscInt i)
   return MpmEndNames[i];
 }
 
+static const char *AxisWord(PetscInt i)
+{
+  return MpmAxisNames[i];
+}
+
 /* clang-format off */
 #define BETWEEN(a, b) .lo = a, .hi = b
 #define ABOVE(a)      .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
@@ -88,18 +93,24 @@ const MpmOption MpmOptions[] = {
   {"amplitude",    MPM_REAL,     "1",        "amplitude of the initial data", ABOVE(0), .tasks = "run"},
   {"stagger",      MPM_SWITCH,   "false",    "start the field updated first half a step early", NO_RANGE, .tasks = "run"},
   {"tolerance",    MPM_REAL,     "1e-6",     "exponential growth per step above 1 + tolerance is unstable", ABOVE(0)},
-  {"phases",       MPM_INTEGER,  NULL,       "phases in [0, 2 pi) at which the symbol is taken (default: cells)", BETWEEN(1, 2147483646), .tasks = "symbol"},
+  {"phases",       MPM_INTEGER,  NULL,       "phases in [0, 2 pi) at which the symbol is taken (default: cells)", BETWEEN(1, 2147483646), .tasks = "symbol, map"},
+  {"map_axes",     MPM_ENDS,     "courant,drift", "what a map goes over: two of courant, drift, offset and ppc", .word = AxisWord, .tasks = "map"},
+  {"map_courant",  MPM_SPAN,     "0.05,2.5", "Courant numbers lo,hi of a map", ABOVE(0), .tasks = "map"},
+  {"map_drift",    MPM_SPAN,     "0,1/2",    "drifts lo,hi of a map; fractions", BETWEEN(-1e6, 1e6), .tasks = "map"},
+  {"map_offset",   MPM_SPAN,     "0,1/2",    "offsets lo,hi of a map", BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), .tasks = "map"},
+  {"map_ppc",      MPM_SPAN,     "1,8",      "particles per cell lo,hi of a map: every number between", BETWEEN(1, 512), .tasks = "map"},
+  {"map_points",   MPM_LIST,     "50,33",    "points along the two axes of a map", BETWEEN(2, 100000), .tasks = "map"},
   {"modes",        MPM_INTEGER,  "8",        "leading eigenvectors that go to output", BETWEEN(0, 1000000), .tasks = "spectrum"},
   {"measure",      MPM_SWITCH,   "true",     "also march random data and measure growth", NO_RANGE, .tasks = "spectrum"},
   {"survey",       MPM_SWITCH,   "false",    "a table of the limits of all schemes at this layout", NO_RANGE, .tasks = "critical"},
   {"layouts",      MPM_INTEGER,  "100",      "random layouts: of seed and the seeds after it", BETWEEN(1, 1000000), .tasks = "ensemble"},
-  {"output",       MPM_PATH,     NULL,       "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum and symbol", NO_RANGE, .tasks = "run, spectrum, symbol"},
+  {"output",       MPM_PATH,     NULL,       "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map", NO_RANGE, .tasks = "run, spectrum, symbol, map"},
   {"output_every", MPM_INTEGER,  NULL,       "steps between outputs (default: first and last)", BETWEEN(1, 1e15), .tasks = "run"},
   {"checkpoint",   MPM_PATH,     NULL,       "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps", NO_RANGE, .tasks = "run"},
   {"checkpoint_every", MPM_INTEGER, NULL,    "steps between checkpoints", BETWEEN(1, 1e15), .tasks = "run"},
   {"restart",      MPM_PATH,     NULL,       "checkpoint to go on from", NO_RANGE, .tasks = "run"},
   {"json",         MPM_PATH,     NULL,       "file for the result, as JSON", NO_RANGE},
-  {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout", NO_RANGE},
+  {"csv",          MPM_PATH,     NULL,       "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE},
   {"progress",     MPM_SWITCH,   NULL,       "progress line from the start (default: after 2 s on a terminal)", NO_RANGE},
   {"expect",       MPM_WORD,     NULL,       "fail unless the verdict is this: stable, unstable or undecided", .word = VerdictWord},
   {"expect_kind",  MPM_WORD,     NULL,       "fail unless growth is of this kind: bounded, linear or exponential", .word = GrowthWord, .tasks = "run"},

@@ -257,6 +257,7 @@ static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsScheme(settings, scene));
   PetscCall(MpmSettingsMaterial(settings, scene));
   PetscCall(ReadAnalysis(settings, scene));
+  if (!strcmp(scene->task, "map")) PetscCall(MpmSettingsAxes(settings, scene));
   PetscCall(ReadInitial(settings, scene));
   PetscCall(CheckSizes(settings, scene));
   PetscCall(ReadOutputs(settings, scene));

@@ -3,6 +3,15 @@
 
 #define MOST_PARTICLES (PETSC_MAX_INT / 2)
 
+void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc)
+{
+  scene->ppc              = ppc;
+  scene->width            = 0.5 / ppc;
+  scene->counts.of[0]     = ppc;
+  scene->counts.before[1] = ppc;
+  scene->sites = scene->particles = (PetscInt64)scene->cells * ppc;
+}
+
 /* With counts ppc is that of the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
 {

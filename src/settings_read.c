@@ -208,6 +208,29 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  const char      *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char             first[64] = "", bounds[32], why[256];
+  PetscBool        ok        = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (comma && comma - text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
+    PetscCall(MpmFractionParse(first, &span[0], &ok));
+    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
+  }
+  PetscCall(PetscSNPrintf(bounds, sizeof bounds, " to %.6g", (double)option->hi));
+  PetscCall(PetscSNPrintf(why, sizeof why,
+                          "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
+                          option->lo_open ? "above" : "from", (double)option->lo,
+                          option->hi == PETSC_MAX_REAL ? "" : bounds));
+  if (!ok || !InRange(option, span[0].value) || !InRange(option, span[1].value) || span[0].value >= span[1].value)
+    PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[])
 {

@@ -95,7 +95,7 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
   const MpmOptionKind     kind = MpmOptions[option].kind;
   const char             *key = MpmOptions[option].name, *part = Scalar(value);
   const yaml_node_item_t *item = NULL, *end = NULL;
-  const PetscBool         two  = kind == MPM_RANGE || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool         two  = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
   size_t                  used = 0;
 
   PetscFunctionBegin;

@@ -161,15 +161,8 @@ static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s, PetscBool kee
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
-                               MpmSymbol **symbol)
+PetscErrorCode MpmSymbolCheck(const MpmScene *scene)
 {
-  const PetscReal begin = MPI_Wtime();
-  PetscMPIInt     rank, size;
-  MpmSymbol      *s;
-  Reader          reader = {.noisy = NULL};
-  PetscInt        room;
-
   PetscFunctionBegin;
   MpmCheckInput(MpmSceneIsPeriodic(scene),
                 "boundary %s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes any)",
@@ -188,6 +181,20 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   MpmCheckInput(!MpmSymbolWhyNot(scene),
                 "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", scene->ppc,
                 MOST_PPC);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
+                               MpmSymbol **symbol)
+{
+  const PetscReal begin = MPI_Wtime();
+  PetscMPIInt     rank, size;
+  MpmSymbol      *s;
+  Reader          reader = {.noisy = NULL};
+  PetscInt        room;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolCheck(scene));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscNew(symbol));

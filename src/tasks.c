@@ -9,8 +9,9 @@ const MpmTask MpmTasks[] = {
      MpmTaskSpectrum},
     {"symbol", "abs(G) over the phase beta, exact for uniform layouts", MpmTaskSymbol},
     {"critical", "the largest stable Courant number, and the wave or mode that limits it", MpmTaskCritical},
+    {"map", "growth over two of Courant number, drift, offset and particles per cell", MpmTaskMap},
     {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval", MpmTaskEnsemble},
-    {"list", "formulations, bases, transfers, boundaries, layouts, options", MpmTaskList},
+    {"list", "formulations, bases, transfers, boundaries, layouts; 'list options' shows every option", MpmTaskList},
     {NULL, NULL, NULL},
 };
 
@@ -38,7 +39,6 @@ PetscErrorCode MpmPrintUsage(void)
            "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
            MPMSTAB_VERSION);
   for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
-  MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n"
-           "  mpmstab list options                                  every option\n");
+  MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

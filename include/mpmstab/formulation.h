@@ -163,6 +163,7 @@ typedef struct {
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
+  PetscReal            published_limit; /* up to which the slides say it is stable; 0: never */
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred;
   PetscReal (*published)(PetscReal courant, PetscReal beta);

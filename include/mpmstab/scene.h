@@ -40,6 +40,19 @@ typedef struct {
 } MpmMaterial;
 
 /*S
+   MpmAxis - what a map goes over along one of its axes: points equally spaced numbers, fractions where they have short
+   terms.
+S*/
+typedef enum { MPM_AXIS_COURANT, MPM_AXIS_DRIFT, MPM_AXIS_OFFSET, MPM_AXIS_PPC } MpmAxisKind;
+extern const char *const MpmAxisNames[];
+
+typedef struct {
+  MpmAxisKind kind;
+  MpmFraction from, to;
+  PetscInt    points;
+} MpmAxis;
+
+/*S
    MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
    courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
 
@@ -65,6 +78,7 @@ typedef struct {
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress, measure, survey;
   PetscInt              phases, modes, layouts;
+  MpmAxis               axes[2];
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
   char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
@@ -91,6 +105,12 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 
 /* Collective. How many particles there are in which cells, and where in them. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
+
+/* Not collective. As many particles in every cell. */
+void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
+
+/* Collective. What a map goes over. Called by MpmSceneCreate for the task map. */
+PetscErrorCode MpmSettingsAxes(const MpmSettings *settings, MpmScene *scene);
 
 /* Collective. What particles are made of, once the table is there. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsMaterial(const MpmSettings *settings, MpmScene *scene);

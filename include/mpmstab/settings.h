@@ -15,6 +15,7 @@ typedef enum {
   MPM_SWITCH,
   MPM_PATH,
   MPM_RANGE,
+  MPM_SPAN,
   MPM_ENDS,
   MPM_LIST
 } MpmOptionKind;
@@ -39,7 +40,7 @@ typedef struct {
 /* Not collective. All options, ended by one without a name. */
 extern const MpmOption MpmOptions[];
 
-#define MPM_MAX_OPTIONS 64
+#define MPM_MAX_OPTIONS 96
 
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_COMMAND_LINE } MpmSource;
 
@@ -73,7 +74,7 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default). Ends: two words, or one for both. List: whole numbers with commas between them, at
+   (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both. List: whole numbers with commas between them, at
    most room.
 */
 PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
@@ -82,6 +83,7 @@ PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[
 PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value);
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
 PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2]);
+PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2]);
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[]);

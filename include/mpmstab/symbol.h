@@ -32,6 +32,9 @@ typedef struct {
 /* Not collective. Why a scene has no symbol, or NULL when it has one. */
 const char *MpmSymbolWhyNot(const MpmScene *scene);
 
+/* Collective. Refuses a scene that has no symbol. */
+PetscErrorCode MpmSymbolCheck(const MpmScene *scene);
+
 /*
    MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth.
 

@@ -30,4 +30,5 @@ PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *st
 PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskCritical(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskEnsemble(int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskMap(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status);

@@ -65,6 +65,7 @@ const MpmFormulation MpmElastic = {.name            = "elastic",
                                    .nenergy         = PETSC_STATIC_ARRAY_LENGTH(energy),
                                    .energy          = energy,
                                    .wave            = &MpmWaveSecondOrder,
+                                   .published_limit = 1,
                                    .published_text  = "G^2 - 2 (1 - 2 k^2 sin^2(beta/2)) G + 1 = 0",
                                    .published_slip  = "it takes P2G G2P for the identity; the symbol of that is "
                                                       "alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi)",

@@ -58,6 +58,7 @@ const MpmFormulation MpmGas1 = {.name              = "gas1",
                                 .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
                                 .energy            = energy,
                                 .wave              = &MpmWaveFirstOrder,
+                                .published_limit   = 0,
                                 .published_text    = "abs(G)^2 = 1 + 4 k^2 sin^2 beta",
                                 .published_slip    = "with C1 + C2 = 1 the stencil of P2G GRAD is half as "
                                                      "wide as the slides print it: gamma = i k sin beta",

@@ -70,6 +70,7 @@ const MpmFormulation MpmGas2 = {.name              = "gas2",
                                 .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
                                 .energy            = energy,
                                 .wave              = &MpmWaveFirstOrder,
+                                .published_limit   = M_SQRT1_2,
                                 .published_text    = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
                                 .published_slip    = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
                                                      "and gamma has lost the half of C1 = C2 = 1/2",

@@ -30,6 +30,23 @@ static PetscErrorCode Multiple(const char text[], PetscInt64 n, PetscInt64 whole
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Point j of n from one to another, as num/den; den 0: as a double. */
+static PetscErrorCode Between(const char from[], const char to[], PetscInt j, PetscInt n, PetscInt64 num,
+                              PetscInt64 den, PetscReal value)
+{
+  MpmFraction a, b, f;
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(from, &a, &ok));
+  PetscCall(MpmFractionParse(to, &b, &ok));
+  f = MpmFractionBetween(&a, &b, j, n);
+  CHECK(f.num == num && f.den == den, "%s to %s, %d of %d: %lld/%lld", from, to, (int)j, (int)n, (long long)f.num,
+        (long long)f.den);
+  CHECK_NEAR(f.value, value, den ? 0 : 1e-15);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   const char *const bad[] = {"",    "a",     "1/",   "/8", "1/0", "1/-8",  "1//8", "nan",
@@ -59,6 +76,13 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Multiple("0.3", 10, 3, 0));
   PetscCall(Multiple("-1e-300", 5, 0, 0)); /* its part rounds to 1, and 1 is a whole */
   PetscCall(Multiple("0.14142135623730950488", 1000000, 141421, 0.35623730950488)); /* a double, without accumulation */
+  PetscCall(Between("0", "1/2", 3, 33, 3, 64, 3.0 / 64));
+  PetscCall(Between("-1/3", "1/7", 2, 4, -1, 63, -1.0 / 63));
+  PetscCall(Between("0.05", "2.5", 2, 50, 3, 20, 0.15));
+  PetscCall(Between("1/3", "2/3", 1, 3, 1, 2, 0.5));
+  PetscCall(Between("1/7", "5", 4, 5, 5, 1, 5));
+  PetscCall(Between("1e-300", "1", 1, 3, 0, 0, 0.5));
+  PetscCall(Between("1/999999999999999", "1/999999999999998", 1, 3, 0, 0, 1e-15));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,38 @@
+/* Stability map: growth over a rectangle of two parameters, through the symbol. */
+#pragma once
+#include <mpmstab/scene.h>
+
+/*S
+   MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, the second axis running fastest.
+
+   at[a]: the numbers along axis a, points[a] of them. growth (per step, the largest over the phases), beta (the least
+   phase that has it) and verdict are of each point, on every rank. unstable, undecided: how many points are. worst: the
+   point that grows fastest. finding: unstable when any point is, stable when all are.
+
+   limits: where one axis is the Courant number, for each number of the other axis the Courant number up to which the
+   closed form says that particles at rest are stable (NaN: it does not cover them), else NULL; published_limit: the same
+   by the slides' formula, which knows neither offset nor particles per cell (NaN: it does not cover the scene).
+S*/
+typedef struct {
+  const MpmScene *scene;
+  PetscInt        points[2], unstable, undecided, worst;
+  PetscReal      *at[2], *growth, *beta, *limits, published_limit, seconds;
+  PetscInt       *verdict; /* MpmVerdict */
+  MpmFinding      finding;
+} MpmStabilityMap;
+
+/*
+   MpmStabilityMapCreate - the symbol at each point of the scene's axes; its other parameters stay as they are.
+
+   Collective on PETSC_COMM_WORLD. Points are dealt to ranks in turn and each is one rank's, so that nothing depends on
+   the number of ranks. Refuses what has no symbol, drifts without a short period, and more points than can be counted.
+   Method: THEORY.md, section 3.
+*/
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map);
+PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
+
+/* Collective. The table for people; the JSON object; the CSV with a row for each point; the HDF5 file. */
+PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map);
+PetscErrorCode MpmStabilityMapWriteJson(const MpmStabilityMap *map, PetscReal wall_s);
+PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map);
+PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map);

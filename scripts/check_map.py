@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Checks what map writes (JSON, CSV, HDF5): one and the same on 1, 2 and 3 ranks, and growth as numpy finds it.
+
+check_map.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
+"""
+import csv
+import json
+import subprocess
+import sys
+from fractions import Fraction
+
+import h5py
+import numpy
+
+CELLS = 8
+SCENE = f"-cells {CELLS} -ppc 1 -map_courant 1/10,1 -map_drift 0,1/2 -map_points 4,5".split()
+MAP = {"axes", "shape", "courant", "drift", "phases", "unstable", "undecided", "published_limit", "corrected_limit",
+       "seconds"}
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_map: {message}")
+
+
+def growth(courant, drift):
+    """gas2 with one particle a cell, marched over a period on unit vectors: u += k grad P r, r += k grad P u."""
+    whole = numpy.eye(2 * CELLS)
+    for step in range(drift.denominator):
+        shape, grad = numpy.zeros((CELLS, CELLS)), numpy.zeros((CELLS, CELLS))
+        for p in range(CELLS):
+            x = p + Fraction(1, 2) + step * drift
+            cell = x.numerator // x.denominator
+            shape[p, cell % CELLS] += float(1 - (x - cell))
+            shape[p, (cell + 1) % CELLS] += float(x - cell)
+            grad[p, cell % CELLS] -= 1
+            grad[p, (cell + 1) % CELLS] += 1
+        push = courant * grad @ (shape.T / shape.sum(axis=0)[:, None])
+        one, nothing = numpy.eye(CELLS), numpy.zeros((CELLS, CELLS))
+        first = numpy.block([[one, push], [nothing, one]])
+        whole = numpy.block([[one, nothing], [push, one]]) @ first @ whole
+    return abs(numpy.linalg.eigvals(whole)).max() ** (1 / drift.denominator)
+
+
+def run(mpiexec, mpmstab, ranks):
+    name = f"map_{ranks}"
+    files = ["-json", name + ".json", "-csv", name + ".csv", "-output", name + ".h5"]
+    done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "map", *SCENE, *files], capture_output=True, text=True,
+                          check=False)
+    check(done.returncode == 0 and done.stderr == "", done.stderr)
+    with open(name + ".json") as file:
+        result = json.load(file)
+    with open(name + ".csv") as file:
+        text = file.read()
+    with h5py.File(name + ".h5") as file:
+        data = {key: file["map"][key][()].tolist() for key in file["map"]}
+        check(file.attrs["formulation"] in (b"gas2", "gas2"), "attributes of the HDF5 file")
+    table = [line for line in done.stdout.splitlines() if "rank" not in line and not line.startswith("time:")]
+    for key in ("wall_s", "ranks"):
+        del result[key]
+    check(set(result["map"]) == MAP, f"keys of map {set(result['map']) ^ MAP}")
+    del result["map"]["seconds"]
+    return result, text, data, table
+
+
+def main(mpiexec, mpmstab):
+    result, text, data, table = run(mpiexec, mpmstab, 1)
+    found, rows = result["map"], list(csv.DictReader(text.splitlines()))
+    check(found["axes"] == ["courant", "drift"] and found["shape"] == [4, 5], f"axes {found}")
+    check(numpy.allclose(found["courant"], [0.1, 0.4, 0.7, 1], rtol=1e-15, atol=0), f"courant {found['courant']}")
+    check(found["drift"] == [0, 0.125, 0.25, 0.375, 0.5], f"drift {found['drift']}")
+    check(found["courant"] == data["courant"] and found["drift"] == data["drift"], "axes of the HDF5 file")
+    check(numpy.shape(data["growth"]) == (4, 5) == numpy.shape(data["beta"]), "shape of the HDF5 file")
+    check(abs(found["published_limit"] - 0.5**0.5) < 1e-15, f"published limit {found['published_limit']}")
+    check(abs(found["corrected_limit"][0] - 2) < 1e-8 and found["corrected_limit"][1:] == 4 * [None],
+          f"corrected limit {found['corrected_limit']}")
+    unstable = 0
+    for row, (i, j) in zip(rows, numpy.ndindex(4, 5)):
+        expected = growth(found["courant"][i], Fraction(j, 8))
+        check(abs(float(row["growth"]) - expected) < (1e-9 if expected > 1 + 1e-6 else 1e-7), f"numpy {expected}: {row}")
+        check(row["verdict"] == ("unstable" if expected > 1 + 1e-6 else "stable"), f"numpy {expected}: {row}")
+        check(float(row["growth"]) == data["growth"][i][j] and float(row["beta"]) == data["beta"][i][j],
+              f"CSV and HDF5 differ: {row}")
+        check((float(row["courant"]), float(row["drift"])) == (found["courant"][i], found["drift"][j]), f"axes: {row}")
+        unstable += expected > 1 + 1e-6
+    check(0 < unstable < 20 and found["unstable"] == unstable and found["undecided"] == 0, f"{unstable} unstable")
+    check(result["verdict"] == "unstable" and result["growth"] == numpy.max(data["growth"]), "verdict or growth")
+    for ranks in (2, 3):
+        check(run(mpiexec, mpmstab, ranks) == (result, text, data, table), f"{ranks} ranks say something else")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:3])

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, and that it goes on when killed.
+
+check_work_precision.py, in a folder that may be filled, MPMSTAB set. Silent when all is well.
+"""
+import csv
+import glob
+import itertools
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+from precision_table import answer, cheapest_of, make_rows
+from program import launch
+
+SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "work_precision.py")
+SCENE = "formulation: gas2\nstagger: true\ncourant: 0.5\ntime: 1\n"
+RANGES = "--cells 16,32,64 --formulation gas1,gas2,usl --transfer flip,apic --repeats 2 --error 1e-2,1e-9".split()
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_work_precision: {message}")
+
+
+def start(*arguments):
+    return subprocess.run([sys.executable, SCRIPT, *arguments], capture_output=True, text=True, check=False)
+
+
+def lines_of(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read().splitlines()
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def check_content():
+    done = start("scene.yaml", *RANGES, "-o", "wp")
+    check(done.returncode == 0 and done.stderr == "", f"status {done.returncode}: {done.stderr}")
+    rows = {(row["formulation"], row["transfer"], int(row["cells"])): row for row in rows_of("wp.csv")}
+    check(len(rows) == 18, f"{len(rows)} rows, not 18")
+    for name, cells in itertools.product((("gas2", "flip"), ("usl", "flip")), (32, 64)):
+        order = float(rows[(*name, cells)]["order"])
+        check(abs(order - 2) < 0.3, f"{name}, {cells} cells: order {order}, not 2")
+    for (formulation, transfer, cells), options in {
+            ("gas2", "flip", 32): {}, ("usl", "apic", 64): {"formulation": "usl", "transfer": "apic"},
+            ("gas1", "flip", 16): {"formulation": "gas1", "stagger": "false"}}.items():
+        _, found, said = launch("run", "scene.yaml", {"cells": cells, **options})
+        error = found["run"]["error"]
+        row = rows[formulation, transfer, cells]
+        largest = max((value["l2"], field) for field, value in error.items() if field != "c")
+        check((float(row["error_l2"]), row["field"]) == largest, f"{row}: the program says {error} {said}")
+        check(int(row["steps"]) == found["run"]["steps"] and int(row["particles"]) == 2 * cells, f"{row}")
+        check(int(row["repeats"]) == 2 and 0 < float(row["best_s"]) <= float(row["median_s"]), f"{row}")
+    for cells in (16, 32, 64):
+        gas1, refused = rows["gas1", "flip", cells], rows["gas1", "apic", cells]
+        check(gas1["status"] == "unstable" and abs(float(gas1["growth_all_waves"]) - math.sqrt(1.25)) < 1e-9, f"{gas1}")
+        check(gas1["frontier"] == "0", f"{gas1}")
+        check(refused["status"] == "refused" and "no momentum" in refused["note"], f"{refused}")
+        check(refused["best_s"] == "", f"{refused}")
+    check_frontier(rows.values())
+    check_picture("wp.svg")
+    check(os.path.getsize("wp.png") > 10000, "wp.png is small")
+    for words in ("for error 0.01 the cheapest here is usl apic", "error 1e-09: nothing that is stable reaches it here",
+                  "note: gas2 apic: -transfer apic", "shorter than 1 ms"):
+        check(words in done.stdout, f"no '{words}' in {done.stdout}")
+
+
+def check_frontier(rows):
+    """Pareto by brute force."""
+    points = [(float(row["best_s"]), float(row["error_l2"]), row) for row in rows if row["status"] == "ok"]
+    for seconds, error, row in points:
+        beaten = any((s <= seconds and e < error) or (s < seconds and e <= error) for s, e, _ in points)
+        check(beaten == (row["frontier"] == "0"), f"frontier: {row}")
+
+
+def check_picture(path):
+    with open(path, encoding="utf-8") as file:
+        text = " ".join(re.findall(r"<text[^>]*>([^<]*)</text>", file.read()))
+    for words in ("unstable: gas1 flip", "gas2 flip, order 2.0", "usl apic, order", "frontier", "scene.yaml to time 1",
+                  "basis linear, ppc 2, k 0.5", "1 rank"):
+        check(words in text, f"{path}: no '{words}' in {text}")
+
+
+def runs_of(path):
+    records = [json.loads(line) for line in lines_of(path)[1:]]
+    return [(record["cells"], record["formulation"], record["round"]) for record in records]
+
+
+def stop_after(count, how, command, path):
+    """Starts the script and ends it once it has done that many runs more."""
+    before = len(lines_of(path)) if os.path.exists(path) else 1
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen([sys.executable, SCRIPT, *command], **quiet) as process:
+        while process.poll() is None and (not os.path.exists(path) or len(lines_of(path)) < before + count):
+            time.sleep(0.02)
+        process.send_signal(how)
+    return process.returncode
+
+
+def check_resume():
+    command = "scene.yaml --cells 8,16 --formulation gas2,usl --repeats 4 -o again".split()
+    path = "again.runs.jsonl"
+    check(stop_after(3, signal.SIGINT, command, path) == 130, "SIGINT: not 130")
+    check(os.path.exists("again.csv"), "SIGINT: what there is is not written")
+    first = lines_of(path)
+    check(stop_after(3, signal.SIGKILL, command, path) == -signal.SIGKILL, "SIGKILL: another status")
+    check(len(lines_of(path)) < 17, "all runs were done before the script was killed: this tests nothing")
+    with open(path, "a", encoding="utf-8") as file:
+        file.write('{"formulation": "ga')  # cut off
+    done = start(*command)
+    check(done.returncode == 0, f"resumed: {done.stderr}")
+    check(lines_of(path)[: len(first)] == first, "runs that were done are not as they were")
+    runs = runs_of(path)
+    check(len(runs) == 16 and len(set(runs)) == 16, f"not each of 16 runs once: {sorted(runs)}")
+    check(all(row["repeats"] == "4" for row in rows_of("again.csv")), "not all repeats are there")
+    check(runs != sorted(runs, key=lambda run: run[2:] + run[:2]), "every round has the same order")
+    check([run[2] for run in runs] == sorted(run[2] for run in runs), "rounds are not one after another")
+    whole = lines_of(path)
+    start(*command)
+    check(lines_of(path) == whole, "a second start of what is done has run something")
+
+
+def check_refusals():
+    with open("other.yaml", "w", encoding="ascii") as file:
+        file.write(SCENE + "ppc: 3\n")
+    with open("random.yaml", "w", encoding="ascii") as file:
+        file.write("initial: random\n")
+    for arguments, words in ((["other.yaml", "-o", "again"], "runs of another scene"),
+                             (["scene.yaml", "-o", "again", "--time", "2"], "runs of another time"),
+                             (["random.yaml", "-o", "no"], "no exact solution"),
+                             (["none.yaml", "-o", "no"], "no such file"),
+                             (["scene.yaml", "--cells", "12,x"], "--cells"),
+                             (["scene.yaml", "--courant", "-1"], "--courant"),
+                             (["scene.yaml", "--formulation", "gas3", "-o", "typo"], "gas3")):
+        done = start(*arguments)
+        said = done.stderr + done.stdout
+        check(done.returncode == 2 and words in said, f"{arguments}: {done.returncode} {said}")
+
+
+def synthetic(formulation, cells, error, loops, **more):
+    base = {"formulation": formulation, "basis": "linear", "transfer": "flip", "ppc": 2, "courant": 0.5, "cells": cells,
+            "ranks": 1, "drift": 0, "steps": 1, "time": 1.0, "particles": 2 * cells, "verdict": "stable", "growth": 1.0,
+            "status": "ok", "note": None, "error": {"u": {"l1": error, "l2": error, "linf": error}}}
+    return [{**base, "loop_s": loop, "round": number + 1, **more} for number, loop in enumerate(loops)]
+
+
+def check_words():
+    """Times 1e-5 n^2 and errors n^-2, so an error of 1e-3 takes 1e-2 s; what is close is said to be."""
+    records = []
+    for cells in (16, 64):
+        records += synthetic("a", cells, cells**-2.0, [1e-5 * cells**2, 1.2e-5 * cells**2, 1.3e-5 * cells**2])
+        records += synthetic("b", cells, cells**-2.0, [1.1e-5 * cells**2] * 3)
+        records += synthetic("c", cells, cells**-1.0, [1e-6 * cells**2] * 3)
+        records += synthetic("d", cells, cells**-8.0, [1e-7 * cells**2] * 3, status="unstable")
+    rows = make_rows(records, [record for record in records if record["round"] == 1])
+    point = cheapest_of([row for row in rows if row["formulation"] == "a"], 1e-3)
+    check(abs(point["best_s"] - 1e-2) < 1e-12 and abs(point["median_s"] - 1.2e-2) < 1e-12, f"{point}")
+    between = "(interpolated between 16 and 64 cells)"
+    for wanted, words in ((1e-3, f"for error 0.001 the cheapest here is a: 10 ms {between}\n"
+                                 f"  next b: 11 ms {between}, no slower within the scatter of repeats"),
+                          (0.05, f"for error 0.05 the cheapest here is c: 400 us {between}"),
+                          (0.05, "next a with 16 cells: 2.56 ms (its coarsest grid, so perhaps less), 6.4 times"),
+                          (1e-4, "error 0.0001: nothing that is stable reaches it here; the smallest is 0.000244, "
+                                 "by a with 64 cells in 41 ms")):
+        check(words in answer(rows, wanted, 3), f"no '{words}' in\n{answer(rows, wanted, 3)}")
+    orders = {(row["formulation"], row["cells"]): row["order"] for row in rows}
+    check(abs(orders["b", 64] - 2) < 1e-12 and abs(orders["c", 64] - 1) < 1e-12, f"{orders}")
+    check(orders["d", 64] is None, "an unstable family has an order")
+
+
+def check_all_waves():
+    """A smooth run of musl that drifts shows nothing; its symbol does."""
+    with open("drift.yaml", "w", encoding="ascii") as file:
+        file.write("formulation: musl\ncells: 16\ndrift: 1/8\ntime: 1\n")
+    start("drift.yaml", "--repeats", "1", "-o", "drift")
+    row, = rows_of("drift.csv")
+    check(row["verdict"] != "unstable" and row["status"] == "unstable" and row["frontier"] == "0", f"{row}")
+    check(abs(float(row["growth_all_waves"]) - 1.027) < 1e-3, f"{row}")
+
+
+def main():
+    for path in glob.glob("*.jsonl"):
+        os.remove(path)
+    with open("scene.yaml", "w", encoding="ascii") as file:
+        file.write(SCENE)
+    check_words()
+    check_content()
+    check_all_waves()
+    check_resume()
+    check_refusals()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""Error over run time on log axes: a line for each family, the efficient frontier heavy, unstable runs as crosses."""
+import os
+import textwrap
+
+import matplotlib
+
+matplotlib.use("Agg")
+matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text
+from matplotlib import pyplot, ticker  # noqa: E402 (the backend comes first)
+
+from precision_table import families, frontier, name_of, seconds, usable, varying  # noqa: E402
+
+COLOURS = ["#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]  # Okabe and Ito; vermilion: unstable
+UNSTABLE = "#D55E00"
+MARKERS = "osD^vP<>*h"
+
+
+def draw_family(axes, number, members, names):
+    points = [row for row in members if usable(row)]
+    if not points:
+        return
+    order = points[-1]["order"]
+    label = name_of(points[0], names) + ("" if order is None else f", order {order:.2f}")
+    axes.loglog([row["best_s"] for row in points], [row["error_l2"] for row in points], color=COLOURS[number % 6],
+                marker=MARKERS[number % 10], linestyle=("-", "--", ":")[number // 6 % 3], label=label, linewidth=1.2,
+                zorder=3)
+
+
+def draw_unstable(axes, rows, names, top):
+    """Crosses where their error is, at the top margin where it is beyond the others' or out of range."""
+    shown = [row for row in rows if row["status"] == "unstable" and row["best_s"]]
+    if not shown:
+        return
+    heights = [min(row["error_l2"] or top, top) for row in shown]
+    axes.plot([row["best_s"] for row in shown], heights, linestyle="none", marker="X", markersize=9, color=UNSTABLE,
+              markerfacecolor="none", zorder=4, clip_on=False,
+              label=textwrap.fill("unstable: " + ", ".join(dict.fromkeys(name_of(row, names) for row in shown))
+                                  + " (at the top: error beyond the scale)" * (top in heights), 40))
+
+
+def draw(rows, title):
+    figure, axes = pyplot.subplots(figsize=(8.4, 5), constrained_layout=True)
+    names = varying(rows)
+    for number, members in enumerate(families(rows).values()):
+        draw_family(axes, number, members, names)
+    best = frontier(rows)
+    axes.loglog([row["best_s"] for row in best], [row["error_l2"] for row in best], color="0.75", linewidth=6, zorder=1,
+                solid_capstyle="round", label="frontier: nothing faster and more accurate")
+    good = [row["error_l2"] for row in rows if usable(row)]
+    draw_unstable(axes, rows, names, 2 * max(good) if good else 1.0)
+    ranks = sorted({row["ranks"] for row in rows})
+    axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(lambda value, _: seconds(value))
+    axes.xaxis.set_minor_formatter(ticker.NullFormatter())
+    axes.set_xlabel(f"time of the loop, best of repeats ({', '.join(map(str, ranks))} rank{'s' * (ranks != [1])})")
+    axes.set_ylabel("largest l2 error over fields / exact amplitude")
+    axes.set_title(title, fontsize=10)
+    axes.grid(True, which="major", alpha=0.3)
+    axes.legend(fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
+    return figure
+
+
+def write(rows, title, name):
+    """NAME.png and NAME.svg."""
+    figure = draw(rows, title)
+    for kind in ("png", "svg"):
+        figure.savefig(f"{name}.{kind}.part", format=kind, dpi=110)
+        os.replace(f"{name}.{kind}.part", f"{name}.{kind}")
+    pyplot.close(figure)

@@ -1,0 +1,210 @@
+"""From repeated runs to rows, orders, the efficient frontier, and the cheapest scheme for an error, in words.
+
+A row is one combination. A family is what differs in nothing but cells: its points make a line of error over time.
+Times are those of the loop: best and median over repeats. Nothing is extrapolated: between two grids of a family
+log(time) is taken linear in log(error), beyond its grids nothing is said.
+"""
+import csv
+import io
+import math
+import statistics
+
+PARAMETERS = ("formulation", "basis", "transfer", "ppc", "courant", "cells", "ranks")
+FAMILY = tuple(name for name in PARAMETERS if name != "cells")
+COLUMNS = (*PARAMETERS, "drift", "steps", "time", "particles", "status", "verdict", "growth", "growth_all_waves",
+           "error_l1", "error_l2", "error_linf", "field", "order", "best_s", "median_s", "repeats", "frontier", "note")
+SHORT = 1e-3  # seconds: a loop that is shorter is measured badly
+FLOOR = 0.5   # order below which errors are said not to fall
+
+
+def key(record, names=PARAMETERS):
+    return tuple(record[name] for name in names)
+
+
+def error_of(record):
+    """Largest l1, l2, linf over fields and the field of the largest l2; None where one is out of range.
+
+    apic's affine part c is left out: other transfers do not carry it.
+    """
+    errors = {field: error for field, error in (record.get("error") or {}).items() if field != "c"}
+    if not errors or any("l2" not in error for error in errors.values()):
+        return {"error_l1": None, "error_l2": None, "error_linf": None, "field": None}
+    largest = {f"error_{norm}": max(error[norm] for error in errors.values()) for norm in ("l1", "l2", "linf")}
+    return {**largest, "field": max(errors, key=lambda field: errors[field]["l2"])}
+
+
+def make_rows(records, combinations):
+    """One row for each combination that has been run at least once, in the order asked for."""
+    found = {}
+    for record in records:
+        found.setdefault(key(record), []).append(record)
+    rows = []
+    for combination in combinations:
+        repeats = found.get(key(combination))
+        if not repeats:
+            continue
+        first = repeats[0]
+        loops = [record["loop_s"] for record in repeats if record.get("loop_s") is not None]
+        row = {name: first.get(name) for name in COLUMNS}
+        row.update(error_of(first))
+        row.update(best_s=min(loops, default=None), median_s=statistics.median(loops) if loops else None,
+                   repeats=len(loops), order=None, frontier=0)
+        rows.append(row)
+    set_orders(rows)
+    for row in frontier(rows):
+        row["frontier"] = 1
+    return rows
+
+
+def families(rows):
+    """Rows by family, coarse to fine."""
+    found = {}
+    for row in rows:
+        found.setdefault(key(row, FAMILY), []).append(row)
+    return {name: sorted(members, key=lambda row: row["cells"]) for name, members in found.items()}
+
+
+def usable(row):
+    """Stable, with an error above 0 and a time: what may be the cheapest."""
+    return row["status"] == "ok" and bool(row["error_l2"]) and bool(row["best_s"])
+
+
+def set_orders(rows):
+    """Order of convergence from the next coarser grid of the family on."""
+    for members in families(rows).values():
+        for coarse, fine in zip(members, members[1:]):
+            if usable(coarse) and usable(fine):
+                fine["order"] = (math.log(coarse["error_l2"] / fine["error_l2"])
+                                 / math.log(fine["cells"] / coarse["cells"]))
+
+
+def frontier(rows):
+    """The usable rows that no other is both faster and more accurate than, from the fastest on."""
+    best, found = math.inf, []
+    for row in sorted(filter(usable, rows), key=lambda row: (row["best_s"], row["error_l2"])):
+        if row["error_l2"] < best:
+            best = row["error_l2"]
+            found.append(row)
+    return found
+
+
+def cheapest_of(members, wanted):
+    """Least time at which a family reaches an error, or None: best, median, the grids it lies between."""
+    points = [row for row in members if usable(row)]
+    if points and points[0]["error_l2"] <= wanted:
+        return {"best_s": points[0]["best_s"], "median_s": points[0]["median_s"], "cells": (points[0]["cells"],)}
+    found = []
+    for coarse, fine in zip(points, points[1:]):
+        if fine["error_l2"] <= wanted < coarse["error_l2"]:
+            part = math.log(coarse["error_l2"] / wanted) / math.log(coarse["error_l2"] / fine["error_l2"])
+            between = {name: coarse[name] ** (1 - part) * fine[name] ** part for name in ("best_s", "median_s")}
+            found.append({**between, "cells": (coarse["cells"], fine["cells"])})
+    return min(found, key=lambda point: point["best_s"], default=None)
+
+
+def seconds(value):
+    for unit, factor in (("s", 1), ("ms", 1e3)):
+        if value * factor >= 1:
+            return f"{value * factor:.3g} {unit}"
+    return f"{value * 1e6:.3g} us"
+
+
+def varying(rows):
+    """The parameters of a family that differ among rows; all of its name where none does."""
+    names = [name for name in FAMILY if len({row[name] for row in rows}) > 1]
+    return names or ["formulation", "basis", "transfer"]
+
+
+WORDS = {"ppc": "ppc {}", "courant": "k {:g}", "ranks": "{} ranks"}
+
+
+def name_of(row, names):
+    return " ".join(WORDS.get(name, "{}").format(row[name]) for name in names)
+
+
+def at(point, name):
+    """Where a family reaches an error, in words."""
+    cells = point["cells"]
+    if len(cells) == 1:
+        return f"{name} with {cells[0]} cells: {seconds(point['best_s'])} (its coarsest grid, so perhaps less)"
+    return (f"{name}: {seconds(point['best_s'])} (interpolated between {cells[0]} and {cells[1]} cells)")
+
+
+def answer(rows, wanted, repeats):
+    """What is cheapest for an error, and what comes next."""
+    names = varying(rows)
+    found = []
+    for members in families(rows).values():
+        point = cheapest_of(members, wanted)
+        if point:
+            found.append((point, name_of(members[0], names)))
+    found.sort(key=lambda pair: pair[0]["best_s"])
+    if not found:
+        best = min(filter(usable, rows), key=lambda row: row["error_l2"], default=None)
+        said = f"error {wanted:g}: nothing that is stable reaches it here"
+        return said if best is None else (f"{said}; the smallest is {best['error_l2']:.3g}, by {name_of(best, names)} "
+                                          f"with {best['cells']} cells in {seconds(best['best_s'])}")
+    said = [f"for error {wanted:g} the cheapest here is {at(*found[0])}"]
+    first = found[0][0]
+    if first["best_s"] < SHORT:
+        said[0] += "; a loop under 1 ms: its time is rough"
+    for point, name in found[1:4]:
+        ratio = point["best_s"] / first["best_s"]
+        tie = repeats > 1 and point["best_s"] <= first["median_s"]
+        said.append(f"  next {at(point, name)}, "
+                    + ("no slower within the scatter of repeats" if tie else f"{ratio:.2g} times as long"))
+    if len(found) > 4:
+        said.append(f"  and {len(found) - 4} more")
+    return "\n".join(said)
+
+
+def remarks(rows):
+    """What is to be known before the numbers are believed."""
+    names, said = varying(rows), []
+    timed = [row for row in rows if row["best_s"]]
+    short = [row for row in timed if row["best_s"] < SHORT]
+    if short:
+        said.append(f"{len(short)} of {len(timed)} loops are shorter than 1 ms: their times are rough (more cells or a "
+                    "longer time help)")
+    wide = [row for row in timed if row["median_s"] > 1.25 * row["best_s"]]
+    if wide:
+        said.append(f"median more than a quarter above best in {len(wide)} of {len(timed)}: the machine was not quiet")
+    ends = [row["time"] for row in timed]
+    if ends and max(ends) - min(ends) > 1e-12 * max(ends):
+        said.append(f"whole steps end at times from {min(ends):.6g} to {max(ends):.6g}; each error is at its own end")
+    for members in families(rows).values():
+        points = [row for row in members if usable(row)]
+        if len(points) > 1 and points[-1]["order"] is not None and points[-1]["order"] < FLOOR:
+            said.append(f"{name_of(points[-1], names)}: the error does not fall with cells any more (order "
+                        f"{points[-1]['order']:.2f} at {points[-1]['cells']} cells)")
+    for note in dict.fromkeys(row["note"] for row in rows if row["note"]):
+        who = dict.fromkeys(name_of(row, names) for row in rows if row["note"] == note)
+        said.append(f"{', '.join(who)}: {note}")
+    return said
+
+
+def text(value, form):
+    return "-" if value is None else format(value, form)
+
+
+def table(rows):
+    """The rows as aligned text."""
+    names = [name for name in PARAMETERS if name == "cells" or name in varying(rows)]
+    head = [*names, "steps", "error", "order", "best", "median", "growth", "all waves", "status", ""]
+    lines = [head]
+    for row in rows:
+        parameters = [f"{row[name]:g}" if isinstance(row[name], float) else str(row[name]) for name in names]
+        times = ["-" if row[name] is None else seconds(row[name]) for name in ("best_s", "median_s")]
+        lines.append([*parameters, text(row["steps"], "d"), text(row["error_l2"], ".2e"), text(row["order"], ".2f"),
+                      *times, text(row["growth"], ".6f"), text(row["growth_all_waves"], ".6f"), row["status"],
+                      "frontier" if row["frontier"] else ""])
+    widths = [max(len(line[c]) for line in lines) for c in range(len(head))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
+
+
+def csv_text(rows):
+    out = io.StringIO()
+    writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)  # None is empty, a float is written with all its digits
+    return out.getvalue()

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""Runs a scene in all combinations of some of its parameters and says which is cheapest for an error.
+
+work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2] [--formulation gas1,gas2]
+                  [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 5] [--error 1e-2,1e-3]
+                  [--time T] [-o NAME]
+
+All run to the same time: --time, or the end of the scene as it stands. The error is the largest l2 over fields against
+the exact solution at the end, relative to its amplitude; the time is that of the loop, without start-up. Every round
+runs all combinations once, in an order of its own, so that what slows the machine down hits all alike. NAME.runs.jsonl
+keeps each run as soon as it is done: after an interruption the same command goes on, and more of any range adds to it.
+NAME.csv has a row for each combination, NAME.png and NAME.svg the picture. MPMSTAB names the program (build/mpmstab).
+"""
+import argparse
+import hashlib
+import itertools
+import json
+import os
+import platform
+import random
+import sys
+import time
+
+import precision_picture
+from precision_table import PARAMETERS, answer, csv_text, key, make_rows, remarks, table
+from program import PROGRAM, launch, refuse, require_program, write_whole
+
+KINDS = {"cells": int, "courant": float, "ppc": int, "ranks": int, "formulation": str, "transfer": str, "basis": str}
+
+
+def ranged(kind):
+    """A list with commas, each value once."""
+    def read(text):
+        return list(dict.fromkeys(kind(word) for word in text.split(",")))
+    read.__name__ = f"list of {kind.__name__}"  # argparse names it when it refuses
+    return read
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene", metavar="SCENE.yaml")
+    for name, kind in KINDS.items():
+        parser.add_argument(f"--{name}", type=ranged(kind))
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--error", type=ranged(float), default=[1e-3])
+    parser.add_argument("--time", type=float)
+    parser.add_argument("-o", "--output", metavar="NAME", default="work-precision")
+    arguments = parser.parse_args()
+    for name in ("cells", "courant", "ppc", "ranks", "error"):
+        if any(not 0 < value < float("inf") for value in getattr(arguments, name) or []):
+            parser.error(f"--{name}: allowed: above 0")
+    if arguments.repeats < 1 or (arguments.time is not None and not 0 < arguments.time < float("inf")):
+        parser.error("--repeats, --time: allowed: above 0")
+    return arguments
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()
+
+
+def digest(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def look_at(arguments):
+    """What the scene is as it stands, its end, and what the file of runs must have been made from."""
+    if not os.path.exists(arguments.scene):
+        refuse(f"{arguments.scene}: there is no such file; allowed: a scene")
+    status, base, said = launch("run", arguments.scene)
+    if status not in (0, 3) or not base:  # 3: with this program its expectations are missed, which is not the question
+        refuse(f"{arguments.scene} does not run: {said}")
+    if "error" not in base["run"]:
+        refuse(f"{arguments.scene}: these data have no exact solution; allowed: initial mode, pulse or step")
+    end = base["run"]["time"] if arguments.time is None else arguments.time
+    made_from = {"scene": digest(arguments.scene), "program": digest(PROGRAM), "version": base["version"], "time": end,
+                 "machine": f"{platform.node()}, {processor()}"}
+    return base, end, made_from
+
+
+def open_runs(path, made_from):
+    """The runs there are already, and the file to add to."""
+    if not os.path.exists(path) or os.path.getsize(path) == 0:
+        file = open(path, "w", encoding="utf-8")
+        file.write(json.dumps(made_from) + "\n")
+        file.flush()
+        return [], file
+    with open(path, "rb") as file:
+        text = file.read()
+    whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off by the end of an earlier start is run again
+    try:
+        first, *records = [json.loads(line) for line in whole.decode().splitlines()]
+        differs = [name for name in made_from if first[name] != made_from[name]]
+    except (ValueError, KeyError, TypeError):
+        refuse(f"{path} is not a file of runs; allowed: one that this script has written, or none (-o names another)")
+    if differs:
+        refuse(f"{path} holds runs of another {' and '.join(differs)}, which do not compare with these; allowed: the "
+               "same (-o names another file, or delete it)")
+    os.truncate(path, len(whole))
+    return records, open(path, "a", encoding="utf-8")
+
+
+def measure(arguments, combination, end, first):
+    """One run, as a record; the first of a combination also asks the symbol what all waves do."""
+    given = {name: combination[name] for name in KINDS if name != "ranks" and getattr(arguments, name)}
+    status, found, said = launch("run", arguments.scene, {**given, "time": end}, combination["ranks"])
+    if status not in (0, 3) or not found:
+        return {**combination, "status": "refused" if status == 2 else "failed",
+                "note": said.removeprefix("mpmstab: ") or f"status {status}"}
+    run = found["run"]
+    record = dict(combination, drift=found["drift"], particles=found["particles"], steps=run["steps"], time=run["time"],
+                  verdict=found["verdict"], growth=found.get("growth"), error=run["error"], loop_s=run["loop_s"],
+                  note=None)
+    unstable = found["verdict"] == "unstable"
+    if first:
+        _, symbol, _ = launch("symbol", arguments.scene, given)  # refuses what it does not cover
+        record["growth_all_waves"] = symbol.get("growth")
+        unstable = unstable or symbol.get("verdict") == "unstable"
+    record["status"] = "unstable" if unstable else "ok"
+    return record
+
+
+def progress(done, total, begin, already):
+    if sys.stderr.isatty():
+        left = (time.monotonic() - begin) / max(1, done - already) * (total - done)
+        end = "" if done < total else "\n"
+        print(f"\rrun {done} of {total}, {left:.0f} s left   ", end=end, file=sys.stderr, flush=True)
+
+
+def run_all(arguments, combinations, end, records, file):
+    """Adds the runs that are missing to records and file, round by round."""
+    have = {(key(record), record["round"]) for record in records}
+    over = {key(record) for record in records if record["status"] in ("refused", "failed")}
+    total, begin, already = arguments.repeats * len(combinations), time.monotonic(), 0
+    done = 0
+    for number in range(1, arguments.repeats + 1):
+        order = list(combinations)
+        random.Random(number).shuffle(order)
+        for combination in order:
+            name = key(combination)
+            if (name, number) in have or name in over:
+                already += 1
+            else:
+                record = {**measure(arguments, combination, end, number == 1), "round": number}
+                file.write(json.dumps(record) + "\n")
+                file.flush()
+                records.append(record)
+                if record["status"] in ("refused", "failed"):
+                    over.add(name)
+            done += 1
+            progress(done, total, begin, already)
+
+
+def title(arguments, rows, end):
+    scene = os.path.relpath(arguments.scene)
+    names = [name for name in ("formulation", "basis", "transfer", "ppc", "courant", "drift")
+             if len({row[name] for row in rows}) == 1 and rows[0][name] is not None]
+    values = [f"{rows[0][name]:g}" if isinstance(rows[0][name], float) else rows[0][name] for name in names]
+    same = [f"{'k' if name == 'courant' else name} {value}" for name, value in zip(names, values)]
+    return f"{scene} to time {end:g}\n{', '.join(same)}; best of {max(row['repeats'] for row in rows)}"
+
+
+def report(arguments, rows, base, end):
+    """Table and words to standard output, CSV and picture to files."""
+    write_whole(f"{arguments.output}.csv", csv_text(rows))
+    precision_picture.write(rows, title(arguments, rows, end), arguments.output)
+    print(f"error against run time: {arguments.scene} to time {end:g}"
+          + ("" if arguments.time else f" (where the scene's {base['run']['steps']} steps end)"))
+    print("error: largest l2 over fields (but apic's affine part) at the end / exact amplitude;\n"
+          "times: the loop alone; growth per step: of this run, and of all waves (symbol)\n")
+    print(table(rows))
+    print()
+    for wanted in arguments.error:
+        print(answer(rows, wanted, arguments.repeats))
+    for line in remarks(rows):
+        print(f"note: {line}")
+    print(f"\nwritten: {arguments.output}.csv, .png, .svg; each run: {arguments.output}.runs.jsonl")
+
+
+def main():
+    arguments = parse()
+    require_program()
+    base, end, made_from = look_at(arguments)
+    as_it_stands = {name: base[name] for name in PARAMETERS}
+    values = [getattr(arguments, name) or [as_it_stands[name]] for name in PARAMETERS]
+    combinations = [dict(zip(PARAMETERS, choice)) for choice in itertools.product(*values)]
+    try:
+        records, file = open_runs(f"{arguments.output}.runs.jsonl", made_from)
+    except OSError as error:
+        refuse(f"{arguments.output}.runs.jsonl: {error.strerror}")
+    interrupted = False
+    with file:
+        try:
+            run_all(arguments, combinations, end, records, file)
+        except KeyboardInterrupt:
+            interrupted = True
+    rows = make_rows([record for record in records if record["round"] <= arguments.repeats], combinations)
+    if rows:
+        report(arguments, rows, base, end)
+    if interrupted:
+        print("work_precision.py: interrupted; the same command goes on", file=sys.stderr)
+        sys.exit(130)
+    if all(row["status"] in ("refused", "failed") for row in rows):
+        refuse("no combination runs; the notes say why")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+/*
+   Stability maps: each point is the symbol of the scene with its numbers, to the last bit and on any number of ranks; a
+   drift by a whole cell is none; what the formulas say at rest is where the map turns.
+*/
+#include "check.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/stability_map.h>
+
+static PetscErrorCode MapOf(const char options[], MpmScene **scene, MpmStabilityMap **map)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(MpmSceneCreate("map", NULL, scene));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(MpmStabilityMapCreate(*scene, map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Close(MpmScene **scene, MpmStabilityMap **map)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmStabilityMapDestroy(map));
+  PetscCall(MpmSceneDestroy(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* texts: what the user would have written for one point's two numbers. */
+static PetscErrorCode CheckPoint(const char scheme[], const char axes[], PetscInt i, PetscInt j, const char texts[])
+{
+  char             options[512];
+  MpmScene        *scene, *alone;
+  MpmStabilityMap *map;
+  MpmSymbol       *symbol;
+  PetscInt         point;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", scheme, axes));
+  PetscCall(MapOf(options, &scene, &map));
+  PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", scheme, texts));
+  PetscCall(CheckScene(options, &alone));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, alone, scene->phases, PETSC_FALSE, &symbol));
+  point = i * map->points[1] + j;
+  CHECK(map->growth[point] == symbol->growth && map->beta[point] == symbol->beta_at_max,
+        "%s %s: %.17g at %g, the symbol %.17g at %g", scheme, texts, map->growth[point], map->beta[point],
+        symbol->growth, symbol->beta_at_max);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&alone));
+  PetscCall(Close(&scene, &map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckPoints(void)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckPoint("-cells 16", "-map_points 4,3 -map_courant 0.1,0.4", 1, 1, "-courant 0.2 -drift 1/4"));
+  PetscCall(CheckPoint("-formulation musl -basis quadratic -cells 12", "-map_points 2,4 -map_drift -1/3,1/7", 0, 2,
+                       "-courant 0.05 -drift -1/63"));
+  PetscCall(CheckPoint("-formulation usl -transfer apic -cells 12 -drift 1/3",
+                       "-map_axes offset,courant -map_points 5,3 -map_offset 0.1,0.5 -map_courant 0.5,0.7", 3, 1,
+                       "-offset 0.4 -courant 0.6 -drift 1/3"));
+  PetscCall(CheckPoint("-formulation usf -basis gimp -cells 12 -courant 1.1",
+                       "-map_axes ppc,offset -map_ppc 2,6 -map_points 5,3", 1, 1, "-ppc 3 -offset 1/4 -courant 1.1"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   gas2 is stable up to 2 / abs(mu) at rest where C1 = C2; a whole cell of drift is none. Where every step takes a
+   particle to the next one's place (half a cell), e stays 0 and growth begins at 1.837 (by hand, from the operator over
+   two steps); between, it grows at any Courant number.
+*/
+static PetscErrorCode CheckGas2(void)
+{
+  MpmScene        *scene;
+  MpmStabilityMap *map;
+  PetscInt         turn = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MapOf("-cells 16 -map_courant 0.25,3 -map_drift 0,1 -map_points 12,5", &scene, &map));
+  for (PetscInt i = 0; i < 12; i++) {
+    const PetscReal *row = map->growth + 5 * i;
+
+    turn += map->verdict[5 * i] == MPM_STABLE;
+    CHECK(row[0] == row[4], "drift 0 grows by %.17g, drift 1 by %.17g", row[0], row[4]);
+    CHECK((map->verdict[5 * i + 2] == MPM_STABLE) == (map->at[0][i] < 1.837), "k = %g, drift 1/2: %.9g", map->at[0][i],
+          row[2]);
+    for (int j = 1; j < 4; j += 2)
+      CHECK(map->verdict[5 * i + j] == MPM_UNSTABLE, "k = %g, drift %g: %.9g", map->at[0][i], map->at[1][j], row[j]);
+  }
+  CHECK(turn == 8 && map->at[0][7] == 2, "%d Courant numbers are stable at rest, the last %g", (int)turn,
+        map->at[0][turn - 1]);
+  CHECK_NEAR(map->limits[0], 2, 1e-8);
+  CHECK(isnan(map->limits[1]) && isnan(map->limits[4]), "formulas for particles that drift");
+  CHECK_NEAR(map->published_limit, M_SQRT1_2, 1e-15);
+  CHECK(map->unstable == 60 - 3 * turn + 1 && map->undecided == 0, "%d unstable, %d undecided", (int)map->unstable,
+        (int)map->undecided);
+  CHECK(map->finding.growth == map->growth[map->worst] && map->worst / 5 == 11, "worst point %d", (int)map->worst);
+  PetscCall(Close(&scene, &map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* usf on hats: 1/sqrt(1 - 4q) if q <= 1/8, else 4 sqrt q, with q = mean of xi (1 - xi) (THEORY.md, section 4). */
+static PetscErrorCode CheckOffsets(void)
+{
+  MpmScene        *scene;
+  MpmStabilityMap *map;
+
+  PetscFunctionBegin;
+  PetscCall(MapOf("-formulation usf -cells 64 -ppc 1 -map_axes courant,offset -map_points 40,6 -map_courant 0.05,2 "
+                  "-map_offset 0,1/2",
+                  &scene, &map));
+  for (PetscInt j = 0; j < 6; j++) {
+    const PetscReal xi = map->at[1][j], q = xi * (1 - xi), limit = q <= 0.125 ? 1 / sqrt(1 - 4 * q) : 4 * sqrt(q);
+
+    CHECK_NEAR(map->limits[j], limit, 1e-8);
+    for (PetscInt i = 0; i < 40; i++) {
+      if (fabs(map->at[0][i] - limit) < 1e-3 * limit) continue; /* growth begins at a phase between those looked at */
+      CHECK((map->verdict[6 * i + j] == MPM_UNSTABLE) == (map->at[0][i] > limit), "xi %g, k = %g: %.12g", xi,
+            map->at[0][i], map->growth[6 * i + j]);
+    }
+  }
+  CHECK(isnan(map->published_limit), "the slides have no usf");
+  PetscCall(Close(&scene, &map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  PetscCall(CheckPoints());
+  PetscCall(CheckGas2());
+  PetscCall(CheckOffsets());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
