@@ -13,6 +13,8 @@ import numpy
 import pictures
 from check_pictures import check, check_refused, check_written, close, line, mpmstab
 
+MPMSTAB = sys.argv[1]
+
 
 def made_up(name, source="gas2"):
     """A file of the same scene as source's, to be filled by hand."""
@@ -34,7 +36,8 @@ def check_map():
         file["map/beta"] = numpy.zeros_like(growth)
     with open("gas2.json", encoding="utf-8") as file:
         result = json.load(file)
-    result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071, "corrected_limit": None}
+    result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071, "unstable": int((growth > 1 + 1e-6).sum()),
+                     "corrected_limit": [1.5, None, None, None, None]}
     with open("map.json", "w", encoding="utf-8") as file:
         json.dump(result, file)
     figure = pictures.growth_map("map.h5", "map.json")
@@ -45,8 +48,12 @@ def check_map():
     finite = unstable & numpy.isfinite(growth.T)
     close(mesh[finite], growth.T[finite] - 1, "colours are not growth - 1")
     labels = axes.get_legend_handles_labels()[1]
-    check(labels == ["not known", "published limit at rest: k = 0.7071"], f"{labels}")
-    check(list(axes.lines[1].get_xdata()) == [0.7071] * 2, "the published limit is elsewhere")
+    check(labels == ["undecided", "published limit at rest: k = 0.7071", "corrected limit: k = 1.5, at rest only"],
+          f"{labels}")
+    check(list(line(figure, "published")[0]) == [0.7071] * 2, "the published limit is elsewhere")
+    x, y = line(figure, "corrected")
+    check((x[0], y[0]) == (1.5, 0) and numpy.isnan(x[1:]).all(), "the corrected limit is elsewhere")
+    close(numpy.transpose(line(figure, "undecided")), [[k[8], drift[3]]], "undecided points")
     check(f"{100 * unstable.sum() / 45:.1f}% of 45 points" in axes.get_title(), axes.get_title())
     check(len(pictures.growth_map("map.h5").axes[0].lines) == 1, "a limit that no file says")
 
@@ -57,13 +64,29 @@ def smallest_singular(z):
     return numpy.sqrt((1 + 2 * size - numpy.sqrt(1 + 4 * size)) / 2)
 
 
+def check_real_map():
+    """A map that the program has made: what its CSV calls undecided is marked, and colours are its growth."""
+    mpmstab(MPMSTAB, "map", "gas2", "-map_courant", "0.4,1.6", "-map_points", "7,33", "-output", "real.h5", "-json",
+            "real.json", "-csv", "real.csv")
+    rows = numpy.genfromtxt("real.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    axes = pictures.growth_map("real.h5", "real.json", "real.csv").axes[0]
+    with open("real.json", encoding="utf-8") as file:
+        found = json.load(file)["map"]
+    where = [[row["courant"], row["drift"]] for row in rows if row["verdict"] == "undecided"]
+    check(len(where) == found["undecided"] > 0, f"{len(where)} undecided points, so this tests nothing")
+    close(numpy.transpose(line(axes.figure, "undecided")), where, "undecided points")
+    mesh = axes.collections[0].get_array().reshape(33, 7).T.ravel()
+    close(mesh.compressed(), [row["growth"] - 1 for row in rows if row["growth"] > 1 + 1e-6], "colours of a real map")
+    check(f"{100 * found['unstable'] / 231:.1f}% of 231" in axes.get_title(), axes.get_title())
+
+
 def check_jordan():
     """Powers and pseudospectrum of the Jordan block of size 2 at 1/2."""
     block = numpy.array([[0.5, 1], [0, 0.5]])
     with open("gas2.json", encoding="utf-8") as file:
         result = json.load(file)
     norm = [float(numpy.linalg.norm(numpy.linalg.matrix_power(block, n), 2)) for n in range(12)]
-    result["spectrum"]["growth"] = 0.5
+    result["growth"] = 0.5
     result["transient"] = {"steps": list(range(12)), "norm": norm, "largest": max(norm),
                            "at_step": int(numpy.argmax(norm))}
     with open("jordan.json", "w", encoding="utf-8") as file:
@@ -94,9 +117,10 @@ def check_jordan():
     close(line(figure, "eigenvalues")[0], [0.5, 0.5], "eigenvalues")
 
 
-def main(program):
-    mpmstab(program, "spectrum", "gas2", "-output", "gas2.h5", "-json", "gas2.json")
+def main():
+    mpmstab(MPMSTAB, "spectrum", "gas2", "-output", "gas2.h5", "-json", "gas2.json")
     check_map()
+    check_real_map()
     check_jordan()
     check_written("transient", ("largest:", "time step n"), "jordan.json")
     check_written("pseudospectrum", ("Kreiss point", "gas2, linear basis"), "jordan.h5")
@@ -106,9 +130,10 @@ def main(program):
         file["map/courant"], file["map/drift"], file["map/growth"] = square[0], square[0], square + 1
     for arguments, says in ((("map", "gas2.h5"), "no /map/growth in it"), (("map", "square.h5"), "cannot be told"),
                             (("transient", "gas2.json"), "no 'transient' in it"),
+                            (("map", "map.h5", "map.json", "real.csv"), "231 points in it"),
                             (("pseudospectrum", "gas2.h5"), "no /pseudospectrum/re in it")):
         check_refused(arguments, says)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()

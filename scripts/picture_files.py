@@ -68,6 +68,17 @@ def read_csv(path, columns, made_by):
     return rows
 
 
+def read_words(path, column, made_by):
+    """One column of a CSV, as texts."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return [row[column] for row in csv.DictReader(file)]
+    except OSError as error:
+        return refuse(path, error.strerror.lower(), f"a file that 'mpmstab {made_by}' has written")
+    except KeyError:
+        return refuse(path, f"no column '{column}' in it", f"a file that 'mpmstab {made_by}' has written")
+
+
 def attributes(file):
     """The scene of an HDF5 file."""
     scene = {}

@@ -7,7 +7,7 @@
   pictures.py growth RUN.json...                      size over steps, predicted growth dashed (RUN.csv lies beside)
   pictures.py spacetime RUN.h5 [FIELD]                a particle field over place and time
   pictures.py frames RUN.h5 -o FOLDER                 a picture for each output step, and movie.gif
-  pictures.py map MAP.h5 [RESULT.json]                growth over two axes, with the limits at rest
+  pictures.py map MAP.h5 [RESULT.json] [MAP.csv]      growth over two axes, with the limits and what is undecided
   pictures.py transient RESULT.json                   norm of the operator's powers (spectrum -powers)
   pictures.py pseudospectrum SPECTRUM.h5 [RESULT.json]   smallest singular value of z - A (spectrum -pseudospectrum)
 
@@ -32,22 +32,24 @@ def first_two(kind, paths):
     return paths[0], paths[1] if len(paths) > 1 else None
 
 
-def symbol_of(paths):
+def by_ending(kind, paths, endings):
     """The further files by what they end in."""
     given = {}
     for path in paths[1:]:
-        key = "result_path" if path.endswith(".json") else "spectrum_path"
-        if key in given:
-            raise Refusal(f"{path}: the second of its kind; allowed: symbol FILE [SPECTRUM.h5] [RESULT.json]")
-        given[key] = path
-    return symbol(paths[0], **given)
+        ending = path[path.rfind("."):]
+        if ending not in endings or endings[ending] in given:
+            raise Refusal(f"{path}: not one more that {kind} takes; allowed: one each of {' and '.join(endings)}")
+        given[endings[ending]] = path
+    return given
 
 
 def draw(args):
     """The figure of a kind; None: it has been written."""
     kind, paths = args.kind, args.files
     if kind == "symbol":
-        return symbol_of(paths)
+        return symbol(paths[0], **by_ending(kind, paths, {".h5": "spectrum_path", ".json": "result_path"}))
+    if kind == "map":
+        return growth_map(paths[0], **by_ending(kind, paths, {".json": "result_path", ".csv": "csv_path"}))
     if kind == "growth":
         return growth(paths, args.steps)
     if kind == "spacetime":
@@ -63,7 +65,7 @@ def draw(args):
         return modes(paths[0], args.number)
     if kind == "transient":
         return transient(paths[0])
-    return {"spectrum": spectrum, "map": growth_map, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
+    return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
 
 
 def main():
