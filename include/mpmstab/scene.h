@@ -64,7 +64,7 @@ typedef struct {
   MpmFraction           offset, drift;
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress, measure, survey;
-  PetscInt              phases, modes, layouts;
+  PetscInt              phases, modes, layouts, powers, pseudospectrum;      /* powers, pseudospectrum 0: none */
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
   char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];

@@ -39,7 +39,7 @@ typedef struct {
 /* Not collective. All options, ended by one without a name. */
 extern const MpmOption MpmOptions[];
 
-#define MPM_MAX_OPTIONS 64
+#define MPM_MAX_OPTIONS 96
 
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_COMMAND_LINE } MpmSource;
 
