@@ -16,12 +16,12 @@ static PetscErrorCode PrintPowers(const MpmSpectrum *s)
   if (isnan(t->largest))
     MpmPrint("  largest beyond the range of doubles, at n = %" PetscInt_FMT, t->at_step);
   else
-    MpmPrint("  largest %.6g, at n = %" PetscInt_FMT, t->largest, t->at_step);
+    MpmPrint("  largest%s %.6g, at n = %" PetscInt_FMT, t->missing ? " of those known" : "", t->largest, t->at_step);
   if (fabs(growth - 1) > tolerance && isfinite(t->excess))
     MpmPrint("; of norm(A^n) / growth^n %.6g, at n = %" PetscInt_FMT, t->excess, t->excess_at);
   MpmPrint("\n");
   if (t->missing) MpmPrint("  not converged: %" PetscInt_FMT " of %" PetscInt_FMT " norms\n", t->missing, t->n);
-  if (!isfinite(t->power) || !isfinite(growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (t->missing || !isfinite(t->power) || !isfinite(growth)) PetscFunctionReturn(PETSC_SUCCESS);
   if (fabs(growth - 1) > tolerance)
     MpmPrint("  late norms go like growth^n%s", t->power > GROWS ? " times a power of n" : "");
   else if (t->power > GROWS)

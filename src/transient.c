@@ -154,6 +154,10 @@ static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order
   PetscCall(SVDSetTolerances(svd, TOLERANCE, RESTARTS));
   PetscCall(SVDSetInitialSpaces(svd, 1, &start, 0, NULL));
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = SVDSetFromOptions(svd);
+  PetscCall(PetscPopErrorHandler());
+  MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = SVDSolve(svd);
   PetscCall(PetscPopErrorHandler());
   if (!error) PetscCall(SVDGetConverged(svd, &found));
