@@ -170,6 +170,10 @@ def check_refusals():
                   "is of", "-jitter", "0.25")
     check_refused("good.h5", "checkpoint good.h5: its drift is 3/10, the scene's is 1/3", "-drift", "1/3")
     check_refused("good.h5", "checkpoint good.h5: is at step 50 of 50; allowed: more steps or time", "-steps", "50")
+    status, said, errors = finish(start(1, "-checkpoint", "series.h5", "-csv", "series.csv", "-steps", "50"))
+    check(status == 0, said + errors)
+    check_refused("series.h5", "restart series.h5: its CSV has other columns; allowed: weights, source_term and ringing as "
+                  "before", "-steps", "60", "-csv", "other.csv", "-source_term", "true")
 
 
 def seal(path):

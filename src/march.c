@@ -42,35 +42,55 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Nodes beyond a wall have the sign that the table's own P2G of the field has, or are images of the same sign. */
-static PetscBool IsOdd(const MpmTable *table, PetscInt field)
+/*
+   Through a view of the march whose table has the one node field that is summed to. inverse_mass: at the next step's
+   places, with masses of their own; NULL: at the present ones.
+*/
+static PetscErrorCode Project(const MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
 {
-  const MpmOp *seen = MpmTableSeenBy(table, field);
-
-  return seen && seen->kind == MPM_P2G ? table->odd[seen->dst] : PETSC_FALSE;
-}
-
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
-{
-  MpmPass  project = {.nops  = 1,
-                      .nsums = 1,
-                      .op    = {{.kind     = MPM_PASS_MAP,
-                                 .kernel   = march->scene->basis->kernel[MPM_P2G],
-                                 .a        = 1,
-                                 .particle = field,
-                                 .to_nodes = PETSC_TRUE,
-                                 .weight   = MpmTableWeight(march->scene->table, MPM_P2G)}}};
-  MpmMarch view    = *march;
-  MpmScene scene   = *march->scene;
-  MpmTable table   = *scene.table;
+  const MpmBasis *basis   = march->scene->basis;
+  MpmPass         project = {.nops  = 1,
+                             .nsums = 1,
+                             .op    = {{.kind        = MPM_PASS_MAP,
+                                        .kernel      = basis->kernel[MPM_P2G],
+                                        .mass_kernel = basis->p2g_mass,
+                                        .a           = 1,
+                                        .particle    = field,
+                                        .to_nodes    = PETSC_TRUE,
+                                        .weight      = MpmTableWeight(march->scene->table, MPM_P2G)}}};
+  MpmMarch        view    = *march;
+  MpmScene        scene   = *march->scene;
+  MpmTable        table   = *scene.table;
+  MpmParticles    next    = *march->particles;
 
   PetscFunctionBegin;
-  table.odd[0]  = IsOdd(scene.table, field);
+  table.odd[0]  = MpmTableIsOdd(scene.table, field);
   scene.table   = &table;
   view.scene    = &scene;
   view.nnodes   = 1;
   view.node[0]  = node;
   view.spare[0] = NULL;
+  if (inverse_mass) {
+    next.step++;
+    view.particles     = &next;
+    view.inverse_mass  = inverse_mass;
+    project.op[0].kind = MPM_PASS_MASS;
+    project.sums_mass  = PETSC_TRUE;
+  }
   PetscCall(MpmMarchRunPasses(&view, 1, &project, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
+{
+  PetscFunctionBegin;
+  PetscCall(Project(march, field, NULL, node));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
+{
+  PetscFunctionBegin;
+  PetscCall(Project(march, field, inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -104,9 +104,9 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particle
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, &reason));
   MpmCheckInput(reason > 0,
-                "the nodal system of transfer %s did not converge (%s), as where particles almost coincide; allowed: "
+                "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
                 "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",
-                s->scene->transfer->name, KSPConvergedReasons[reason]);
+                KSPConvergedReasons[reason]);
   PetscCall(VecGetArrayRead(s->solution, &a));
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));

@@ -94,6 +94,40 @@ static PetscErrorCode PrintConserved(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a diagnostic was for each field; '-' where there was nothing to divide by. */
+static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
+{
+  PetscFunctionBegin;
+  if (isnan(value))
+    MpmPrint("  %s %s -", name, when);
+  else
+    MpmPrint("  %s %s %.4e", name, when, value);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintExchange(const MpmRun *run)
+{
+  const MpmExchangeSample *first = &run->exchange_first, *last = &run->exchange_last, *most = &run->exchange_most;
+  const MpmTable          *table = run->scene->table;
+
+  PetscFunctionBegin;
+  if (run->scene->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
+  if (run->scene->source_term) {
+    MpmPrint("source term, relative to the nodes' field:");
+    for (PetscInt f = 0; table->fields[f]; f++) PetscCall(PrintField(table->fields[f], "up to", most->source[f]));
+    MpmPrint("\n");
+  }
+  if (run->scene->ringing) {
+    MpmPrint("ringing content, share that no node sees:");
+    for (PetscInt f = 0; table->fields[f]; f++) {
+      PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));
+      PetscCall(PrintField("", "last", last->ringing[f]));
+    }
+    MpmPrint("\n");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintVerdict(const MpmRun *run)
 {
   const MpmGrowth *growth = &run->growth;
@@ -127,6 +161,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintGrowth(run));
   PetscCall(PrintErrors(run));
   PetscCall(PrintConserved(run));
+  PetscCall(PrintExchange(run));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

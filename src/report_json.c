@@ -29,6 +29,40 @@ static json_t *Errors(const MpmRun *run)
   return errors;
 }
 
+/* For each field first (NULL: left out), last and most of a diagnostic. */
+static json_t *PerField(const MpmTable *table, const PetscReal first[], const PetscReal last[], const PetscReal most[])
+{
+  json_t *fields = json_object();
+
+  for (PetscInt f = 0; table->fields[f]; f++) {
+    json_t *field = json_object();
+
+    if (first) MpmJsonSet(field, "first", first[f]);
+    MpmJsonSet(field, "last", last[f]);
+    MpmJsonSet(field, "largest", most[f]);
+    json_object_set_new(fields, table->fields[f], field);
+  }
+  return fields;
+}
+
+static void SetExchange(json_t *object, const MpmRun *run)
+{
+  const MpmExchangeSample *first = &run->exchange_first, *last = &run->exchange_last, *most = &run->exchange_most;
+  const MpmTable          *table = run->scene->table;
+
+  if (run->scene->weights) {
+    json_t *weights = json_object();
+
+    MpmJsonSet(weights, "c1_min", most->c1_min);
+    MpmJsonSet(weights, "c1_max", most->c1_max);
+    json_object_set_new(object, "weights", weights);
+  }
+  if (run->scene->source_term)
+    json_object_set_new(object, "source_term", PerField(table, NULL, last->source, most->source));
+  if (run->scene->ringing)
+    json_object_set_new(object, "ringing", PerField(table, first->ringing, last->ringing, most->ringing));
+}
+
 static json_t *Run(const MpmRun *run)
 {
   json_t         *object = json_object(), *energy = json_object();
@@ -50,6 +84,7 @@ static json_t *Run(const MpmRun *run)
   json_object_set_new(object, "energy", energy);
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
+  SetExchange(object, run);
   if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
   if (run->blew_up_at_step != MPM_NEVER)
     json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));

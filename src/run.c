@@ -6,9 +6,8 @@
 #include <mpmstab/material.h>
 #include <mpmstab/memory.h>
 #include <mpmstab/mode_file.h>
-#include <mpmstab/output.h>
 #include <mpmstab/progress.h>
-#include <mpmstab/run.h>
+#include <mpmstab/run_csv.h>
 #include <mpmstab/stop.h>
 #include <math.h>
 
@@ -27,7 +26,8 @@ typedef struct {
   MpmMarch    *march;
   MpmOutput   *output; /* NULL: none asked */
   MpmTextFile  csv;
-  PetscInt64   gap; /* steps between samples */
+  MpmExchange *exchange; /* NULL: none asked */
+  PetscInt64   gap;      /* steps between samples */
   PetscReal    aside_s;
   MpmConserved start;
   char        *csv_before; /* what a run that this one goes on from had written; NULL: none */
@@ -46,42 +46,15 @@ static PetscInt64 SampleGap(const MpmScene *scene)
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
 }
 
-static PetscErrorCode WriteCsvHeader(const Loop *loop)
+/* What a sample is kept in beside the series; no part of the loop's time. */
+static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 {
-  const MpmScene *scene = loop->run->scene;
-
-  PetscFunctionBegin;
-  if (!loop->csv.stream) PetscFunctionReturn(PETSC_SUCCESS);
-  if (loop->csv_before && *loop->csv_before) {
-    fputs(loop->csv_before, loop->csv.stream);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  fprintf(loop->csv.stream, "step,time,norm,energy,log10_norm");
-  for (PetscInt f = 0; loop->run->has_errors && scene->table->fields[f]; f++)
-    fprintf(loop->csv.stream, ",error_l2_%s", scene->table->fields[f]);
-  fprintf(loop->csv.stream, "\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteCsvRow(Loop *loop, PetscReal log_norm, PetscReal energy)
-{
-  const MpmScene *scene = loop->run->scene;
   const PetscReal begin = MPI_Wtime();
-  MpmError        error[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
-  if (!scene->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  if (loop->run->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, error));
-  if (loop->csv.stream) {
-    fprintf(loop->csv.stream, "%" PetscInt64_FMT, loop->march->step);
-    MpmTextFileCell(&loop->csv, loop->march->step * scene->dt);
-    MpmTextFileCell(&loop->csv, exp(log_norm));
-    MpmTextFileCell(&loop->csv, energy);
-    MpmTextFileCell(&loop->csv, log_norm / M_LN10);
-    for (PetscInt f = 0; loop->run->has_errors && scene->table->fields[f]; f++)
-      MpmTextFileCell(&loop->csv, error[f].l2);
-    fprintf(loop->csv.stream, "\n");
-  }
+  if (loop->exchange) PetscCall(MpmExchangeMeasure(loop->exchange));
+  if (loop->run->scene->csv[0])
+    PetscCall(MpmRunCsvRow(loop->run, loop->march, loop->exchange, log_norm, energy, &loop->csv));
   loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -122,7 +95,7 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmSeriesAppend(&run->series, march->step, log_state, log(norms.grid) + ln2));
-  PetscCall(WriteCsvRow(loop, log_state, run->energy_final));
+  PetscCall(Record(loop, log_state, run->energy_final));
   if (norms.state > 0 && PetscAbsInt(ilogb(norms.state)) > RESCALE_AT)
     PetscCall(MpmMarchRescale(march, ilogb(norms.state)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -196,7 +169,7 @@ static PetscErrorCode OpenFiles(Loop *loop)
   if (scene->output[0]) PetscCall(MpmOutputCreate(loop->march, &loop->output));
   if (scene->csv[0]) {
     PetscCall(MpmTextFileOpen(scene->csv, &loop->csv));
-    PetscCall(WriteCsvHeader(loop));
+    PetscCall(MpmRunCsvBegin(loop->run, loop->csv_before, &loop->csv));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -223,6 +196,7 @@ static PetscErrorCode Begin(Loop *loop)
   if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, loop->march, loop->run, &loop->csv_before));
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
+  PetscCall(MpmExchangeCreate(loop->march, &loop->exchange));
   if (scene->checkpoint[0]) MpmStopInstall();
   PetscCall(OpenFiles(loop));
   PetscCall(PetscFree(loop->csv_before));
@@ -263,6 +237,12 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
+  if (loop.exchange) {
+    r->exchange_first = loop.exchange->first;
+    r->exchange_last  = loop.exchange->last;
+    r->exchange_most  = loop.exchange->most;
+  }
+  PetscCall(MpmExchangeDestroy(&loop.exchange));
   PetscCall(MpmMarchDestroy(&loop.march));
   PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
   r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);

@@ -95,6 +95,19 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a run measures besides; the slides' weights are those of hats, and of nodes with a cell to either side. */
+static PetscErrorCode ReadDiagnostics(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  if (strcmp(scene->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsSwitch(settings, "weights", &scene->weights));
+  PetscCall(MpmSettingsSwitch(settings, "source_term", &scene->source_term));
+  PetscCall(MpmSettingsSwitch(settings, "ringing", &scene->ringing));
+  if (scene->weights && !(scene->basis->hat && MpmSceneIsPeriodic(scene)))
+    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Where initial eigenmode is; the tasks that do not march leave initial data alone. */
 static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
 {
@@ -259,6 +272,7 @@ static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadAnalysis(settings, scene));
   if (!strcmp(scene->task, "map")) PetscCall(MpmSettingsAxes(settings, scene));
   PetscCall(ReadInitial(settings, scene));
+  PetscCall(ReadDiagnostics(settings, scene));
   PetscCall(CheckSizes(settings, scene));
   PetscCall(ReadOutputs(settings, scene));
   PetscCall(ReadExpect(settings, scene, &scene->expect));

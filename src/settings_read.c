@@ -222,10 +222,9 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
     if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
   }
   PetscCall(PetscSNPrintf(bounds, sizeof bounds, " to %.6g", (double)option->hi));
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
-                          option->lo_open ? "above" : "from", (double)option->lo,
-                          option->hi == PETSC_MAX_REAL ? "" : bounds));
+  PetscCall(PetscSNPrintf(
+      why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
+      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));
   if (!ok || !InRange(option, span[0].value) || !InRange(option, span[1].value) || span[0].value >= span[1].value)
     PetscCall(MpmSettingsRefuse(settings, name, why));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -231,6 +231,13 @@ const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
   return NULL;
 }
 
+PetscBool MpmTableIsOdd(const MpmTable *table, PetscInt field)
+{
+  const MpmOp *seen = MpmTableSeenBy(table, field);
+
+  return seen && seen->kind == MPM_P2G ? table->odd[seen->dst] : PETSC_FALSE;
+}
+
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
 {
   for (PetscInt o = 0; o < table->nops; o++)

@@ -64,3 +64,9 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
 
 /* Collective. P2G of one particle field at the current places into a local vector, ghosts included. */
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
+
+/*
+   Collective. The same where the particles will be after the next DRIFT, while they stay; inverse_mass, a local vector,
+   becomes that of the nodes there. Under drift there must be slack in the ghost layer.
+*/
+PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node);

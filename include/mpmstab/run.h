@@ -1,6 +1,7 @@
 /* Run: a scene marched to its end, and what came out of it. */
 #pragma once
 #include <mpmstab/diagnostics.h>
+#include <mpmstab/exchange.h>
 #include <mpmstab/growth.h>
 #include <mpmstab/predict.h>
 
@@ -12,7 +13,8 @@
    Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
    of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: of what there was at the start
    of the run (NaN: none to conserve, or the state was lost). lost: one step enlarged the state beyond what rescaling
-   can follow, and the run stopped there; growth_above: by how much at least per step.
+   can follow, and the run stopped there; growth_above: by how much at least per step. exchange_*: of scenes that ask for
+   weights, source term or ringing (see exchange.h).
 S*/
 #define MPM_NEVER -1
 typedef struct {
@@ -27,6 +29,8 @@ typedef struct {
   MpmGrowth       growth;
   MpmVerdict      verdict;
   MpmPredictions  predictions;
+
+  MpmExchangeSample exchange_first, exchange_last, exchange_most;
 } MpmRun;
 
 /*

@@ -76,7 +76,7 @@ typedef struct {
   PetscReal             cluster[2], width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
   MpmFraction           offset, drift;
   MpmInitial            initial;
-  PetscBool             stagger, has_progress, progress, measure, survey;
+  PetscBool             stagger, has_progress, progress, measure, survey, weights, source_term, ringing;
   PetscInt              phases, modes, layouts;
   MpmAxis               axes[2];
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */

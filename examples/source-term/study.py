@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""The slides' second question: how does the source term contribute to stability?
+
+study.py [--quick] [-o PICTURE]: an independent march of nodes and particles in numpy, one Bloch wave at a time, in
+which the source term of the slides stands by itself and is multiplied by a factor: with 1 it must give mpmstab's
+growth, with 0 the term is gone. PICTURE (.png): growth over drift with and without it. --quick: fewer cases.
+
+    gas1  u' = u + s sum_p (S' - S) u_p + k sum_p S' (r_{i+1} - r_i),   r' likewise from the old u
+    gas2  u' = u + s sum_p (S - S-) u_p + k sum_p S (r_{i+1} - r_i),
+          r' = r + s sum_p (S' - S) r_p + k sum_p S' (u'_{i+1} - u'_i)     (u with the weights before the particles move)
+
+S-, S, S': weights where particles were, are and will be. With s = 0 the nodes go on by themselves, as C1, C2 say. The
+step may also be split with the weights S at both places of k; 'same place' below is that split without its term.
+"""
+import argparse
+import math
+import os
+import sys
+from fractions import Fraction
+
+import numpy
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, os.pardir, os.pardir, "scripts"))
+from program import launch, require_program  # noqa: E402 (the path comes first)
+
+CELLS = 64
+WAVES = 2 * math.pi * numpy.arange(1, CELLS // 2 + 1) / CELLS
+CASES = [(k, drift, ppc) for k in (0.1, 0.5) for drift in ("1/100", "1/8", "1/3") for ppc in (1, 2, 4, 8)]
+
+
+def shape(basis, d):
+    """phi and dphi/dx at the distance d of a particle from a node, in cells; for the hat left-closed cells."""
+    a, sign = abs(d), math.copysign(1, d)
+    if basis == "linear":
+        return (1 - a, -1 if d >= 0 else 1) if -1 <= d < 1 else (0, 0)
+    if basis == "quadratic":
+        return (0.75 - d * d, -2 * d) if a < 0.5 else ((1.5 - a) ** 2 / 2, -sign * (1.5 - a)) if a < 1.5 else (0, 0)
+    return ((2 / 3 - d * d + a**3 / 2, -2 * d + 1.5 * d * a) if a < 1
+            else ((2 - a) ** 3 / 6, -sign * (2 - a) ** 2 / 2) if a < 2 else (0, 0))
+
+
+def maps(scene, step):
+    """P2G as a row and GRAD as a column of the Bloch wave for each of WAVES: particles of a cell, one node."""
+    ppc, drift, basis = scene["ppc"], Fraction(scene["drift"]), scene.get("basis", "linear")
+    gather = numpy.zeros((len(WAVES), ppc), complex)
+    gradient = numpy.zeros((len(WAVES), ppc), complex)
+    mass = 0
+    for j in range(ppc):
+        place = Fraction(2 * j + 1, 2 * ppc) + step * drift
+        cell = math.floor(place)
+        for node in range(cell - 1, cell + 3):
+            phi, slope = shape(basis, float(place - node))
+            gather[:, j] += phi * numpy.exp(-1j * WAVES * node)
+            gradient[:, j] += slope * numpy.exp(1j * WAVES * node)
+            mass += phi
+    return gather / mass, gradient
+
+
+def identity(size):
+    return numpy.tile(numpy.eye(size, dtype=complex), (len(WAVES), 1, 1))
+
+
+def step_matrix(scene, step, factor):
+    """One step of (u_i, r_i, u_p, r_p), the source term multiplied by the factor."""
+    ppc, k = scene["ppc"], scene["courant"]
+    was, now, will = (maps(scene, step + shift) for shift in (-1, 0, 1))
+    u, r = slice(2, 2 + ppc), slice(2 + ppc, None)
+
+    def update(matrix, node, field, other, weights, before):
+        matrix[:, node, field] += factor * (weights - before)
+        matrix[:, node, other] += k * numpy.einsum("bj,bj->b", weights, now[1])
+        matrix[:, field, other] += k * now[1]
+
+    first, second = identity(2 + 2 * ppc), identity(2 + 2 * ppc)
+    if scene["formulation"] == "gas1":
+        update(first, 0, u, 1, will[0], now[0])
+        update(first, 1, r, 0, will[0], now[0])
+        return first
+    update(first, 0, u, 1, now[0], was[0])
+    update(second, 1, r, 0, will[0], now[0])
+    return second @ first
+
+
+def same_place(scene, step):
+    """One step of (u_i, r_i) alone with the weights where the particles are: mu = e (1 - cos beta) + i sin beta."""
+    gather, gradient = maps(scene, step)
+    mu = scene["courant"] * numpy.einsum("bj,bj->b", gather, gradient)
+    first, second = identity(2), identity(2)
+    first[:, 0, 1] = mu
+    if scene["formulation"] == "gas1":
+        first[:, 1, 0] = mu
+        return first
+    second[:, 1, 0] = mu
+    return second @ first
+
+
+def growth(scene, matrix_of_step):
+    """Largest growth per step over WAVES: of a period, after which particles have moved whole cells (Floquet)."""
+    drift = Fraction(scene["drift"])
+    period = drift.denominator
+    product = 1
+    for step in range(period):
+        product = matrix_of_step(step) @ product if step else matrix_of_step(0)
+    product[:, 2:] *= numpy.exp(-1j * WAVES * drift.numerator)[:, None, None]
+    return float(abs(numpy.linalg.eigvals(product)).max() ** (1 / period))
+
+
+def with_and_without(scene):
+    return (growth(scene, lambda step: step_matrix(scene, step, 1)),
+            growth(scene, lambda step: step_matrix(scene, step, 0)[:, :2, :2]),
+            growth(scene, lambda step: same_place(scene, step)))
+
+
+def symbol(scene, **more):
+    status, found, said = launch("symbol", None, {"cells": CELLS, **scene, **more})
+    if status:
+        sys.exit(f"study.py: {scene} {more}: {said}")
+    return found["growth"]
+
+
+def removed(cases):
+    """The term with factors 1 and 0, beside mpmstab; the largest difference to mpmstab."""
+    print("largest growth per step over 64 waves, hats, flip; with: numpy with the term, without: the slides' split\n"
+          "without it, same place: the other split without it; nullspace: mpmstab with that transfer\n")
+    line = "{:<5} {:>4} {:>6} {:>4}  {:>9} {:>9}  {:>9} {:>10}  {:>9}"
+    print(line.format("", "k", "drift", "ppc", "mpmstab", "with", "without", "same place", "nullspace"))
+    off = 0
+    for formulation in ("gas1", "gas2"):
+        for k, drift, ppc in cases:
+            scene = {"formulation": formulation, "courant": k, "drift": drift, "ppc": ppc}
+            program, null = symbol(scene), symbol(scene, transfer="nullspace")
+            found = with_and_without(scene)
+            off = max(off, abs(found[0] - program))
+            print(line.format(formulation, k, drift, ppc, f"{program:.6f}", *(f"{value:.6f}" for value in found),
+                              f"{null:.6f}"), flush=True)
+    return off
+
+
+def frozen():
+    """Particles held where drifting ones pass, against drifting ones."""
+    print("\ngrowth per step, hats, flip, ppc 2, drift 1/8: particles held at each offset that they pass, and drifting\n")
+    line = "{:<5} {:>4}  {:>9} {:>9} {:>9} {:>9}  {:>14}  {:>9}"
+    offsets = ("0", "1/4", "1/2", "3/4")
+    print(line.format("", "k", *(f"at {offset}" for offset in offsets), "geometric mean", "drifting"))
+    for formulation in ("gas1", "gas2"):
+        for k in (0.1, 0.5):
+            scene = {"formulation": formulation, "courant": k, "ppc": 2}
+            held = [symbol(scene, offset=float(Fraction(offset))) for offset in offsets]
+            print(line.format(formulation, k, *(f"{value:.6f}" for value in held),
+                              f"{math.exp(numpy.log(held).mean()):.6f}", f"{symbol(scene, drift='1/8'):.6f}"), flush=True)
+
+
+def calmer(quick):
+    """Smoother bases, with and without the term; other transfers."""
+    print("\ngrowth per step, ppc 2; with and without the term (slides' split), and other transfers by mpmstab\n")
+    line = "{:<5} {:>4} {:>6} {:<9}  {:>9} {:>9}  {:>9} {:>9} {:>9} {:>9}"
+    print(line.format("", "k", "drift", "basis", "with", "without", "pic", "blend", "xpic", "nullspace"))
+    off = 0
+    for formulation in ("gas2",) if quick else ("gas1", "gas2"):
+        for k, drift in ((0.1, "1/100"), (0.5, "1/8")):
+            for basis in ("linear", "quadratic", "cubic"):
+                scene = {"formulation": formulation, "courant": k, "drift": drift, "ppc": 2, "basis": basis}
+                found = with_and_without(scene)
+                off = max(off, abs(found[0] - symbol(scene)))
+                others = [symbol(scene, transfer=way) for way in ("pic", "blend", "xpic", "nullspace")]
+                print(line.format(formulation, k, drift, basis, *(f"{value:.6f}" for value in (*found[:2], *others))),
+                      flush=True)
+    return off
+
+
+def picture(path, quick):
+    """Growth over drift with and without the term."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    figure, panels = pyplot.subplots(1, 2, figsize=(9, 4), sharey=True, constrained_layout=True)
+    drifts = sorted({Fraction(n, d) for d in ((16,) if quick else (16, 100)) for n in range(1, d // 2 + 1)})
+    for axes, ppc in zip(panels, (2, 8)):
+        found = numpy.array([with_and_without({"formulation": "gas2", "courant": 0.1, "drift": str(drift), "ppc": ppc})
+                             for drift in drifts])
+        for column, (label, colour, marker) in enumerate((("with the source term", "#D55E00", "o"),
+                                                          ("without it (the slides' split)", "#0072B2", "s"),
+                                                          ("without it (same place)", "#009E73", "^"))):
+            axes.semilogy(drifts, numpy.maximum(found[:, column] - 1, 1e-7), color=colour, marker=marker, markersize=4,
+                          linewidth=0.8, label=label)
+        axes.set_title(f"gas2, linear, flip, k = 0.1, ppc {ppc}", fontsize=10)
+        axes.set_xlabel("drift / cells per step")
+        axes.grid(True, alpha=0.3)
+    panels[0].set_ylabel("growth per step - 1 (stable: at the bottom)")
+    panels[0].set_ylim(0.7e-7, 1)
+    panels[1].legend(fontsize=9, loc="lower right")
+    figure.savefig(path + ".part", format="png", dpi=100)
+    os.replace(path + ".part", path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("-o", "--output", metavar="PICTURE")
+    arguments = parser.parse_args()
+    require_program()
+    off = removed([case for case in CASES if not arguments.quick or case[2] == 2])
+    frozen()
+    off = max(off, calmer(arguments.quick))
+    print(f"\nnumpy with the term and mpmstab differ by {'less than 1e-9' if off < 1e-9 else format(off, '.1e')}")
+    if arguments.output:
+        picture(arguments.output, arguments.quick)
+
+
+if __name__ == "__main__":
+    main()
