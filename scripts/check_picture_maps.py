@@ -36,8 +36,8 @@ def check_map():
         file["map/beta"] = numpy.zeros_like(growth)
     with open("gas2.json", encoding="utf-8") as file:
         result = json.load(file)
-    result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071, "unstable": int((growth > 1 + 1e-6).sum()),
-                     "corrected_limit": [1.5, None, None, None, None]}
+    result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071,
+                     "unstable": int((growth > 1 + 1e-6).sum()), "corrected_limit": [1.5, None, None, None, None]}
     with open("map.json", "w", encoding="utf-8") as file:
         json.dump(result, file)
     figure = pictures.growth_map("map.h5", "map.json")

@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC2034 # used where this is sourced
 common_packages="gcc libc6-dev make cmake pkg-config git libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
                  libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev clang-format python3 python3-numpy
-                 python3-h5py python3-matplotlib valgrind"
+                 python3-h5py python3-matplotlib python3-selenium chromium chromium-driver valgrind"
 
 install_missing() {
   missing=

@@ -108,7 +108,8 @@ def growth_map(path, result_path=None, csv_path=None):
     open_points = numpy.isnan(growth) | undecided_of(csv_path, growth.shape)
     if open_points.any():
         at = numpy.argwhere(open_points)
-        axes.plot(first[at[:, 0]], second[at[:, 1]], "x", color="black", markersize=4, label="undecided", gid="undecided")
+        axes.plot(first[at[:, 0]], second[at[:, 1]], "x", color="black", markersize=4, label="undecided",
+                  gid="undecided")
     draw_limits(axes, names, (first, second), found)
     axes.set_title(f"unstable at {100 * found['unstable'] / growth.size:.1f}% of {growth.size} points "
                    f"(growth beyond 1 + {tolerance:g} per step)")
@@ -191,8 +192,10 @@ def draw_limits(axes, names, values, found):
         line(published, label=label, gid="published", **style.COLUMNS["published"], **look)
     corrected = numpy.array(found.get("corrected_limit", []), float)
     if corrected.shape == values[1 - at].shape and numpy.isfinite(corrected).any():
+        outside = (corrected < values[at].min()) | (corrected > values[at].max())
+        beyond = " (beyond the axis)" if outside[numpy.isfinite(corrected)].all() else ""
+        label = f": k = {numpy.nanmax(corrected):.6g}, at rest only" if numpy.isfinite(corrected).sum() == 1 else ""
+        corrected[outside] = numpy.nan
         points = (corrected, values[1 - at]) if at == 0 else (values[1 - at], corrected)
-        marked = {**style.COLUMNS["corrected"], "marker": "D" if numpy.isfinite(corrected).sum() == 1 else None}
-        axes.plot(*points, label="corrected limit" + (f": k = {numpy.nanmax(corrected):.6g}, at rest only"
-                                                      if marked["marker"] else ""),
-                  gid="corrected", clip_on=False, **marked, **look)
+        marked = {**style.COLUMNS["corrected"], "marker": "D" if label else None}
+        axes.plot(*points, label=f"corrected limit{label}{beyond}", gid="corrected", clip_on=False, **marked, **look)

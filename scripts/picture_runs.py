@@ -42,8 +42,16 @@ def shared(results):
     return same, [", ".join(texts) for texts in own]
 
 
+def through(steps, size, per_step):
+    """Powers of the growth per step, through the middle of the late half of the run."""
+    late = slice(len(steps) // 2, None)
+    level = numpy.mean(numpy.log(size[late]) - steps[late] * math.log(per_step))
+    with numpy.errstate(over="ignore"):
+        return numpy.exp(level + steps * math.log(per_step))
+
+
 def growth(paths, last=None):
-    """Size of the state over steps, with the predicted growth dashed (ending where the run does).
+    """Size of the state over steps, with the predicted growth dashed.
 
     paths are results of runs; those of spectra among them predict what the run's own file does not.
     """
@@ -67,10 +75,8 @@ def growth(paths, last=None):
                   markevery=max(1, shown.sum() // 9), label=f"{own[number]}: {text}".lstrip(": "), gid=f"run{number}")
         predicted = predicted_of(result, spectra)
         if predicted is not None:
-            end, line = steps[shown][-1], size[shown][-1]
-            with numpy.errstate(over="ignore"):
-                axes.plot(steps[shown], line * predicted ** (steps[shown] - end), "k--", linewidth=1,
-                          gid=f"predicted{number}")
+            axes.plot(steps[shown], through(steps[shown], size[shown], predicted), "k--", linewidth=1,
+                      gid=f"predicted{number}")
             labelled = True
     if labelled:
         axes.plot([], [], "k--", linewidth=1, label="predicted growth")

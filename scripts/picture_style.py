@@ -1,4 +1,5 @@
 """How every picture looks, and how it is written: PNG and SVG, whole or not at all."""
+import io
 import os
 
 import matplotlib
@@ -39,10 +40,17 @@ def legend_below(axes, columns=2, **options):
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -below), ncol=columns, **options)
 
 
+def encoded(figure, kind):
+    """The bytes of a file, svg or png."""
+    file = io.BytesIO()
+    figure.savefig(file, format=kind, dpi=150, metadata={"Date": None} if kind == "svg" else {"Software": None})
+    return file.getvalue()
+
+
 def write(figure, path, kind):
     """One file, aside and then renamed."""
-    metadata = {"Date": None} if kind == "svg" else {"Software": None}
-    figure.savefig(path + ".part", format=kind, dpi=150, metadata=metadata)
+    with open(path + ".part", "wb") as file:
+        file.write(encoded(figure, kind))
     os.replace(path + ".part", path)
 
 
