@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what ensemble writes (JSON, CSV): the same on 1, 2 and 3 ranks, and growth as numpy finds it.
 
 check_ensemble.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

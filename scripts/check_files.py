@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks the files that a run writes: HDF5, XDMF, JSON and CSV, on 1, 2 and 3 ranks.
 
 check_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks the pictures of maps, powers and pseudospectra on made-up files whose answer is known.
 
 check_picture_maps.py MPMSTAB, in a folder that may be filled. Silent when all is well.

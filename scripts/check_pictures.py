@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks that pictures show what the files hold: drawn data against closed forms and files, and what SVGs say.
 
 check_pictures.py MPMSTAB, in a folder that may be filled. Silent when all is well.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks a report of three tiny scenes: its numbers against the JSON it was made from, and the page in a browser.
 
 check_report.py MPMSTAB, in a folder that may be filled. Silent when all is well.

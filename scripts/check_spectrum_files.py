@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what spectrum and symbol write (HDF5, CSV, JSON) against the same operator put together in numpy.
 
 check_spectrum_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

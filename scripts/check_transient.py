@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what spectrum -powers and -pseudospectrum write (HDF5, JSON) against the same operator put together in numpy.
 
 check_transient.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

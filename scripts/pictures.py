@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Pictures of what mpmstab has written, as NAME.png and NAME.svg.
 
   pictures.py spectrum SPECTRUM.h5 [RESULT.json]      eigenvalues, unit circle, the symbol's and the published factors

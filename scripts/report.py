@@ -1,14 +1,15 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """One HTML page that answers for each scene: is it stable, for which time step, how accurate for what cost, and why?
 
 report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work-precision]
 
-Runs spectrum, symbol, critical, run and map of mpmstab on each scene (by default those of the demo) and error against
+Runs spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples) and error against
 run time over three grids; what a scene does not support is quoted. The page holds its pictures and needs no network.
 Files of the runs stay in FOLDER (report-files beside the page). MPMSTAB names the program (build/mpmstab).
 """
 import argparse
 import datetime
+import glob
 import os
 import platform
 import shlex
@@ -21,9 +22,6 @@ import report_page
 import report_runs
 from program import PROGRAM, ROOT, refuse, require_program, write_whole
 
-DEMO = ("gas1-standing-wave", "gas2-standing-wave", "gas2-beyond-its-limit", "gas2-rings-when-it-drifts",
-        "elastic-damps", "elastic-bar")
-
 
 def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -35,7 +33,7 @@ def parse():
     arguments = parser.parse_args()
     if arguments.ranks < 1:
         refuse(f"-n {arguments.ranks}: allowed: 1 or more ranks")
-    arguments.scenes = arguments.scenes or [os.path.join(ROOT, "examples", name, "scene.yaml") for name in DEMO]
+    arguments.scenes = arguments.scenes or sorted(glob.glob(os.path.join(ROOT, "examples", "*", "scene.yaml")))
     arguments.work = os.path.abspath(arguments.work or os.path.splitext(arguments.output)[0] + "-files")
     return arguments
 
