@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Marches gas2 beside the plain C loop, interleaved, and prints best and median time with their ratios.
 
 The machine's speed drifts by tens of per cent within minutes: only ratios of runs that alternate mean anything. Both

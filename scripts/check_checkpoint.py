@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Kills runs at random moments and goes on from their checkpoints; offers them files that are no checkpoints.
 
 check_checkpoint.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

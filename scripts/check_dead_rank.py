@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A rank that dies ends the job, at once and with a message; SIGTERM ends the program without a stack trace.
 
 check_dead_rank.py MPIEXEC MPMSTAB. Silent when all is well.

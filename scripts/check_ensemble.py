@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what ensemble writes (JSON, CSV): the same on 1, 2 and 3 ranks, and growth as numpy finds it.
 
 check_ensemble.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
@@ -15,7 +15,8 @@ CELLS, PPC, COURANT, JITTER, SEED, LAYOUTS = 20, 2, 1.3, 0.4, 5, 14
 SCENE = (f"-formulation elastic -cells {CELLS} -ppc {PPC} -courant {COURANT} -jitter {JITTER} -seed {SEED} "
          f"-layouts {LAYOUTS}").split()
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
-       "drift", "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "ensemble"}
+       "drift", "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "ensemble",
+       "jitter", "seed"}
 ENSEMBLE = {"layouts", "unstable", "undecided", "share", "interval", "growth_min", "growth_median", "growth_max",
             "worst_seed", "tolerance", "seconds"}
 WORD = 2**64 - 1

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks the slides' diagnostics of run (weights, source_term, ringing) against numpy, from the run's own HDF5 output.
 
 check_exchange.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

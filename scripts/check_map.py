@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what map writes (JSON, CSV, HDF5): one and the same on 1, 2 and 3 ranks, and growth as numpy finds it.
 
 check_map.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks what spectrum and symbol write (HDF5, CSV, JSON) against the same operator put together in numpy.
 
 check_spectrum_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
@@ -17,7 +17,7 @@ CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
        "drift",
-       "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted"}
+       "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted", "offset"}
 PREDICTED = {"published", "corrected", "symbol", "corrected_off_by"}
 SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "solver", "converged", "listed",
             "spectral_radius", "growth", "max_residual", "step_mismatch", "symbol_mismatch", "condition", "at_one",
@@ -71,7 +71,9 @@ def distance(one, other):
 
 def check_modes(file, values, matrix):
     """Eigenvectors are eigenvectors, in the order of the eigenvalues."""
-    check(sorted(file["modes"]) == [f"{j + 1:04d}" for j in range(MODES)], f"modes {sorted(file['modes'])}")
+    check(sorted(file["modes"]) == [f"{j + 1:04d}" for j in range(MODES)] + ["coordinates"], f"modes {sorted(file['modes'])}")
+    places = [(p // PPC + (p % PPC + 0.3) / PPC) / CELLS for p in range(CELLS * PPC)]
+    check(numpy.allclose(file["modes/coordinates"][:], places, rtol=0, atol=1e-15), "places of the modes' particles")
     for j in range(MODES):
         group = file[f"modes/{j + 1:04d}"]
         state = numpy.empty(2 * CELLS * PPC, complex)

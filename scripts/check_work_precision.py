@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, and that it goes on when killed.
 
 check_work_precision.py, in a folder that may be filled, MPMSTAB set. Silent when all is well.

@@ -20,10 +20,11 @@ mpirun -n 2 build/mpmstab run examples/elastic-bar/scene.yaml -json results/elas
 for scene in gas1-standing-wave gas2-standing-wave gas2-rings-when-it-drifts elastic-bar; do
   pictured="$pictured results/$scene.json"
 done
+pictured="$pictured results/gas2-rings-when-it-drifts-spectrum.json" # no formula predicts its growth
 python=$(command -v /usr/bin/python3 || command -v python3) # Debian's has matplotlib
 # shellcheck disable=SC2086 # a list of files
-"$python" scripts/plot_growth.py -o results/growth.png $pictured
-echo "picture: results/growth.png; full tables: results/*.txt; what to see: examples/*/README.md"
+"$python" scripts/pictures.py growth $pictured -s 640 -o results/growth
+echo "picture: results/growth.png (.svg); full tables: results/*.txt; what to see: examples/*/README.md"
 echo
 # shellcheck disable=SC2086 # a list of scenes
 "$python" scripts/summary.py results $scenes

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs the scenes of examples/extreme and prints a table: case, predicted, measured, verdict, time.
 
 extremes.py [--large] [--ranks N] [--check FILE] [PATTERN...]: --large: those that need gigabytes too; --check: the rows

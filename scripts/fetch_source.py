@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Fetches the source of a project's newest release from PyPI, unless it is there, and prints its version.
 
 fetch_source.py NAME FOLDER [SERIES]: into FOLDER/NAME-VERSION; with SERIES (such as 3.26) the newest of that series.

@@ -1,8 +1,10 @@
-# Sourced: what every build here needs (Debian's names), and the function that installs what is missing.
+# Sourced: what every build here needs, and its tests besides (Debian's names), and the function that installs what is
+# missing.
 # shellcheck shell=sh disable=SC2034 # used where this is sourced
 common_packages="gcc libc6-dev make cmake pkg-config git libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
-                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev clang-format python3 python3-numpy
-                 python3-h5py python3-matplotlib valgrind"
+                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev python3 python3-numpy python3-h5py
+                 python3-matplotlib"
+test_packages="clang-format valgrind chromium chromium-driver python3-selenium"
 
 install_missing() {
   missing=

@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 . ./scripts/install.sh
 # a Fortran compiler: PETSc takes MUMPS only with one
 # shellcheck disable=SC2086 # a list of packages
-install_missing $common_packages ca-certificates gfortran liblapack-dev libmumps-dev libscalapack-openmpi-dev
+install_missing $common_packages $test_packages ca-certificates gfortran liblapack-dev libmumps-dev libscalapack-openmpi-dev
 
 logged() { # LOG COMMAND...: what it says is shown only when it fails
   log=$folder/$1.log

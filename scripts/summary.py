@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Two tables from results of the demo: growth in five columns (spectrum -json), and runs (run -json).
 
 summary.py FOLDER SCENE...     reads FOLDER/SCENE-spectrum.json and FOLDER/SCENE.json

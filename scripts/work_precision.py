@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs a scene in all combinations of some of its parameters and says which is cheapest for an error.
 
 work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2] [--formulation gas1,gas2]

@@ -10,6 +10,7 @@
 #include <mpmstab/layout.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
+#include <stdint.h>
 
 #define KINDS MPM_OP_KINDS
 #define SINGULAR 1e-12 /* symbol of P2G G2P that is taken for 0 */
@@ -31,13 +32,15 @@ static PetscBool IsUsed(const MpmScene *scene, MpmOpKind kind)
 PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *b)
 {
   const PetscInt ppc = scene->ppc, reach = MpmMapReach(scene->basis);
+  PetscInt       lowest = PETSC_MAX_INT, highest = -PETSC_MAX_INT;
 
   PetscFunctionBegin;
   *b      = (MpmBloch){.scene = scene, .fields = scene->table->nstate, .period = period};
   b->size = b->fields * ppc;
   PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
   PetscCall(PetscMalloc3(scene->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
-                         ppc * MPM_MAX_REACH, &b->shift));
+                         KINDS * ppc, &b->tie));
+  for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scene, (MpmOpKind)kind);
   for (PetscInt step = 0; step < period; step++) {
     b->masses[step] = 0;
     for (PetscInt j = 0; j < ppc; j++) {
@@ -47,11 +50,16 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
       MpmLayoutPlaceAt(scene, j, step, &cell, &xi);
       b->node[step * ppc + j] = cell - scene->basis->reach_left;
       for (PetscInt kind = 0; kind < KINDS; kind++)
-        if (IsUsed(scene, (MpmOpKind)kind))
+        if (b->used[kind])
           MpmMapRow(scene->basis, (MpmOpKind)kind, xi, scene->width, (PetscReal *)RowOf(b, step, kind, j));
       for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
+      lowest  = PetscMin(lowest, b->node[step * ppc + j]);
+      highest = PetscMax(highest, b->node[step * ppc + j]);
     }
   }
+  b->lowest = lowest;
+  b->seen   = highest - lowest + reach;
+  PetscCall(PetscMalloc1(b->seen, &b->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,31 +67,41 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree3(b->node, b->rows, b->masses));
-  PetscCall(PetscFree3(b->particle, b->nodes, b->shift));
+  PetscCall(PetscFree3(b->particle, b->nodes, b->tie));
+  PetscCall(PetscFree(b->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* e^(i beta d) at the nodes that the particles of a cell see at a step. */
-static void Shift(MpmBloch *b, PetscInt step, PetscReal beta)
+/* The phase of each node that a cell's particles see in any step: wave[i] = e^(i beta (lowest + i)). */
+static void SetPhase(MpmBloch *b, PetscReal beta)
+{
+  for (PetscInt i = 0; i < b->seen; i++) b->wave[i] = cexp(I * (beta * (b->lowest + i)));
+}
+
+/* The numbers that tie the particles' modes to the node's at a step: sum_d row_d e^(i beta d) for each map. */
+static void SetTies(MpmBloch *b, PetscInt step)
 {
   const PetscInt ppc = b->scene->ppc, reach = MpmMapReach(b->scene->basis);
 
-  for (PetscInt j = 0; j < ppc; j++) {
-    double complex at = cexp(I * (beta * b->node[step * ppc + j]));
+  for (PetscInt kind = 0; kind < KINDS; kind++) {
+    if (!b->used[kind]) continue;
+    for (PetscInt j = 0; j < ppc; j++) {
+      const PetscReal      *row  = RowOf(b, step, kind, j);
+      const double complex *wave = b->wave + b->node[step * ppc + j] - b->lowest;
+      PetscReal             re = 0, im = 0;
 
-    for (PetscInt d = 0; d < reach; d++, at *= cexp(I * beta)) b->shift[j * reach + d] = at;
+      for (PetscInt d = 0; d < reach; d++) {
+        re += row[d] * creal(wave[d]);
+        im += row[d] * cimag(wave[d]);
+      }
+      b->tie[kind * ppc + j] = CMPLX(re, im);
+    }
   }
 }
 
-/* The number that ties particle j's mode to the node's: sum_d row_d e^(i beta d). */
-static double complex Tie(const MpmBloch *b, PetscInt step, MpmOpKind kind, PetscInt j)
+static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt j)
 {
-  const PetscReal *row   = RowOf(b, step, kind, j);
-  const PetscInt   reach = MpmMapReach(b->scene->basis);
-  double complex   sum   = 0;
-
-  for (PetscInt d = 0; d < reach; d++) sum += row[d] * b->shift[j * reach + d];
-  return sum;
+  return b->tie[kind * b->scene->ppc + j];
 }
 
 /* dst += factor src, over the columns of the registers. */
@@ -92,7 +110,7 @@ static void AddRow(PetscInt n, double complex factor, const double complex *rest
   const PetscReal re = creal(factor), im = cimag(factor);
 
   for (PetscInt c = 0; c < n; c++)
-    dst[c] += (re * creal(src[c]) - im * cimag(src[c])) + I * (re * cimag(src[c]) + im * creal(src[c]));
+    dst[c] += CMPLX(re * creal(src[c]) - im * cimag(src[c]), re * cimag(src[c]) + im * creal(src[c]));
 }
 
 static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
@@ -109,7 +127,7 @@ static PetscReal Inverse(const MpmBloch *b, PetscInt step)
   PetscReal alpha = 0;
 
   for (PetscInt j = 0; j < b->scene->ppc; j++) {
-    const double complex tie = Tie(b, step, MPM_G2P, j);
+    const double complex tie = Tie(b, MPM_G2P, j);
 
     alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->masses[step];
   }
@@ -130,7 +148,7 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
   }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, a * Tie(b, step, op->kind, j), b->nodes + op->src * n, b->particle + (op->dst * ppc + j) * n);
+      AddRow(n, a * Tie(b, op->kind, j), b->nodes + op->src * n, b->particle + (op->dst * ppc + j) * n);
     return;
   }
   dst = b->nodes + op->dst * n;
@@ -138,7 +156,7 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, a * conj(Tie(b, step, op->kind, j)) / b->masses[step], b->particle + (op->src * ppc + j) * n, dst);
+      AddRow(n, a * conj(Tie(b, op->kind, j)) / b->masses[step], b->particle + (op->src * ppc + j) * n, dst);
   } else
     AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b, step) : Stencil(&traits, beta)), b->nodes + op->src * n, dst);
 }
@@ -150,33 +168,42 @@ static PetscInt Rescale(MpmBloch *b)
   PetscReal      largest = 0;
   PetscInt       shift;
 
-  for (PetscInt i = 0; i < n; i++) largest = PetscMax(largest, cabs(b->particle[i]));
+  for (PetscInt i = 0; i < n; i++)
+    largest = PetscMax(largest, PetscMax(fabs(creal(b->particle[i])), fabs(cimag(b->particle[i]))));
   if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) return 0;
   shift = ilogb(largest);
   for (PetscInt i = 0; i < n; i++) b->particle[i] *= scalbn(1, -(int)shift);
   return shift;
 }
 
-/* Moves every number by up to MPM_ROUNDING, relative; the same at any phase and on any rank. */
-static void Disturb(MpmBloch *b, PetscInt step)
+/*
+   Moves every number by up to MPM_ROUNDING, relative, by random numbers (Knuth's linear congruences) that are the same
+   at any phase and on any rank.
+*/
+static void Disturb(MpmBloch *b, uint64_t *random)
 {
-  for (PetscInt i = 0; i < b->size * b->size; i++) b->particle[i] *= 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
+  for (PetscInt i = 0; i < b->size * b->size; i++) {
+    *random = *random * 6364136223846793005u + 1442695040888963407u;
+    b->particle[i] *= 1 + MPM_ROUNDING * ((PetscReal)(*random >> 11) * 0x1p-52 - 1);
+  }
 }
 
 PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, PetscBool noisy, double complex G[], PetscInt *exponent)
 {
   const MpmTable *t   = b->scene->table;
   const PetscInt  ppc = b->scene->ppc, n = b->size;
+  uint64_t        random = 1;
 
   PetscFunctionBegin;
   *exponent = 0;
+  SetPhase(b, beta);
   PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
-    Shift(b, step, beta);
+    SetTies(b, step);
     for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, &t->ops[o], step, beta);
-    if (noisy) Disturb(b, step);
+    if (noisy) Disturb(b, &random);
     *exponent += Rescale(b);
   }
   for (PetscInt field = 0; field < b->fields; field++)

@@ -1,5 +1,6 @@
 /* Wavenumber and null-space share of eigenvectors. */
 #include <mpmstab/assemble.h>
+#include <mpmstab/layout.h>
 #include <mpmstab/modes.h>
 #include <mpmstab/verdict.h>
 #include <complex.h> /* before fftw3.h, whose numbers are then C's */
@@ -176,7 +177,6 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
   PetscCall(SVDCreate(PetscObjectComm((PetscObject)map), &svd));
   PetscCall(SVDSetOperators(svd, map, NULL));
   PetscCall(SVDSetType(svd, SVDLAPACK));
-  PetscCall(SVDSetFromOptions(svd));
   PetscCall(SVDSolve(svd));
   PetscCall(SVDGetConverged(svd, &found));
   for (PetscInt i = 0; i < found; i++) {
@@ -226,12 +226,34 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the particles start: what belongs under a mode's values. */
+static PetscErrorCode WriteCoordinates(const MpmScene *scene, MpmDataFile *file)
+{
+  PetscMPIInt rank;
+  PetscReal  *x;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)file->viewer), &rank));
+  PetscCall(PetscMalloc1(rank ? 0 : scene->particles, &x));
+  for (PetscInt64 id = 0; id < scene->particles && rank == 0; id++) {
+    PetscInt  cell;
+    PetscReal xi;
+
+    MpmLayoutPlace(scene, id, &cell, &xi);
+    x[id] = scene->cell_width * ((cell + scene->cells) % scene->cells + xi); /* jitter may leave the domain */
+  }
+  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)scene->particles, 1, x));
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
 {
   static const char *const parts[] = {"re", "im"};
   Vec                      x[2], field;
 
   PetscFunctionBegin;
+  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->scene, file));
   PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
   PetscCall(MatCreateVecs(op->p2g, &field, NULL));
   for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {

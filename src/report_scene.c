@@ -104,10 +104,14 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In what particles differ; absent where they do not. */
+/* Where particles are and in what they differ; absent where that is the default. */
 static void SetDifferences(json_t *object, const MpmScene *s)
 {
   json_t *counts = json_array();
+
+  if (s->offset.value != 0.5) json_object_set_new(object, "offset", json_real(s->offset.value));
+  if (s->jitter != 0) json_object_set_new(object, "jitter", json_real(s->jitter));
+  if (s->jitter != 0) json_object_set_new(object, "seed", json_integer((json_int_t)s->seed));
 
   for (PetscInt r = 0; r < s->counts.n; r++) json_array_append_new(counts, json_integer(s->counts.of[r]));
   if (s->counts.n > 1)

@@ -11,6 +11,7 @@
 
 #define MOST_PPC 512
 #define SAME 1e-12 /* growths that differ by less share the maximum */
+#define NEAR 10    /* tolerances within which what rounding may hide is looked for */
 
 /* noisy: room for a second matrix, where a period asks for it. */
 typedef struct {
@@ -19,39 +20,40 @@ typedef struct {
   double complex *noisy;
 } Reader;
 
+static PetscReal Square(double complex z)
+{
+  return creal(z) * creal(z) + cimag(z) * cimag(z);
+}
+
 /*
    How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by
    disturbing the steps: modes may grow by many digits on the way and die again.
 */
 static PetscErrorCode Rounding(Reader *r, PetscReal beta, PetscInt exponent, PetscReal *error)
 {
-  const PetscInt n    = r->eigen.n * r->eigen.n;
-  PetscReal      norm = 0;
+  const PetscInt n      = r->eigen.n * r->eigen.n;
+  PetscReal      sum[2] = {0, 0};
   PetscInt       other;
 
   PetscFunctionBegin;
-  *error = 0;
-  for (PetscInt i = 0; i < n; i++) norm = hypot(norm, cabs(r->eigen.matrix[i]));
+  for (PetscInt i = 0; i < n; i++) sum[0] += Square(r->eigen.matrix[i]);
   if (r->noisy) {
     PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_TRUE, r->noisy, &other));
     for (PetscInt i = 0; i < n; i++)
-      *error = hypot(*error, cabs(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]));
+      sum[1] += Square(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]);
   }
-  *error = PetscMax(*error, MPM_ROUNDING * norm);
+  *error = PetscMax(sqrt(sum[1]), MPM_ROUNDING * sqrt(sum[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factors of a phase and which is the largest; they and error are divided by 2^exponent. */
-static PetscErrorCode Factors(Reader *r, PetscReal beta, PetscBool vectors, PetscInt *largest, PetscInt *exponent,
-                              PetscReal *error)
+/* The factors of a phase and which is the largest; they are divided by 2^exponent, and the matrix is overwritten. */
+static PetscErrorCode Factors(Reader *r, PetscBool vectors, PetscInt *largest)
 {
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, exponent));
-  PetscCall(Rounding(r, beta, *exponent, error));
   PetscCall(MpmSmallEigenSolve(&r->eigen, vectors));
   *largest = 0;
   for (PetscInt i = 1; i < r->eigen.n; i++)
-    if (cabs(r->eigen.value[i]) > cabs(r->eigen.value[*largest])) *largest = i;
+    if (Square(r->eigen.value[i]) > Square(r->eigen.value[*largest])) *largest = i;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -95,13 +97,12 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   PetscCall(MpmProgressBegin(s->scene, "phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
-    PetscReal       error;
     PetscInt        largest, exponent;
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
 
-    PetscCall(Factors(r, beta, PETSC_FALSE, &largest, &exponent, &error));
-    s->blur         = PetscMax(s->blur, sqrt(scalbn(error, (int)exponent)) / s->period);
+    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
+    PetscCall(Factors(r, PETSC_FALSE, &largest));
     s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
     if (s->seen) s->seen[i] = LargestSeen(r);
     if (!s->factors) continue;
@@ -112,6 +113,27 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
     }
   }
   PetscCall(MpmProgressEnd(&progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   How far rounding may have split a defective pair. It decides where nothing grows beyond the tolerance, and is not
+   looked for elsewhere: it costs as much as the factors.
+*/
+static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, MpmSymbol *s)
+{
+  PetscFunctionBegin;
+  if (!(s->growth <= 1 + NEAR * s->scene->tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < s->count; i++) {
+    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
+    PetscReal       error;
+    PetscInt        exponent;
+
+    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
+    PetscCall(Rounding(r, beta, exponent, &error));
+    s->blur = PetscMax(s->blur, MpmBlurOf(error, exponent, s->period));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->blur, 1, MPIU_REAL, MPI_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,12 +148,13 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   s->growth = 0;
   for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->blur, 1, MPIU_REAL, MPI_MAX, comm));
   for (PetscInt i = s->count - 1; i >= 0; i--)
     if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
-  PetscCall(Factors(r, s->beta_at_max, PETSC_TRUE, &largest, &s->exponent, &error));
+  PetscCall(MpmBlochMatrix(&r->bloch, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
+  PetscCall(Rounding(r, s->beta_at_max, s->exponent, &error));
+  PetscCall(Factors(r, PETSC_TRUE, &largest));
   leading = r->eigen.value[largest];
   for (PetscInt i = 0; i < s->size; i++)
     overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
@@ -216,6 +239,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   if (keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
+  PetscCall(FindBlur(comm, &reader, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));
   PetscCall(PetscFree(reader.noisy));
   PetscCall(MpmBlochDestroy(&reader.bloch));

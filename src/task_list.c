@@ -1,6 +1,7 @@
-/* mpmstab list [formulation|basis|transfer|boundary|layout|options] */
+/* mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
 #include <mpmstab/scene.h>
 #include <mpmstab/task.h>
+#include <slepcsys.h>
 #include <string.h>
 
 static PetscErrorCode ListFormulations(void)
@@ -51,6 +52,25 @@ static PetscErrorCode ListOptions(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a result rests on: an MPI's own text ends at its first comma or line. */
+static PetscErrorCode ListVersions(void)
+{
+  char     mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int      length;
+  PetscInt major, minor, patch;
+
+  PetscFunctionBegin;
+  MpmPrint("  %-14s %s\n", "mpmstab", MPMSTAB_VERSION);
+  PetscCall(PetscGetVersionNumber(&major, &minor, &patch, NULL));
+  MpmPrint("  %-14s %" PetscInt_FMT ".%" PetscInt_FMT ".%" PetscInt_FMT "\n", "PETSc", major, minor, patch);
+  PetscCall(SlepcGetVersionNumber(&major, &minor, &patch, NULL));
+  MpmPrint("  %-14s %" PetscInt_FMT ".%" PetscInt_FMT ".%" PetscInt_FMT "\n", "SLEPc", major, minor, patch);
+  PetscCallMPI(MPI_Get_library_version(mpi, &length));
+  mpi[strcspn(mpi, ",\n")] = 0;
+  MpmPrint("  %-14s %s\n", "MPI", mpi);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static const struct {
   const char *name, *title;
   PetscErrorCode (*list)(void);
@@ -59,7 +79,8 @@ static const struct {
              {"transfer", "transfers", ListTransfers},
              {"boundary", "ends of the domain", ListBoundaries},
              {"layout", "layouts", ListLayouts},
-             {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions}};
+             {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions},
+             {"versions", "versions", ListVersions}};
 
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
 {
@@ -69,7 +90,8 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
-  MpmCheckInput(argc <= 1, "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options]",
+  MpmCheckInput(argc <= 1,
+                "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions]",
                 argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
@@ -80,7 +102,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
   }
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout or options%s%s%s", argv[0],
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options or versions%s%s%s", argv[0],
               near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   *status = MPM_EXIT_DONE;

@@ -9,14 +9,16 @@
 
    A register is a dense matrix: rows are a cell's particles, or its one node, columns the cell's state at the start,
    particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
-   node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass.
+   node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass. At a phase wave[i]
+   is that of node lowest + i, of the seen nodes; at a step tie[kind x ppc + j] is the map's symbol, for maps in use.
 */
 typedef struct {
   const MpmScene *scene;
-  PetscInt        fields, size, period;
+  PetscInt        fields, size, period, lowest, seen;
+  PetscBool       used[MPM_OP_KINDS];
   PetscInt       *node;
   PetscReal      *rows, *masses;
-  double complex *particle, *nodes, *shift;
+  double complex *particle, *nodes, *wave, *tie;
 } MpmBloch;
 
 /* Not collective. Computes the maps' numbers once for all phases. */

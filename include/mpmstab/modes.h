@@ -27,8 +27,8 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity);
 
 /*
    MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the
-   order of global ids, counted from 1; the group's attributes re, im and growth are the eigenvalue and its growth per
-   step.
+   order of global ids, counted from 1, and where the particles start, /modes/coordinates; the group's attributes re, im
+   and growth are the eigenvalue and its growth per step.
 
    Collective.
 */

@@ -11,7 +11,8 @@
    A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
    growth is the largest abs(factor)^(1/period) over all phases, condition the condition number of the factor it belongs
    to, an eigenvalue of a matrix divided by 2^exponent, uncertainty how far rounding may have moved growth, blur
-   how far it may have split a defective pair at 1 (see verdict.h), beta_at_max its phase: the least of those that
+   how far it may have split a defective pair at 1 (see verdict.h; 0 where growth is beyond ten times the tolerance, so
+   that it does not matter), beta_at_max its phase: the least of those that
    share the maximum to rounding.
 
    per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests at

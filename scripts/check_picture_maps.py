@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+"""Checks the pictures of maps, powers and pseudospectra on made-up files whose answer is known.
+
+check_picture_maps.py MPMSTAB, in a folder that may be filled. Silent when all is well.
+"""
+import json
+import math
+import sys
+
+import h5py
+import numpy
+
+import pictures
+from check_pictures import check, check_refused, check_written, close, line, mpmstab
+
+MPMSTAB = sys.argv[1]
+
+
+def made_up(name, source="gas2"):
+    """A file of the same scene as source's, to be filled by hand."""
+    file = h5py.File(name, "w")
+    with h5py.File(f"{source}.h5") as other:
+        for key, value in other.attrs.items():
+            file.attrs[key] = value
+    return file
+
+
+def check_map():
+    """Growth made up as 1 + k drift - 0.2: unstable where it should be, and limits where they belong."""
+    k, drift = numpy.linspace(0, 2, 9), numpy.linspace(0, 1, 5)
+    growth = numpy.maximum(1, 1 + numpy.multiply.outer(k, drift) - 0.2)
+    growth[8, 4] = numpy.inf
+    growth[8, 3] = numpy.nan
+    with made_up("map.h5") as file:
+        file["map/courant"], file["map/drift"], file["map/growth"] = k, drift, growth
+        file["map/beta"] = numpy.zeros_like(growth)
+    with open("gas2.json", encoding="utf-8") as file:
+        result = json.load(file)
+    result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071,
+                     "unstable": int((growth > 1 + 1e-6).sum()), "corrected_limit": [1.5, None, None, None, None]}
+    with open("map.json", "w", encoding="utf-8") as file:
+        json.dump(result, file)
+    figure = pictures.growth_map("map.h5", "map.json")
+    axes = figure.axes[0]
+    mesh = axes.collections[0].get_array().reshape(5, 9)
+    unstable = numpy.nan_to_num(growth, nan=1).T > 1 + 1e-6
+    check((numpy.ma.getmaskarray(mesh) == ~unstable).all(), "what is coloured is not what is unstable")
+    finite = unstable & numpy.isfinite(growth.T)
+    close(mesh[finite], growth.T[finite] - 1, "colours are not growth - 1")
+    labels = axes.get_legend_handles_labels()[1]
+    check(labels == ["undecided", "published limit at rest: k = 0.7071", "corrected limit: k = 1.5, at rest only"],
+          f"{labels}")
+    check(list(line(figure, "published")[0]) == [0.7071] * 2, "the published limit is elsewhere")
+    x, y = line(figure, "corrected")
+    check((x[0], y[0]) == (1.5, 0) and numpy.isnan(x[1:]).all(), "the corrected limit is elsewhere")
+    close(numpy.transpose(line(figure, "undecided")), [[k[8], drift[3]]], "undecided points")
+    check(f"{100 * unstable.sum() / 45:.1f}% of 45 points" in axes.get_title(), axes.get_title())
+    check(len(pictures.growth_map("map.h5").axes[0].lines) == 1, "a limit that no file says")
+
+
+def smallest_singular(z):
+    """Of z - J, J the Jordan block of size 2 at 1/2."""
+    size = abs(z - 0.5) ** 2
+    return numpy.sqrt((1 + 2 * size - numpy.sqrt(1 + 4 * size)) / 2)
+
+
+def check_real_map():
+    """A map that the program has made: what its CSV calls undecided is marked, and colours are its growth."""
+    mpmstab(MPMSTAB, "map", "gas2", "-map_courant", "0.4,1.6", "-map_points", "7,33", "-output", "real.h5", "-json",
+            "real.json", "-csv", "real.csv")
+    rows = numpy.genfromtxt("real.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    axes = pictures.growth_map("real.h5", "real.json", "real.csv").axes[0]
+    with open("real.json", encoding="utf-8") as file:
+        found = json.load(file)["map"]
+    where = [[row["courant"], row["drift"]] for row in rows if row["verdict"] == "undecided"]
+    check(len(where) == found["undecided"] > 0, f"{len(where)} undecided points, so this tests nothing")
+    close(numpy.transpose(line(axes.figure, "undecided")), where, "undecided points")
+    mesh = axes.collections[0].get_array().reshape(33, 7).T.ravel()
+    close(mesh.compressed(), [row["growth"] - 1 for row in rows if row["growth"] > 1 + 1e-6], "colours of a real map")
+    check(f"{100 * found['unstable'] / 231:.1f}% of 231" in axes.get_title(), axes.get_title())
+
+
+def check_jordan():
+    """Powers and pseudospectrum of the Jordan block of size 2 at 1/2."""
+    block = numpy.array([[0.5, 1], [0, 0.5]])
+    with open("gas2.json", encoding="utf-8") as file:
+        result = json.load(file)
+    norm = [float(numpy.linalg.norm(numpy.linalg.matrix_power(block, n), 2)) for n in range(12)]
+    result["growth"] = 0.5
+    result["transient"] = {"steps": list(range(12)), "norm": norm, "largest": max(norm),
+                           "at_step": int(numpy.argmax(norm))}
+    with open("jordan.json", "w", encoding="utf-8") as file:
+        json.dump(result, file)
+    figure = pictures.transient("jordan.json")
+    close(line(figure, "norm")[1], norm, "norms")
+    close(line(figure, "rho")[1], 0.5 ** numpy.arange(12), "powers of the spectral radius")
+    check(f"largest: {max(norm):.4g} at step 1" in figure.axes[0].get_legend_handles_labels()[1], "largest norm")
+
+    real, imaginary = numpy.linspace(-1.5, 1.5, 60), numpy.linspace(-1.4, 1.4, 60)
+    sigma = smallest_singular(real[None, :] + 1j * imaginary[:, None])
+    with made_up("jordan.h5") as file:
+        file["pseudospectrum/re"], file["pseudospectrum/im"], file["pseudospectrum/sigma"] = real, imaginary, sigma
+        file["spectrum/eigenvalues"] = numpy.array([[0.5, 0], [0.5, 0]])
+    figure = pictures.pseudospectrum("jordan.h5")
+    z = complex(*(part[0] for part in line(figure, "kreiss")))
+    outside = numpy.array([r + 1j * i for r in real for i in imaginary if abs(r + 1j * i) > 1])
+    best = max((abs(outside) - 1) / smallest_singular(outside))
+    check(math.isclose((abs(z) - 1) / smallest_singular(z), best, rel_tol=1e-12), f"Kreiss point at {z}")
+    checked = 0
+    for level in figure.axes[0].collections:
+        lines = [path.vertices @ [1, 1j] for path in level.get_paths() if not level.get_facecolor().size]
+        for z in [z for z in lines if len(z) and abs(z - 0.5).min() > 0.25]:  # nearer, the logarithm is steep
+            values = numpy.log10(smallest_singular(z))
+            check(numpy.ptp(values) < 0.01, f"a contour runs from {values.min()} to {values.max()}")
+            checked += 1
+    check(checked >= 3, f"{checked} contours")
+    close(line(figure, "eigenvalues")[0], [0.5, 0.5], "eigenvalues")
+
+
+def main():
+    mpmstab(MPMSTAB, "spectrum", "gas2", "-output", "gas2.h5", "-json", "gas2.json")
+    check_map()
+    check_real_map()
+    check_jordan()
+    check_written("transient", ("largest:", "time step n"), "jordan.json")
+    check_written("pseudospectrum", ("Kreiss point", "gas2, linear basis"), "jordan.h5")
+    check_written("map", ("Courant number k = c dt / h", "drift / cells per step", "unstable at"), "map.h5", "map.json")
+    square = numpy.eye(3)
+    with made_up("square.h5") as file:
+        file["map/courant"], file["map/drift"], file["map/growth"] = square[0], square[0], square + 1
+    for arguments, says in ((("map", "gas2.h5"), "no /map/growth in it"), (("map", "square.h5"), "cannot be told"),
+                            (("transient", "gas2.json"), "no 'transient' in it"),
+                            (("map", "map.h5", "map.json", "real.csv"), "231 points in it"),
+                            (("pseudospectrum", "gas2.h5"), "no /pseudospectrum/re in it")):
+        check_refused(arguments, says)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+"""What the program has written, read for pictures and reports; and what is said when a file is not that."""
+import csv
+import json
+import math
+import os
+
+import h5py
+import numpy
+
+
+class Refusal(Exception):
+    """Bad input, as the one line that is said."""
+
+
+def refuse(path, why, allowed):
+    raise Refusal(f"{path}: {why}; allowed: {allowed}")
+
+
+def open_hdf5(path):
+    if not os.path.exists(path):
+        refuse(path, "no such file", "an HDF5 file that mpmstab has written with -output")
+    try:
+        return h5py.File(path, "r")
+    except OSError:
+        return refuse(path, "is not HDF5, or damaged", "an HDF5 file that mpmstab has written with -output")
+
+
+def array(file, name, made_by):
+    """A dataset whole; made_by says which command writes it."""
+    if not isinstance(file.get(name), h5py.Dataset):
+        refuse(file.filename, f"no /{name} in it", f"a file that 'mpmstab {made_by}' has written")
+    return file[name][()]
+
+
+def read_json(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            result = json.load(file)
+    except OSError as error:
+        return refuse(path, error.strerror.lower(), "a file that mpmstab has written with -json")
+    except ValueError:
+        return refuse(path, "is not JSON", "a file that mpmstab has written with -json")
+    if not isinstance(result, dict) or "formulation" not in result:
+        refuse(path, "is not a result of mpmstab", "a file that mpmstab has written with -json")
+    return result
+
+
+def part(result, key, path, made_by):
+    if key not in result:
+        refuse(path, f"no '{key}' in it", f"a file that 'mpmstab {made_by}' has written")
+    return result[key]
+
+
+def read_csv(path, columns, made_by):
+    """Rows as dicts of floats, NaN where a cell is empty; every name of columns is there."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file)
+            head = reader.fieldnames or []
+            rows = [{key: float(text) if text else math.nan for key, text in row.items()} for row in reader]
+    except OSError as error:
+        return refuse(path, error.strerror.lower(), f"a file that 'mpmstab {made_by}' has written")
+    except (TypeError, ValueError):
+        return refuse(path, "holds what is no number", f"a file that 'mpmstab {made_by}' has written")
+    missing = [column for column in columns if column not in head]
+    if missing:
+        refuse(path, f"no column '{missing[0]}' in it", f"a file that 'mpmstab {made_by}' has written")
+    return rows
+
+
+def read_words(path, column, made_by):
+    """One column of a CSV, as texts."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return [row[column] for row in csv.DictReader(file)]
+    except OSError as error:
+        return refuse(path, error.strerror.lower(), f"a file that 'mpmstab {made_by}' has written")
+    except KeyError:
+        return refuse(path, f"no column '{column}' in it", f"a file that 'mpmstab {made_by}' has written")
+
+
+def attributes(file):
+    """The scene of an HDF5 file."""
+    scene = {}
+    for key, value in file.attrs.items():
+        scene[key] = value.decode() if isinstance(value, bytes) else value
+    if "formulation" not in scene:
+        refuse(file.filename, "no scene in its attributes", "a file that mpmstab has written with -output")
+    return scene
+
+
+def complex_pairs(values):
+    """Rows of re, im, re, im, ... as complex numbers."""
+    return values[:, 0::2] + 1j * values[:, 1::2]
+
+
+def period(scene):
+    """Steps after which drifting particles are back in their places."""
+    return int(str(scene.get("drift_exact", "0/1")).rsplit("/", maxsplit=1)[-1])
+
+
+def steps_of(file):
+    """The output steps of a run: their numbers and groups."""
+    names = sorted(name for name in file if name.startswith("step_"))
+    if not names:
+        refuse(file.filename, "no /step_... in it", "a file that 'mpmstab run -output -output_every n' has written")
+    return [(int(name[len("step_"):]), file[name]) for name in names]
+
+
+def fields_of(group):
+    """The fields that nodes and particles have, displacement or velocity first."""
+    return sorted((name for name in group["nodes"] if name in group["particles"]), key="uvrwsc".find)
+
+
+def drift_text(scene):
+    exact = str(scene.get("drift_exact", ""))
+    if exact.endswith("/1") or not exact:
+        return f"{float(scene['drift']):.6g}"
+    return exact
+
+
+def scene_parts(scene):
+    """What a scene is, as texts by key, from the attributes of an HDF5 file or a JSON object."""
+    layout = [f"offset {float(scene.get('offset', 0.5)):.6g}"]
+    jitter = float(scene.get("jitter", 0))
+    if jitter:
+        layout.append(f"jitter {jitter:.6g} (seed {int(scene['seed'])})")
+    counts = scene.get("counts", "")
+    counts = counts if isinstance(counts, str) else ",".join(str(count) for count in counts)
+    if "," in counts:
+        layout.append(f"counts {counts}")
+    low, high = scene.get("cluster", (scene.get("cluster_from", 0), scene.get("cluster_to", 1)))
+    if high - low < 1:
+        layout.append(f"cluster {low:.6g},{high:.6g}")
+    material = scene.get("material", "uniform")
+    kind = material if isinstance(material, str) else material["kind"]
+    if kind != "uniform":
+        ratios = scene if isinstance(material, str) else material
+        layout.append(f"material {kind} (density ratio {ratios['density_ratio']:.6g}, "
+                      f"stiffness ratio {ratios['stiffness_ratio']:.6g})")
+    transfer = scene["transfer"]
+    for option in ("blend_ratio", "xpic_order"):
+        if option in scene:
+            transfer += f" ({option} {float(scene[option]):g})"
+    return {"formulation": scene["formulation"], "basis": f"{scene['basis']} basis", "transfer": transfer,
+            "courant": f"k = {float(scene['courant']):.6g}", "drift": f"drift {drift_text(scene)}",
+            "cells": f"{int(scene['cells'])} cells",
+            "ppc": f"{int(scene['ppc'])} particle{'s' if scene['ppc'] > 1 else ''} a cell",
+            "layout": ", ".join(layout), "boundary": f"ends {scene['boundary']}"}
+
+
+def scene_text(scene):
+    parts = scene_parts(scene)
+    return (", ".join(parts[key] for key in ("formulation", "basis", "transfer", "courant")) + f", {parts['drift']} "
+            "(cells per step)\n" + ", ".join(parts[key] for key in ("cells", "ppc", "layout", "boundary")))
+
+
+def finite_range(values):
+    values = values[numpy.isfinite(values)]
+    return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)

@@ -1,0 +1,201 @@
+"""Pictures of maps over two axes, of powers of the operator and of pseudospectra. Each function returns the figure."""
+import numpy
+from matplotlib import colors, patheffects
+from matplotlib.collections import LineCollection
+from matplotlib.ticker import MaxNLocator
+
+import picture_files as files
+import picture_spectra as spectra
+import picture_style as style
+
+MAP_LABELS = {"courant": "Courant number k = c dt / h", "drift": "drift / cells per step",
+              "offset": "offset / particle spacings", "ppc": "particles per cell"}
+
+
+def transient(path):
+    """norm(A^n) over n beside the powers of the growth per step."""
+    result = files.read_json(path)
+    found = files.part(result, "transient", path, "spectrum -powers N -json")
+    steps, norm = numpy.array(found["steps"]), numpy.array(found["norm"], float)  # null: beyond the range of doubles
+    growth = files.part(result, "growth", path, "spectrum -json")
+    figure = style.new_figure(4.2, files.scene_text(result))
+    axes = figure.add_subplot()
+    axes.plot(steps, norm, "o-", color=style.COLOURS[1], markersize=3, label="norm of $A^n$ (largest singular value)",
+              gid="norm")
+    with numpy.errstate(over="ignore"):
+        axes.plot(steps, float(growth) ** steps, color=style.COLOURS[0], linestyle="--", gid="rho",
+                  label=f"$\\rho^n$, $\\rho$ = {growth:.9g} per step")
+    if found["largest"] is not None:
+        axes.plot([found["at_step"]], [found["largest"]], "D", color="black", markersize=7, markerfacecolor="none",
+                  label=f"largest: {found['largest']:.4g} at step {found['at_step']}")
+    axes.set_yscale("log")
+    axes.set_title("what the powers of the operator do before its eigenvalues decide")
+    axes.set_xlabel("time step n")
+    axes.set_ylabel("norm of $A^n$")
+    axes.grid(True, alpha=0.3)
+    style.legend_below(axes)
+    return figure
+
+
+def kreiss_on(real, imaginary, sigma):
+    """The largest (abs z - 1) / sigma_min outside the unit circle, and where."""
+    z = real[None, :] + 1j * imaginary[:, None]
+    with numpy.errstate(divide="ignore", invalid="ignore"):
+        ratio = numpy.where(abs(z) > 1, (abs(z) - 1) / sigma, -numpy.inf)
+    at = z.ravel()[numpy.argmax(ratio)]
+    return float(ratio.max()), at
+
+
+def pseudospectrum(path, result_path=None):
+    """Contours of log10 of the smallest singular value of z - A, with eigenvalues, unit circle and Kreiss point."""
+    with files.open_hdf5(path) as file:
+        scene, values = files.attributes(file), spectra.eigenvalues_of(file)
+        real, imaginary, sigma = (files.array(file, f"pseudospectrum/{name}", "spectrum -pseudospectrum P -output")
+                                  for name in ("re", "im", "sigma"))
+    kreiss, at = kreiss_on(real, imaginary, sigma)
+    if result_path:
+        result = files.read_json(result_path)
+        found = files.part(result, "pseudospectrum", result_path, "spectrum -pseudospectrum P -json")
+        kreiss, at = found["kreiss"], complex(*found["kreiss_at"]) if found["kreiss_at"] else None
+    floor = sigma[sigma > 0].min() if (sigma > 0).any() else 1e-16
+    figure = style.new_figure(5.8, files.scene_text(scene))
+    axes = figure.add_subplot()
+    filled = axes.contourf(real, imaginary, numpy.log10(numpy.maximum(sigma, floor)), levels=12, cmap="cividis")
+    lines = axes.contour(filled, colors="white", linewidths=0.6, linestyles="solid")
+    axes.clabel(lines, fontsize=9, fmt="%.1f")
+    bar = figure.colorbar(filled, ax=axes, label="log10 of the smallest singular value of z - A", shrink=0.85)
+    bar.locator = MaxNLocator(7)
+    bar.update_ticks()
+    spectra.unit_circle(axes)
+    axes.lines[-1].set(color="white", linewidth=1.5)
+    inside = (values.real >= real[0]) & (values.real <= real[-1]) & (abs(values.imag) <= imaginary[-1])
+    axes.plot(values.real[inside], values.imag[inside], "o", color="black", markerfacecolor="#E69F00", markersize=5,
+              label="eigenvalues", gid="eigenvalues")
+    if at is not None:
+        axes.plot(at.real, at.imag, "D", color="black", markerfacecolor="#56B4E9", markersize=9, gid="kreiss",
+                  label=f"Kreiss point: (abs z - 1) / sigma = {kreiss:.4g}")
+    else:
+        axes.plot([], [], " ", label="no Kreiss point: " + ("an eigenvalue is outside the circle, so it is infinite"
+                                                            if kreiss is None else "nothing above 1 was found"))
+    axes.set_title("the largest norm of $A^n$ is at least (abs z - 1) / sigma, anywhere")
+    axes.set_xlabel("real part of z")
+    axes.set_ylabel("imaginary part of z")
+    axes.set_aspect("equal", adjustable="box")
+    style.legend_below(axes, columns=1, facecolor="#dddddd")
+    return figure
+
+
+def growth_map(path, result_path=None, csv_path=None):
+    """Growth - 1 over two axes: log colours where unstable, plain where stable, with the limits at rest.
+
+    The JSON of the same map has the limits and how many points are unstable, its CSV says which are undecided.
+    """
+    result = files.read_json(result_path) if result_path else None
+    with files.open_hdf5(path) as file:
+        scene = files.attributes(file)
+        growth = files.array(file, "map/growth", "map -output")
+        names = axes_of_map(file, growth.shape, result, result_path)
+        first, second = (file[f"map/{name}"][()] for name in names)
+    if min(growth.shape) < 2:
+        files.refuse(path, f"a map of {growth.shape[0]} x {growth.shape[1]} points", "at least 2 along each axis")
+    tolerance = float(scene.get("tolerance", 1e-6))
+    beyond = growth > 1 + tolerance
+    found = (result or {}).get("map", {"unstable": int(beyond.sum())})
+    figure = style.new_figure(5, map_footer(scene, names))
+    axes = figure.add_subplot()
+    axes.set_facecolor("#eeeeee")
+    draw_growth(figure, axes, (first, second), growth, beyond)
+    open_points = numpy.isnan(growth) | undecided_of(csv_path, growth.shape)
+    if open_points.any():
+        at = numpy.argwhere(open_points)
+        axes.plot(first[at[:, 0]], second[at[:, 1]], "x", color="black", markersize=4, label="undecided",
+                  gid="undecided")
+    draw_limits(axes, names, (first, second), found)
+    axes.set_title(f"unstable at {100 * found['unstable'] / growth.size:.1f}% of {growth.size} points "
+                   f"(growth beyond 1 + {tolerance:g} per step)")
+    for name, label in zip(names, (axes.set_xlabel, axes.set_ylabel)):
+        label(MAP_LABELS[name])
+    if axes.get_legend_handles_labels()[0]:
+        style.legend_below(axes, columns=1)
+    return figure
+
+
+def draw_growth(figure, axes, places, growth, beyond):
+    """Colours, and the border between what grows and what does not."""
+    x, y = (edges_of(values) for values in places)
+    excess = numpy.ma.masked_where(~beyond, growth - 1)
+    if excess.count():
+        low, top = files.finite_range(numpy.asarray(excess.compressed()))
+        top = max(top, 2 * low)
+        excess = numpy.ma.minimum(excess, 2 * top)  # infinite: beyond the range of doubles
+        mesh = axes.pcolormesh(x, y, excess.T, cmap="viridis", rasterized=True, norm=colors.LogNorm(low, top))
+        figure.colorbar(mesh, ax=axes, label="growth per step - 1 (grey: stable)")
+    axes.add_collection(LineCollection(outline(x, y, beyond), colors="black", linewidths=0.9))
+    axes.set_xlim(x[[0, -1]])
+    axes.set_ylim(y[[0, -1]])
+
+
+def undecided_of(csv_path, shape):
+    """The points that the CSV of a map calls undecided."""
+    if not csv_path:
+        return numpy.zeros(shape, bool)
+    words = files.read_words(csv_path, "verdict", "map -csv")
+    if len(words) != shape[0] * shape[1]:
+        files.refuse(csv_path, f"{len(words)} points in it", f"the CSV of the same map, of {shape[0] * shape[1]}")
+    return numpy.reshape([word == "undecided" for word in words], shape)
+
+
+def edges_of(values):
+    """Between the values and half a step beyond them."""
+    middles = (values[1:] + values[:-1]) / 2
+    return numpy.concatenate(([2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]))
+
+
+def outline(x, y, inside):
+    """The sides of the boxes between x and y that lie between one that is inside and one that is not."""
+    upright = [((x[i + 1], y[j]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[1:] != inside[:-1])]
+    level = [((x[i], y[j + 1]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[:, 1:] != inside[:, :-1])]
+    return upright + level
+
+
+def map_footer(scene, names):
+    """What the two axes sweep is not said as if it were one number."""
+    parts = files.scene_parts(scene)
+    shown = [text for key, text in parts.items()
+             if key not in names and not (key == "layout" and "offset" in names)]
+    return ", ".join(shown[:4]) + "\n" + ", ".join(shown[4:])
+
+
+def axes_of_map(file, shape, result, result_path):
+    """The names of the two axes, in their order."""
+    if result:
+        return files.part(result, "map", result_path, "map -json")["axes"]
+    sizes = {name: len(file["map"][name]) for name in MAP_LABELS if name in file["map"]}
+    orders = [(a, b) for a in sizes for b in sizes if a != b and (sizes[a], sizes[b]) == shape]
+    if len(orders) != 1:
+        files.refuse(file.filename, "which of its axes is the first cannot be told",
+                     "the JSON of the same 'mpmstab map' as a second file")
+    return orders[0]
+
+
+def draw_limits(axes, names, values, found):
+    """The largest stable Courant numbers that formulas for particles at rest give, the corrected by the other axis."""
+    if "courant" not in names:
+        return
+    at = list(names).index("courant")
+    look = {"path_effects": [patheffects.withStroke(linewidth=4, foreground="white")]}
+    published = found.get("published_limit")
+    if published is not None:
+        inside = values[at].min() <= published <= values[at].max()
+        label = f"published limit at rest: k = {published:.6g}" + ("" if inside else " (beyond the axis)")
+        line = (axes.axvline, axes.axhline)[at] if inside else (lambda _, **options: axes.plot([], [], **options))
+        line(published, label=label, gid="published", **style.COLUMNS["published"], **look)
+    corrected = numpy.array(found.get("corrected_limit", []), float)
+    if corrected.shape == values[1 - at].shape and numpy.isfinite(corrected).any():
+        outside = (corrected < values[at].min()) | (corrected > values[at].max())
+        beyond = " (beyond the axis)" if outside[numpy.isfinite(corrected)].all() else ""
+        label = f": k = {numpy.nanmax(corrected):.6g}, at rest only" if numpy.isfinite(corrected).sum() == 1 else ""
+        corrected[outside] = numpy.nan
+        points = (corrected, values[1 - at]) if at == 0 else (values[1 - at], corrected)
+        marked = {**style.COLUMNS["corrected"], "marker": "D" if label else None}
+        axes.plot(*points, label=f"corrected limit{label}{beyond}", gid="corrected", clip_on=False, **marked, **look)

@@ -1,0 +1,221 @@
+"""Pictures of runs: growth, space-time, frames and a movie. Each function returns a figure, frames() their names."""
+import math
+import os
+
+import numpy
+from matplotlib import colors
+from matplotlib.animation import PillowWriter
+from matplotlib.collections import PolyCollection
+
+import picture_files as files
+import picture_style as style
+
+MOST_ROWS = 300  # output steps in a space-time picture
+MOST_FRAMES = 500
+LONG_GROWTH = 30  # largest over median size beyond which each step of a space-time picture has its own scale
+
+
+def size_of(path):
+    """Steps and the size of the state relative to the start, of RUN.json from the RUN.csv beside it."""
+    rows = files.read_csv(os.path.splitext(path)[0] + ".csv", ["step", "energy"], "run -csv")
+    rows = [row for row in rows if math.isfinite(row["energy"])]  # empty: out of the range of doubles
+    if not rows or rows[0]["energy"] <= 0:
+        files.refuse(path, "no energy to begin with in its CSV", "a run that starts from data that are not zero")
+    energy = numpy.array([row["energy"] for row in rows])
+    return numpy.array([row["step"] for row in rows]), numpy.sqrt(energy / energy[0])
+
+
+def predicted_of(result, spectra):
+    """Growth per step of the run's initial data, by its own file or by the spectrum of the same scene."""
+    for key in ("eigenmode", "corrected_mode", "corrected"):
+        if result["predicted"].get(key) is not None:
+            return result["predicted"][key]
+    same = [s for s in spectra if files.scene_parts(s) == files.scene_parts(result)]
+    return same[0]["spectrum"].get("growth") if same else None
+
+
+def shared(results):
+    """The parts of the scenes that are the same in all, and for each result those that are not."""
+    parts = [files.scene_parts(result) for result in results]
+    same = [text for key, text in parts[0].items() if all(part[key] == text for part in parts)]
+    own = [[text for key, text in part.items() if any(other[key] != text for other in parts)] for part in parts]
+    return same, [", ".join(texts) for texts in own]
+
+
+def through(steps, size, per_step):
+    """Powers of the growth per step, through the middle of the late half of the run."""
+    late = slice(len(steps) // 2, None)
+    level = numpy.mean(numpy.log(size[late]) - steps[late] * math.log(per_step))
+    with numpy.errstate(over="ignore"):
+        return numpy.exp(level + steps * math.log(per_step))
+
+
+def growth(paths, last=None):
+    """Size of the state over steps, with the predicted growth dashed.
+
+    paths are results of runs; those of spectra among them predict what the run's own file does not.
+    """
+    read = [(path, files.read_json(path)) for path in paths]
+    spectra = [result for _, result in read if result.get("task") == "spectrum"]
+    runs = [(path, result) for path, result in read if result.get("task") != "spectrum"]
+    if not runs:
+        files.refuse(paths[0], "is of the task spectrum", "beside at least one that 'mpmstab run -json' has written")
+    for path, result in runs:
+        files.part(result, "run", path, "run -json")
+    same, own = shared([result for _, result in runs])
+    half = (len(same) + 1) // 2
+    figure = style.new_figure(4.6 + 0.2 * len(runs), ", ".join(same[:half]) + "\n" + ", ".join(same[half:]))
+    axes, labelled = figure.add_subplot(), False
+    for number, (path, result) in enumerate(runs):
+        steps, size = size_of(path)
+        shown = steps <= (last or steps[-1])
+        measured = result["run"].get("growth_measured")
+        text = "growth not measured" if measured is None else f"{measured:.6f} per step"
+        axes.plot(steps[shown], size[shown], color=style.COLOURS[number % 6], marker=style.MARKERS[number % 6],
+                  markevery=max(1, shown.sum() // 9), label=f"{own[number]}: {text}".lstrip(": "), gid=f"run{number}")
+        predicted = predicted_of(result, spectra)
+        if predicted is not None:
+            axes.plot(steps[shown], through(steps[shown], size[shown], predicted), "k--", linewidth=1,
+                      gid=f"predicted{number}")
+            labelled = True
+    if labelled:
+        axes.plot([], [], "k--", linewidth=1, label="predicted growth")
+    axes.set_yscale("log")
+    axes.set_title("measured growth")
+    axes.set_xlabel("time step")
+    axes.set_ylabel("square root of energy / at the start")
+    axes.set_xlim(0, last)
+    axes.grid(True, alpha=0.3)
+    style.legend_below(axes, columns=1)
+    return figure
+
+
+def cells_around(x, length):
+    """Left and right end of the interval of points next to each place, in the order of x."""
+    order = numpy.argsort(x, kind="stable")
+    sorted_x = x[order]
+    middles = (sorted_x[1:] + sorted_x[:-1]) / 2
+    left, right = numpy.empty_like(x), numpy.empty_like(x)
+    left[order] = numpy.concatenate(([0], middles))
+    right[order] = numpy.concatenate((middles, [length]))
+    return left, right
+
+
+def rows_of(file, field, length):
+    """The field, how many steps are shown, and of these: numbers, places / L and values."""
+    steps = files.steps_of(file)
+    field = field or files.fields_of(steps[0][1])[0]
+    if field not in files.fields_of(steps[0][1]):
+        files.refuse(file.filename, f"no field '{field}' in it", " or ".join(files.fields_of(steps[0][1])))
+    thinned = steps[:: -(-len(steps) // MOST_ROWS)]
+    shown = f"{len(thinned)} of {len(steps)}" if len(thinned) < len(steps) else f"{len(steps)}"
+    x = [group["particles/coordinates"][:, 0] / length for _, group in thinned]
+    values = [group[f"particles/{field}"][()] for _, group in thinned]
+    return field, shown, numpy.array([step for step, _ in thinned]), numpy.array(x), numpy.array(values)
+
+
+def outgrows(sizes):
+    """Whether one scale for all steps would show the last ones only."""
+    return sizes.max() > LONG_GROWTH * numpy.median(sizes[sizes > 0]) if sizes.any() else False
+
+
+def spacetime(path, field=None):
+    """One particle field over place and time; every particle's value is drawn around where it is."""
+    with files.open_hdf5(path) as file:
+        scene = files.attributes(file)
+        field, shown, steps, x, values = rows_of(file, field, float(scene["length"]))
+    if len(steps) < 2:
+        files.refuse(path, "only one step in it", "a run with -output_every")
+    edges = numpy.concatenate(([steps[0]], (steps[1:] + steps[:-1]) / 2, [steps[-1]]))
+    sizes = numpy.array([max(abs(low), abs(high)) for low, high in map(files.finite_range, values)])
+    own_scale = outgrows(sizes)
+    if own_scale:
+        values = values / numpy.where(sizes > 0, sizes, 1)[:, None]
+    largest = 1.0 if own_scale else float(sizes.max()) or 1.0
+    boxes = []
+    for row, places in enumerate(x):
+        left, right = cells_around(places, 1.0)
+        low, high = numpy.full_like(left, edges[row]), numpy.full_like(left, edges[row + 1])
+        boxes.append(numpy.stack([numpy.stack(corner, -1) for corner in
+                                  ((left, low), (right, low), (right, high), (left, high))], axis=1))
+    picture = PolyCollection(numpy.concatenate(boxes), array=values.ravel(), cmap="RdBu_r", linewidths=0,
+                             antialiaseds=False, norm=colors.Normalize(-largest, largest), rasterized=True)
+    figure = style.new_figure(4.8, files.scene_text(scene))
+    axes = figure.add_subplot()
+    axes.add_collection(picture)
+    label = f"{field} / its largest value at that step" if own_scale else f"{field} of particles"
+    figure.colorbar(picture, ax=axes, label=label)
+    axes.set_xlim(0, 1)
+    axes.set_ylim(edges[0], edges[-1])
+    axes.set_title(f"{field} over place and time ({shown} output steps)")
+    axes.set_xlabel("x / L")
+    axes.set_ylabel("time step")
+    return figure
+
+
+def frame_limits(steps, fields):
+    """The largest abs of each field over all steps, so that frames can be compared; None: it does not stay in sight."""
+    limits = {}
+    for field in fields:
+        sizes = numpy.array([max(map(abs, files.finite_range(group[f"particles/{field}"][()]))) for _, group in steps])
+        limits[field] = None if outgrows(sizes) else sizes.max()
+    return limits
+
+
+def frame(scene, step, group, fields, limits):
+    """Particles and nodes over x at one output step."""
+    length = float(scene["length"])
+    x = group["particles/coordinates"][:, 0] / length
+    order = numpy.argsort(x, kind="stable")
+    figure = style.new_figure(1.4 + 1.7 * len(fields), files.scene_text(scene))
+    rows = figure.subplots(len(fields), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, field in zip(rows, fields):
+        nodes = group[f"nodes/{field}"][()]
+        places = numpy.arange(len(nodes)) / int(scene["cells"])
+        axes.plot(places, nodes, "-", color=style.COLOURS[0], linewidth=1.2, label="nodes", gid=f"nodes/{field}",
+                  zorder=3)
+        axes.plot(x[order], group[f"particles/{field}"][()][order], "o", color=style.COLOURS[1], markersize=3.5,
+                  label="particles", gid=f"particles/{field}")
+        axes.set_ylabel(field)
+        axes.set_xlim(0, 1)
+        if limits[field]:
+            axes.set_ylim(-1.1 * limits[field], 1.1 * limits[field])
+        axes.grid(True, alpha=0.3)
+    rows[0].set_title(f"time step {step}, t = {float(group.attrs['time']):.4g}", loc="left")
+    rows[0].legend(loc="lower right", bbox_to_anchor=(1, 1), ncol=2, borderaxespad=0.2, frameon=False)
+    rows[-1].set_xlabel("x / L")
+    return figure
+
+
+def frames(path, folder, per_second=12):
+    """One PNG for each output step in folder, and of all of them movie.gif; the names of the files."""
+    names = []
+    with files.open_hdf5(path) as file:
+        scene, steps = files.attributes(file), files.steps_of(file)
+        if len(steps) > MOST_FRAMES:
+            files.refuse(path, f"{len(steps)} steps in it", f"up to {MOST_FRAMES}, by a larger -output_every")
+        fields = files.fields_of(steps[0][1])
+        limits = frame_limits(steps, fields)
+        os.makedirs(folder, exist_ok=True)
+        movie = PillowWriter(fps=per_second)
+        for step, group in steps:
+            figure = frame(scene, step, group, fields, limits)
+            names.append(os.path.join(folder, f"step_{step:010d}.png"))
+            style.write(figure, names[-1], "png")
+            if len(names) == 1:
+                movie.setup(figure, os.path.join(folder, "movie.gif"), dpi=100)
+            movie.fig = figure
+            movie.grab_frame()
+    movie.outfile += ".part"
+    names.append(finish(movie))
+    return names
+
+
+def finish(movie):
+    """Writes the movie aside and renames it."""
+    # Pillow tells the format by the ending, so it is said.
+    movie._frames[0].save(movie.outfile, format="GIF", save_all=True, append_images=movie._frames[1:],
+                          duration=int(1000 / movie.fps), loop=0)
+    name = movie.outfile[: -len(".part")]
+    os.replace(movie.outfile, name)
+    return name

@@ -1,0 +1,224 @@
+"""Pictures of eigenvalues, symbols and eigenmodes. Each function returns the figure."""
+import numpy
+
+import picture_files as files
+import picture_style as style
+
+
+def published_factors(formulation, k, beta):
+    """The amplification factors as the slides print them, two for each phase; None: not a formulation of theirs.
+
+    gas1: G = 1 +- gamma, gas2: G = 1 + (gamma^2 +- sqrt(gamma^4 + 2 gamma^2)) / 2, both gamma = 2 i k sin beta;
+    elastic: G = gamma +- sqrt(gamma^2 - 1), gamma = 1 - 2 k^2 sin^2(beta/2).
+    """
+    square = -4 * (k * numpy.sin(beta)) ** 2  # gamma^2 of the gas; roots of real numbers: no branch jumps to the other
+    if formulation == "gas1":
+        gamma = 2j * k * numpy.sin(beta)
+        return numpy.array([1 + gamma, 1 - gamma])
+    if formulation == "gas2":
+        root = numpy.sqrt(square**2 + 2 * square + 0j)
+        return 1 + numpy.array([square + root, square - root]) / 2
+    if formulation == "elastic":
+        gamma = 1 - 2 * (k * numpy.sin(beta / 2)) ** 2
+        root = 1j * numpy.sqrt(1 - gamma**2 + 0j)
+        return numpy.array([gamma + root, gamma - root])
+    return None
+
+
+def eigenvalues_of(file):
+    return files.complex_pairs(files.array(file, "spectrum/eigenvalues", "spectrum -output"))[:, 0]
+
+
+def growth_of(values, scene):
+    """Per step, whatever the period."""
+    return abs(values) ** (1 / files.period(scene))
+
+
+def unit_circle(axes):
+    angle = numpy.linspace(0, 2 * numpy.pi, 721)
+    axes.plot(numpy.cos(angle), numpy.sin(angle), color=style.GREY, linewidth=1, label="unit circle")
+
+
+def of_what(scene, result):
+    """Whose eigenvalues they are, and how fast the largest grows."""
+    steps = files.period(scene)
+    one = "of one step" if steps == 1 else f"of a period of {steps} steps"
+    return f"eigenvalues {one}; growth {result:.9g} per step"
+
+
+def draw_symbol(figure, axes, file):
+    """The factors of all phases, coloured by phase."""
+    beta = files.array(file, "symbol/beta", "symbol -output")
+    factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))
+    phase = numpy.repeat(numpy.minimum(beta, 2 * numpy.pi - beta), factors.shape[1])
+    points = axes.scatter(factors.real.ravel(), factors.imag.ravel(), c=phase, s=16, cmap="cividis", vmin=0,
+                          vmax=numpy.pi, zorder=3, label="symbol, over its phases")
+    bar = figure.colorbar(points, ax=axes, shrink=0.75, label="phase β of the symbol / radians per cell")
+    bar.set_ticks([part * numpy.pi for part, _ in style.PHASES], labels=[text for _, text in style.PHASES])
+
+
+def draw_published(axes, file, scene):
+    """The published factors where the program says that the formula covers the scene."""
+    beta = numpy.linspace(0, 2 * numpy.pi, 1441)
+    covered = numpy.isfinite(files.array(file, "symbol/published", "symbol -output")).any()
+    both = published_factors(scene["formulation"], float(scene["courant"]), beta) if covered else None
+    for factors, label in zip(both if both is not None else [], ("published factors", None)):
+        axes.plot(factors.real, factors.imag, label=label, gid="published", **style.COLUMNS["published"])
+    return numpy.ravel(both if both is not None else [])
+
+
+def look_at(axes, values):
+    """A square around the values: the unit circle alone may leave the picture."""
+    middle = (values.real.max() + values.real.min()) / 2, (values.imag.max() + values.imag.min()) / 2
+    half = max(numpy.ptp(values.real), numpy.ptp(values.imag), 0.1) * 0.56
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    axes.set_ylim(middle[1] - half, middle[1] + half)
+    axes.set_aspect("equal", adjustable="box")
+
+
+def spectrum(path, result_path=None):
+    """Eigenvalues with the unit circle, the symbol's factors and the published prediction."""
+    with files.open_hdf5(path) as file:
+        scene, values = files.attributes(file), eigenvalues_of(file)
+        growth = growth_of(values, scene).max()
+        if result_path:
+            growth = files.part(files.read_json(result_path), "growth", result_path, "spectrum -json")
+        figure = style.new_figure(6, files.scene_text(scene))
+        axes = figure.add_subplot()
+        unit_circle(axes)
+        published = numpy.zeros(0)
+        if "symbol/factors" in file:
+            published = draw_published(axes, file, scene)
+            draw_symbol(figure, axes, file)
+    axes.plot(values.real, values.imag, label="eigenvalues", zorder=4, gid="eigenvalues", **style.EIGENVALUES)
+    axes.set_title(of_what(scene, growth))
+    axes.set_xlabel("real part")
+    axes.set_ylabel("imaginary part")
+    look_at(axes, numpy.concatenate((values, published)))
+    axes.grid(True, alpha=0.3)
+    style.legend_below(axes)
+    return figure
+
+
+def curves_of(path):
+    """beta, columns by name, scene (None: a CSV does not say)."""
+    if path.endswith(".csv"):
+        rows = files.read_csv(path, ["beta", "growth", "published", "corrected"], "symbol -csv")
+        columns = {key: numpy.array([row[key] for row in rows]) for key in rows[0]} if rows else {}
+        if not rows:
+            files.refuse(path, "no rows in it", "a file that 'mpmstab symbol' has written")
+        columns["symbol"] = columns.pop("growth")
+        return columns.pop("beta"), columns, None
+    with files.open_hdf5(path) as file:
+        beta = files.array(file, "symbol/beta", "symbol -output")
+        half = slice(0, len(beta) // 2 + 1)
+        names = {"symbol": "growth", "published": "published", "corrected": "corrected"}
+        columns = {key: files.array(file, f"symbol/{name}", "symbol -output")[half] for key, name in names.items()}
+        if "symbol/factors" in file:
+            factors = files.complex_pairs(file["symbol/factors"][half])
+            columns["factors"] = abs(factors) ** (1 / files.period(files.attributes(file)))
+        return beta[half], columns, files.attributes(file)
+
+
+def phase_axis(axes):
+    axes.set_xlim(-0.05, numpy.pi + 0.05)
+    axes.set_xticks([part * numpy.pi for part, _ in style.PHASES], labels=[text for _, text in style.PHASES])
+    axes.set_xlabel("phase β / radians per cell")
+    axes.grid(True, alpha=0.3)
+
+
+def symbol(path, result_path=None, spectrum_path=None):
+    """abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth."""
+    beta, columns, scene = curves_of(path)
+    result = files.read_json(result_path) if result_path else None
+    told = scene or result
+    figure = style.new_figure(4.4, files.scene_text(told) if told else "a CSV does not say of which scene")
+    axes = figure.add_subplot()
+    if "factors" in columns:
+        axes.plot(beta, columns["factors"][:, 0], ".", color="#56B4E9", markersize=3, label="symbol, every factor")
+        axes.plot(beta, columns["factors"][:, 1:], ".", color="#56B4E9", markersize=3)
+    for name in ("corrected", "published", "symbol"):
+        if numpy.isfinite(columns[name]).any():
+            label = "symbol, largest" if name == "symbol" else name
+            axes.plot(beta, columns[name], label=label, gid=name, **style.COLUMNS[name])
+    if "growth_seen" in columns:
+        axes.plot(beta, columns["growth_seen"], label="symbol, of what nodes see", color="#56B4E9",
+                  linestyle=(0, (1, 1)))
+    with_spectrum = spectrum_path or (None if path.endswith(".csv") else path)
+    if with_spectrum:
+        draw_by_phase(axes, with_spectrum, required=bool(spectrum_path))
+    measured = (result or {}).get("run", {}).get("growth_measured")
+    if measured is not None:
+        axes.axhline(measured, label=f"measured, {measured:.6f}", **style.COLUMNS["measured"])
+    missing = [name for name in ("published", "corrected") if not numpy.isfinite(columns[name]).any()]
+    axes.set_title("growth per step over the phase" + (f" (no {' or '.join(missing)} formula)" if missing else ""))
+    axes.set_ylabel("abs(G) per step")
+    axes.ticklabel_format(axis="y", useOffset=False)
+    phase_axis(axes)
+    style.legend_below(axes, columns=3)
+    return figure
+
+
+def draw_by_phase(axes, path, required):
+    """Eigenvalues at the phase of their largest Fourier component; those that no node sees have none."""
+    with files.open_hdf5(path) as file:
+        if "spectrum" not in file and not required:
+            return
+        beta, values = files.array(file, "spectrum/beta", "spectrum -output"), eigenvalues_of(file)
+        growth = growth_of(values, files.attributes(file))
+    seen = numpy.isfinite(beta)
+    axes.plot(beta[seen], growth[seen], label="eigenvalues", zorder=4, gid="eigenvalues",
+              **{**style.EIGENVALUES, "markersize": 4})
+
+
+def leading_modes(file, count):
+    """Names of the first modes, of each conjugate pair one."""
+    if "modes" not in file:
+        files.refuse(file.filename, "no /modes in it", "a file that 'mpmstab spectrum -output -modes n' has written")
+    chosen, pairs = [], []
+    for name in sorted(key for key in file["modes"] if key.isdigit()):
+        value = complex(file["modes"][name].attrs["re"], file["modes"][name].attrs["im"])
+        if value.imag and any(abs(value.conjugate() - other) <= 1e-9 * abs(value) for other in pairs):
+            continue
+        pairs.append(value)
+        chosen.append(name)
+    return chosen[:count]
+
+
+def title_of_mode(file, name):
+    """Growth, eigenvalue and wave of a mode."""
+    group = file["modes"][name]
+    real, imaginary = float(group.attrs["re"]), float(group.attrs["im"])
+    value = f"{real:.5g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.5g}i" if abs(imaginary) > 1e-7 else "")
+    beta = files.array(file, "spectrum/beta", "spectrum -output")[int(name) - 1]
+    wave = "no node sees it" if numpy.isnan(beta) else f"phase β = {beta:.4g} radians per cell"
+    return f"mode {int(name)}: growth {group.attrs['growth']:.9g} per step\neigenvalue {value}\n{wave}"
+
+
+def modes(path, count=2):
+    """The leading eigenmodes: a column each, a row for each field, real and imaginary part over x."""
+    with files.open_hdf5(path) as file:
+        scene, names = files.attributes(file), leading_modes(file, count)
+        x = files.array(file, "modes/coordinates", "spectrum -output") / float(scene["length"])
+        order = numpy.argsort(x, kind="stable")
+        fields = sorted((key[:-3] for key in file["modes"][names[0]] if key.endswith("_re")), key="uvrwsc".find)
+        figure = style.new_figure(1.7 + 1.6 * len(fields), files.scene_text(scene))
+        grid = figure.subplots(len(fields), len(names), sharex=True, sharey=True, squeeze=False)
+        for column, name in enumerate(names):
+            group = file["modes"][name]
+            grid[0, column].set_title(title_of_mode(file, name), fontsize=9.5)
+            for row, field in enumerate(fields):
+                for what, look in (("re", "o-"), ("im", "s--")):
+                    colour = style.COLOURS[1 if what == "re" else 0]
+                    values = group[f"{field}_{what}"][()][order]
+                    grid[row, column].plot(x[order], values, look, color=colour, linewidth=1, markersize=2.2,
+                                           gid=f"{name}/{field}_{what}",
+                                           label={"re": "real part", "im": "imaginary part"}[what])
+                grid[row, column].grid(True, alpha=0.3)
+                grid[row, column].set_xlim(0, 1)
+    for row, field in enumerate(fields):
+        grid[row, 0].set_ylabel(f"{field} / norm of mode")
+    for axes in grid[-1]:
+        axes.set_xlabel("x / L")
+    grid[-1, 0].legend(loc="upper left", bbox_to_anchor=(-0.1, -0.3), ncol=2)
+    return figure

@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""Pictures of what mpmstab has written, as NAME.png and NAME.svg.
+
+  pictures.py spectrum SPECTRUM.h5 [RESULT.json]      eigenvalues, unit circle, the symbol's and the published factors
+  pictures.py symbol SYMBOL.h5|CSV [SPECTRUM.h5] [RESULT.json]   abs(G) over the phase, in all columns that there are
+  pictures.py modes SPECTRUM.h5                       the leading eigenmodes over x (-n: how many)
+  pictures.py growth RUN.json...                      size over steps, predicted growth dashed (RUN.csv lies beside)
+  pictures.py spacetime RUN.h5 [FIELD]                a particle field over place and time
+  pictures.py frames RUN.h5 -o FOLDER                 a picture for each output step, and movie.gif
+  pictures.py map MAP.h5 [RESULT.json] [MAP.csv]      growth over two axes, with the limits and what is undecided
+  pictures.py transient RESULT.json                   norm of the operator's powers (spectrum -powers)
+  pictures.py pseudospectrum SPECTRUM.h5 [RESULT.json]   smallest singular value of z - A (spectrum -pseudospectrum)
+
+Files are those of mpmstab's -output (.h5), -json and -csv. As a module: each kind is a function that returns a figure.
+"""
+import argparse
+import sys
+
+from picture_files import Refusal
+from picture_maps import growth_map, pseudospectrum, transient
+from picture_runs import frames, growth, spacetime
+from picture_spectra import modes, spectrum, symbol
+from picture_style import save
+
+KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum")
+
+
+def first_two(kind, paths):
+    """FILE [RESULT.json]"""
+    if len(paths) > 2:
+        raise Refusal(f"{paths[2]}: one file too many; allowed: {kind} FILE [RESULT.json]")
+    return paths[0], paths[1] if len(paths) > 1 else None
+
+
+def by_ending(kind, paths, endings):
+    """The further files by what they end in."""
+    given = {}
+    for path in paths[1:]:
+        ending = path[path.rfind("."):]
+        if ending not in endings or endings[ending] in given:
+            raise Refusal(f"{path}: not one more that {kind} takes; allowed: one each of {' and '.join(endings)}")
+        given[endings[ending]] = path
+    return given
+
+
+def draw(args):
+    """The figure of a kind; None: it has been written."""
+    kind, paths = args.kind, args.files
+    if kind == "symbol":
+        return symbol(paths[0], **by_ending(kind, paths, {".h5": "spectrum_path", ".json": "result_path"}))
+    if kind == "map":
+        return growth_map(paths[0], **by_ending(kind, paths, {".json": "result_path", ".csv": "csv_path"}))
+    if kind == "growth":
+        return growth(paths, args.steps)
+    if kind == "spacetime":
+        if len(paths) > 2:
+            raise Refusal(f"{paths[2]}: one too many; allowed: spacetime RUN.h5 [FIELD]")
+        return spacetime(*paths)
+    if kind in ("modes", "transient", "frames") and len(paths) > 1:
+        raise Refusal(f"{paths[1]}: one file too many; allowed: {kind} FILE")
+    if kind == "frames":
+        frames(paths[0], args.output or "frames")
+        return None
+    if kind == "modes":
+        return modes(paths[0], args.number)
+    if kind == "transient":
+        return transient(paths[0])
+    return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("files", nargs="+", metavar="FILE")
+    parser.add_argument("-o", "--output", metavar="NAME", help="default: the kind's name")
+    parser.add_argument("-n", "--number", type=int, choices=range(1, 5), default=2, help="of modes: how many (2)")
+    parser.add_argument("-s", "--steps", type=int, help="of growth: the last step shown")
+    args = parser.parse_args()
+    try:
+        figure = draw(args)
+        if figure:
+            save(figure, args.output or args.kind)
+    except Refusal as refusal:
+        print(f"pictures.py: {refusal}", file=sys.stderr)
+        sys.exit(2)
+    except OSError as error:
+        print(f"pictures.py: {error.filename}: {error.strerror}; allowed: a place that can be written", file=sys.stderr)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+#!/usr/bin/python3
+"""One HTML page that answers for each scene: is it stable, for which time step, how accurate for what cost, and why?
+
+report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work-precision]
+
+Runs spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples) and error against
+run time over three grids; what a scene does not support is quoted. The page holds its pictures and needs no network.
+Files of the runs stay in FOLDER (report-files beside the page). MPMSTAB names the program (build/mpmstab).
+"""
+import argparse
+import datetime
+import glob
+import os
+import platform
+import shlex
+import subprocess
+import sys
+
+import picture_files
+import report_html
+import report_page
+import report_runs
+from program import PROGRAM, ROOT, refuse, require_program, write_whole
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE.yaml")
+    parser.add_argument("-o", "--output", default="report.html", metavar="PAGE")
+    parser.add_argument("-n", "--ranks", type=int, default=1)
+    parser.add_argument("--work", metavar="FOLDER")
+    parser.add_argument("--no-work-precision", action="store_true", help="no error against run time")
+    arguments = parser.parse_args()
+    if arguments.ranks < 1:
+        refuse(f"-n {arguments.ranks}: allowed: 1 or more ranks")
+    arguments.scenes = arguments.scenes or sorted(glob.glob(os.path.join(ROOT, "examples", "*", "scene.yaml")))
+    arguments.work = os.path.abspath(arguments.work or os.path.splitext(arguments.output)[0] + "-files")
+    return arguments
+
+
+def names_of(scenes):
+    """Short names, each once: the folder's of a scene.yaml, else the file's."""
+    names = []
+    for scene in scenes:
+        folder, file = os.path.split(os.path.abspath(scene))
+        name = os.path.basename(folder) if file == "scene.yaml" else os.path.splitext(file)[0]
+        name = "".join(letter if letter.isalnum() or letter in "-_" else "-" for letter in name)
+        same = sum(other == name or other.startswith(f"{name}_") for other in names)
+        names.append(f"{name}_{same + 1}" if same else name)
+    return names
+
+
+def read_scene(path):
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            return file.read()
+    except OSError as error:
+        return refuse(f"{path}: {error.strerror.lower()}; allowed: a scene in YAML")
+
+
+def attributes_of(asker, answers):
+    """The scene as the program wrote it into its files."""
+    for name, path in (("output", "output.h5"), ("spectrum", "spectrum.h5"), ("symbol", "symbol.h5")):
+        if name in answers and answers[name].done:
+            with picture_files.open_hdf5(asker.path(path)) as file:
+                return picture_files.attributes(file)
+    return {}
+
+
+def examine(path, name, text, arguments, known):
+    """All that the page says of a scene."""
+    asker, answers = report_runs.ask_all(path, os.path.join(arguments.work, name), arguments.ranks, known)
+    run = answers["run"]
+    exact = run.done and "error" in run.result["run"] and run.result["verdict"] == "stable"
+    if exact and not arguments.no_work_precision:
+        answers["error against run time"] = report_runs.work_precision(path, asker, run.result)
+    return {"name": name, "file": os.path.abspath(path), "text": text, "asker": asker, "answers": answers,
+            "scene": attributes_of(asker, answers)}
+
+
+def first_line(*command):
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    except OSError:
+        return ""
+    return (done.stdout.splitlines() or [""])[0] if done.returncode == 0 else ""
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or "not known"
+
+
+def facts(arguments):
+    """What the numbers rest on."""
+    done = subprocess.run([PROGRAM, "list", "versions"], capture_output=True, text=True, check=False)
+    versions = [tuple(line.split(None, 1)) for line in done.stdout.splitlines()[1:]]
+    revision = first_line("git", "rev-parse", "--short=12", "HEAD")
+    if revision and first_line("git", "status", "--porcelain", "-uno"):
+        revision += ", with changes that are not committed"
+    command = shlex.join(["scripts/report.py", *map(report_runs.shown, sys.argv[1:])])
+    return [*versions, ("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
+            ("processor", f"{processor()}, {os.cpu_count()} of them"), ("ranks", arguments.ranks),
+            ("git revision", revision or "not known"),
+            ("date", datetime.datetime.now().astimezone().isoformat(" ", "seconds")), ("command", command)]
+
+
+def main():
+    arguments = parse()
+    require_program()
+    texts = [read_scene(scene) for scene in arguments.scenes]
+    with open(os.path.join(ROOT, "scripts", "report.css"), encoding="utf-8") as file:
+        style = file.read()
+    try:
+        os.makedirs(arguments.work, exist_ok=True)
+        known = report_runs.options_known()
+        entries = [examine(scene, name, text, arguments, known)
+                   for scene, name, text in zip(arguments.scenes, names_of(arguments.scenes), texts)]
+        report_runs.progress("the page")
+        body = report_page.body(entries, facts(arguments))
+        write_whole(arguments.output, report_html.page(f"mpmstab: {len(entries)} scenes", style, body))
+    except OSError as error:
+        refuse(f"{error.filename}: {error.strerror}; allowed: a place that can be written")
+    print(f"written: {arguments.output}; files of the runs: {report_runs.shown(arguments.work)}")
+
+
+if __name__ == "__main__":
+    main()

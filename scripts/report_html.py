@@ -1,0 +1,62 @@
+"""Pieces of HTML: numbers that keep their full precision, tables that scroll, pictures inside the page."""
+import base64
+import html
+
+from picture_style import encoded
+
+LARGEST_SVG = 400_000  # bytes; beyond, a picture of many points goes in as PNG
+SIGNS = {"stable": "✓", "unstable": "✗", "undecided": "?"}
+
+
+def escaped(text):
+    return html.escape(str(text))
+
+
+def number(value, form=".9g"):
+    """A number as it is read, with all its digits for programs; a dash where there is none."""
+    if value is None:
+        return "-"
+    return f'<data value="{value!r}">{value:{form}}</data>'
+
+
+def badge(verdict):
+    return f'<span class="badge {verdict}">{SIGNS[verdict]} {verdict}</span>'
+
+
+def table(label, head, rows, numeric=()):
+    """In a box of its own that scrolls and can be reached by keyboard; cells are HTML."""
+    def cell(tag, column, text):
+        return f'<{tag}{" class=number" if column in numeric else ""}>{text}</{tag}>'
+
+    def line(tag, texts):
+        return "<tr>" + "".join(cell(tag, column, text) for column, text in enumerate(texts)) + "</tr>"
+
+    body = "\n".join(line("td", row) for row in rows)
+    top = f"<thead>{line('th', head)}</thead>\n" if head else ""
+    return (f'<div class="scroll" role="region" tabindex="0" aria-label="{escaped(label)}">\n<table>\n'
+            f"{top}<tbody>\n{body}\n</tbody>\n</table>\n</div>")
+
+
+def preformatted(text):
+    return f'<pre tabindex="0">{escaped(text)}</pre>'
+
+
+def picture(data, kind, alt, caption):
+    """A picture's bytes as part of the page."""
+    mime = {"svg": "image/svg+xml", "png": "image/png"}[kind]
+    source = f"data:{mime};base64,{base64.b64encode(data).decode()}"
+    return f'<figure><img src="{source}" alt="{escaped(alt)}"><figcaption>{caption}</figcaption></figure>'
+
+
+def drawn(figure, alt, caption):
+    data, kind = encoded(figure, "svg"), "svg"
+    if len(data) > LARGEST_SVG:
+        data, kind = encoded(figure, "png"), "png"
+    return picture(data, kind, alt, caption)
+
+
+def page(title, style, body):
+    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+            f'<link rel="icon" href="data:,">\n<title>{escaped(title)}</title>\n<style>\n{style}</style>\n</head>\n'
+            f"<body>\n{body}\n</body>\n</html>\n")

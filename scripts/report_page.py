@@ -1,0 +1,216 @@
+"""What a report says of a scene, and of all of them beside one another. An entry is a dict: see report.py."""
+import math
+
+import report_html as html
+import report_pictures
+from report_html import escaped, number
+from report_runs import COLUMNS, explanations, growths, shown, why_published_differs
+
+QUESTION = "Is this scheme stable, for which time step, how accurate for what cost, and why?"
+MEANINGS = {"published": "as the slides print it", "corrected": "the same analysis done right",
+            "symbol": "exact von Neumann analysis", "spectrum": "eigenvalues of the assembled operator",
+            "measured": "random data marched"}
+GROWS = 2  # norm of powers from which a scheme without growing eigenvalues is worth a word
+
+
+def best(entry):
+    """The answer that the verdict rests on; None: there is none."""
+    for name in ("spectrum", "symbol", "run"):
+        if entry["answers"][name].done:
+            return entry["answers"][name]
+    return None
+
+
+def verdict_box(entry):
+    answer = best(entry)
+    if answer is None:
+        return (f'<div class="verdict undecided"><strong>? not examined</strong>The program says: '
+                f'{escaped(entry["answers"]["run"].complaint)}</div>')
+    result = answer.result
+    growth, verdict = result.get("growth"), result["verdict"]
+    words = {"stable": "nothing grows exponentially", "unstable": "something grows exponentially",
+             "undecided": "the evidence is not enough"}[verdict]
+    size = "" if growth is None else f"Growth per step {number(growth)}"
+    if growth is not None and verdict == "unstable":
+        size += f", a factor ten every {number(math.log(10) / math.log(growth), '.3g')} steps"
+    evidence = f"Evidence: {escaped(result['evidence'])}." if "evidence" in result else "Evidence: the run alone."
+    return (f'<div class="verdict {verdict}"><strong>{html.SIGNS[verdict]} {verdict}: {words}</strong>\n'
+            f"{size}. {evidence}</div>")
+
+
+def which_step(entry):
+    answer = entry["answers"]["critical"]
+    if not answer.done:
+        return f"Not found: {escaped(answer.complaint)}."
+    found, result = answer.result["critical"], answer.result
+    limit = found.get("critical_courant")
+    if limit is None:
+        said = "No limit was found."
+    elif limit == 0:
+        said = "None: it grows at every Courant number."
+    else:
+        said = (f"Courant number k = c dt / h up to {number(limit, '.6g')}; "
+                f"the scene has {number(result['courant'], '.6g')}.")
+    if limit and not found.get("threshold", True):
+        said += " There growth only falls below the tolerance: there is no threshold."
+    if "limited_by_beta" in found and found["limited_by_beta"]:
+        said += f" Waves of {number(2 * math.pi / found['limited_by_beta'], '.4g')} cells set it."
+    if "growth_when_drifting" in found:
+        said += (" If its particles drift by 1/8 cell per step it grows by "
+                 f"{number(found['growth_when_drifting'], '.6g')} per step.")
+    return said
+
+
+def how_accurate(entry):
+    answer = entry["answers"]["run"]
+    if not answer.done:
+        return f"Not run: {escaped(answer.complaint)}."
+    run = answer.result["run"]
+    if "error" in run:
+        errors = ", ".join(f"{escaped(field)} {number(error.get('l2'), '.3g')}"
+                           for field, error in run["error"].items())
+        said = f"After {run['steps']} steps the l2 error, relative to the exact amplitude, is {errors}."
+    else:
+        said = f"No exact solution for these data, so no error; {run['steps']} steps were run."
+    return said + f" Cost: {number(run.get('ns_per_particle_step'), '.3g')} ns per particle and step in the loop."
+
+
+def reasons(entry):
+    """Why it is as it is, from what the program says."""
+    answers, found = entry["answers"], []
+    spectrum = answers["spectrum"] if answers["spectrum"].done else answers["symbol"]
+    differs = why_published_differs(spectrum.table)
+    if differs:
+        found.append(escaped(differs[0].upper() + differs[1:]) + ".")
+    else:
+        why = explanations(spectrum.table).get("published")
+        if why and growths(answers)["published"] is None:
+            found.append(f"There is no published number to compare with: {escaped(why)}.")
+    rest = answers.get("at rest")
+    if rest and rest.done and spectrum.done:
+        found.append(f"The same particles at rest: growth {number(rest.result['growth'])} per step, "
+                     f"{rest.result['verdict']}.")
+        if rest.result["verdict"] == "stable" and spectrum.result["verdict"] == "unstable":
+            found.append("So it is the drift that makes it grow: as particles move, the weights with which a node "
+                         "hears its left and its right cell change from step to step.")
+    beta = answers["symbol"].result.get("symbol", {}).get("beta_at_max")
+    if beta and spectrum.result.get("verdict") == "unstable":
+        found.append(f"Waves of {number(2 * math.pi / beta, '.4g')} cells grow most.")
+    return " ".join(found) or "Nothing more is known than the numbers below."
+
+
+def answers_list(entry):
+    items = (("Stable?", verdict_words(entry)), ("For which time step?", which_step(entry)),
+             ("How accurate, for what cost?", how_accurate(entry)), ("Why?", reasons(entry)))
+    body = "\n".join(f"<div><dt>{question}</dt><dd>{said}</dd></div>" for question, said in items)
+    return f'<dl class="answers">\n{body}\n</dl>'
+
+
+def verdict_words(entry):
+    """How well the columns that must agree do."""
+    found = growths(entry["answers"])
+    exact = [(name, found[name]) for name in ("symbol", "spectrum", "measured") if found[name] is not None]
+    if len(exact) < 2:
+        return "One kind of evidence only: " + (exact[0][0] if exact else "none") + "."
+    apart = max(value for _, value in exact) - min(value for _, value in exact)
+    names = ", ".join(name for name, _ in exact)
+    verdict = best(entry).result["verdict"].capitalize()
+    return (f"{verdict}. Growth of {names} lies within {number(apart, '.2g')}: they are found independently of one "
+            "another.")
+
+
+def five_columns(entry):
+    """Growth in five columns, each with what the program says of it."""
+    found, spectrum = growths(entry["answers"]), entry["answers"]["spectrum"]
+    said = explanations(spectrum.table if spectrum.done else entry["answers"]["symbol"].table)
+    rows = [[name, number(found[name]), MEANINGS[name], f'<span class="words">{escaped(said.get(name, "-"))}</span>']
+            for name in COLUMNS]
+    head = ["", "growth per step", "what it is", "the program says"]
+    return html.table("growth per step in five columns", head, rows, (1,))
+
+
+def transient_words(entry):
+    answer = entry["answers"].get("transient")
+    if not answer or not answer.done or "transient" not in answer.result:
+        return ""
+    found, verdict = answer.result["transient"], answer.result["verdict"]
+    if found["largest"] is None:
+        words = "The norm of the powers leaves the range of doubles."
+    else:
+        words = f"The norm of A^n reaches {number(found['largest'], '.6g')} at n = {found['at_step']}."
+        if verdict == "stable" and found["largest"] > GROWS:
+            words += (" No eigenvalue lies outside the unit circle, and yet states grow: the operator is not normal, "
+                      "or has a defective eigenvalue. That is not called unstable, but it is there.")
+    telling = ("Kreiss", "norms grow", "norms are", "late norms")
+    lines = [line for line in answer.table.splitlines() if any(word in line for word in telling)]
+    return f"<h3>Transient growth</h3>\n<p>{words}</p>\n" + (html.preformatted("\n".join(lines)) if lines else "")
+
+
+def parameters(entry):
+    """The scene with all that it leaves to defaults, as the program has read it."""
+    rows = [[escaped(key), escaped(f"{value:.9g}" if isinstance(value, float) else value)]
+            for key, value in sorted(entry["scene"].items())]
+    return html.table("parameters", ["parameter", "value"], rows) if rows else "<p>The program wrote none.</p>"
+
+
+def missed(entry):
+    """What was refused or failed, in the program's words, and expectations that were missed."""
+    items = []
+    for name, answer in entry["answers"].items():
+        if answer.status == 3:
+            items.append(f"<li><b>{escaped(name)}</b>: {escaped(answer.complaint)}</li>")
+        elif not answer.done:
+            kind = "does not cover this scene" if answer.status == 2 else "failed"
+            items.append(f"<li><b>{escaped(name)}</b> {kind}: <q>{escaped(answer.complaint)}</q></li>")
+    return f"<h3>Refused, failed or unexpected</h3>\n<ul>\n{chr(10).join(items)}\n</ul>" if items else ""
+
+
+def work_precision(entry):
+    answer = entry["answers"].get("error against run time")
+    if not answer or not answer.done:
+        return ""
+    return (f"<h3>Error against run time</h3>\n{report_pictures.of_work_precision(entry['asker'])}\n"
+            f"{html.preformatted(answer.table)}")
+
+
+def scene_section(entry):
+    commands = "\n".join(answer.command for answer in entry["answers"].values())
+    return "\n".join([
+        f'<article id="{entry["name"]}">', f"<h2>{escaped(entry['name'])}</h2>", verdict_box(entry),
+        answers_list(entry), "<h3>Growth per step</h3>", five_columns(entry), "<h3>Pictures</h3>",
+        report_pictures.all_of(entry["asker"], entry["answers"]), transient_words(entry), work_precision(entry),
+        missed(entry), f"<h3>The scene</h3>\n<p>{escaped(shown(entry['file']))}</p>", html.preformatted(entry["text"]),
+        "<details>\n<summary>As the program has read it, with defaults</summary>", parameters(entry), "</details>",
+        "<h3>The same again</h3>", html.preformatted(commands), "</article>"])
+
+
+def overview(entries):
+    rows = []
+    for entry in entries:
+        answer = best(entry)
+        result, critical = (answer.result if answer else {}), entry["answers"]["critical"]
+        limit = critical.result.get("critical", {}).get("critical_courant")
+        found = growths(entry["answers"]) if answer else dict.fromkeys(COLUMNS)
+        rows.append([f'<a href="#{entry["name"]}">{escaped(entry["name"])}</a>',
+                     html.badge(result["verdict"]) if answer else html.badge("undecided"),
+                     escaped(result.get("formulation", "-")), number(result.get("courant"), ".6g"),
+                     number(result.get("drift"), ".6g"), *[number(found[name], ".6f") for name in COLUMNS],
+                     number(limit, ".6g") if limit is not None else "none" if critical.done else "-"])
+    head = ["scene", "verdict", "scheme", "k", "drift", *COLUMNS, "largest stable k"]
+    count = {verdict: sum(best(e) is not None and best(e).result["verdict"] == verdict for e in entries)
+             for verdict in html.SIGNS}
+    words = ", ".join(f"{many} {verdict}" for verdict, many in count.items() if many)
+    return (f"<p>{len(entries)} scene{'s' if len(entries) > 1 else ''}: {words or 'none examined'}. Growth is the "
+            "factor per step of what grows fastest; published is as the slides print it, corrected the same analysis "
+            "done right; symbol, spectrum and measured are this program's and must agree. A dash: the formula or task does "
+            "not cover the scene.</p>\n" + html.table("all scenes", head, rows, (3, 4, 5, 6, 7, 8, 9, 10)))
+
+
+def body(entries, facts):
+    rows = [[escaped(name), escaped(value)] for name, value in facts]
+    return "\n".join([
+        "<header>", f"<h1>{QUESTION}</h1>",
+        '<p class="quiet">A report of mpmstab, from what the program itself computed.</p>', "</header>",
+        "<main>", '<section aria-label="overview">', overview(entries), "</section>",
+        *map(scene_section, entries), '<section aria-label="how this was made">', "<h2>How this was made</h2>",
+        html.table("versions and machine", [], rows), "</section>", "</main>"])

@@ -1,0 +1,78 @@
+"""The pictures of a scene, each with what there is to see on it."""
+import os
+
+import pictures
+import report_html as html
+
+CAPTIONS = {
+    "spectrum": "Eigenvalues of the assembled operator, the unit circle that stable ones may not leave, the symbol's "
+                "factors coloured by phase, and, where it covers the scene, the published prediction.",
+    "symbol": "Growth of each wave: the symbol is exact, eigenvalues stand at the phase of their largest Fourier "
+              "component; where published and corrected lie apart, the slides' formula fails.",
+    "modes": "The leading eigenmodes: what grows fastest, or in a stable scene what stays.",
+    "growth": "Size of the state as it was marched, and the growth that is predicted.",
+    "spacetime": "A particle field, each value where its particle is.",
+    "map": "Growth over Courant number and drift: what moves is not what rests.",
+    "transient": "Norms of powers: how large a state can become before eigenvalues decide.",
+    "pseudospectrum": "Where z - A is nearly singular: the further out, the more the powers grow first."}
+
+
+def wanted(asker, answers):
+    """Kind, how to draw it, and its alternative text, for every picture that the answers allow."""
+    def path(name):
+        return asker.path(name)
+
+    spectrum, symbol, run = (answers[name].done for name in ("spectrum", "symbol", "run"))
+    result = answers["spectrum"].result if spectrum else answers["symbol"].result if symbol else answers["run"].result
+    scheme = f"{result.get('formulation')}, Courant number {result.get('courant')}, drift {result.get('drift')}"
+    growth = f"largest growth {result.get('growth')} per step"
+    if spectrum:
+        yield ("spectrum", lambda: pictures.spectrum(path("spectrum.h5"), path("spectrum.json")),
+               f"Eigenvalues of {scheme} in the complex plane with the unit circle; {growth}.")
+    if symbol:
+        extra = (path("spectrum.json"), path("spectrum.h5")) if spectrum else ()
+        yield ("symbol", lambda: pictures.symbol(path("symbol.h5"), *extra),
+               f"Amplification factor over the phase for {scheme}; {growth}.")
+    if "map" in answers and answers["map"].done:
+        yield ("map", lambda: pictures.growth_map(path("map.h5"), path("map.json"), path("map.csv")),
+               f"Growth over Courant number and drift for {result['formulation']}; unstable at "
+               f"{answers['map'].result['map']['unstable']} points.")
+    if run:
+        extra = [path("spectrum.json")] if spectrum else []
+        measured = answers["run"].result["run"].get("growth_measured")
+        yield ("growth", lambda: pictures.growth([path("run.json"), *extra]),
+               f"Size of the state over time steps for {scheme}; measured growth {measured} per step.")
+    if "output" in answers and answers["output"].done:
+        yield ("spacetime", lambda: pictures.spacetime(path("output.h5")),
+               f"Particle values over place and time, {scheme}.")
+    if spectrum:
+        yield ("modes", lambda: pictures.modes(path("spectrum.h5")), f"The two leading eigenmodes over x, {scheme}.")
+    if "transient" in answers and answers["transient"].done:
+        found = answers["transient"].result
+        if "transient" in found:
+            yield ("transient", lambda: pictures.transient(path("transient.json")),
+                   f"Norm of powers of the operator; the largest is {found['transient']['largest']}.")
+        if "pseudospectrum" in found:
+            yield ("pseudospectrum", lambda: pictures.pseudospectrum(path("transient.h5"), path("transient.json")),
+                   f"Contours of the smallest singular value; Kreiss constant {found['pseudospectrum']['kreiss']}.")
+
+
+def all_of(asker, answers):
+    """As HTML; one that cannot be drawn says so in its place."""
+    pieces = []
+    for kind, draw, alt in wanted(asker, answers):
+        try:
+            pieces.append(html.drawn(draw(), alt, html.escaped(CAPTIONS[kind])))
+        except Exception as error:  # whatever it is, the other pictures and the page are worth having
+            pieces.append(f'<p class="undecided">Picture of {kind}: not drawn: {html.escaped(error)}</p>')
+    return f'<div class="pictures">\n{chr(10).join(pieces)}\n</div>' if pieces else "<p>Nothing to draw.</p>"
+
+
+def of_work_precision(asker):
+    """The picture that work_precision.py has written."""
+    path = asker.path("work-precision.svg")
+    if not os.path.exists(path):
+        return ""
+    caption = "Error against run time: time of the loop alone, error against the exact solution at the end."
+    with open(path, "rb") as file:
+        return html.picture(file.read(), "svg", "Error over run time on log axes for three grids.", caption)

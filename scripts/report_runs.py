@@ -1,0 +1,154 @@
+"""What a report asks of the program for one scene, and what came back. Nothing here ends the report."""
+import json
+import os
+import re
+import subprocess
+import sys
+
+from program import PROGRAM, ROOT
+
+SMALL = 256  # unknowns up to which powers and the pseudospectrum are taken
+MOST_OUTPUT = 120  # output steps of a run, about
+PATIENCE = 600  # seconds for one command
+COLUMNS = ("published", "corrected", "symbol", "spectrum", "measured")
+
+
+class Answer:
+    """One command: how it is said, its status, its JSON ({}: none), its table, and its complaint."""
+
+    def __init__(self, command, status, result, table, complaint):
+        self.command, self.status, self.result, self.table, self.complaint = command, status, result, table, complaint
+        self.done = status in (0, 3) and bool(result)  # 3: the scene's expectation is missed, the result is there
+
+
+def shown(path):
+    """A path as one would type it in the project's folder."""
+    inside = os.path.relpath(path, ROOT)
+    return path if inside.startswith("..") else inside
+
+
+def progress(text):
+    print(f"report: {text}", file=sys.stderr, flush=True)
+
+
+class Asker:
+    """Runs tasks on one scene, each with files of its own in a folder."""
+
+    def __init__(self, scene, folder, ranks):
+        self.scene, self.folder, self.ranks = scene, folder, ranks
+        os.makedirs(folder, exist_ok=True)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def ask(self, task, name=None, options=(), files=("json",)):
+        """Runs the task; its files are NAME.json, NAME.h5, NAME.csv."""
+        name = name or task
+        words = [task, self.scene, *options]
+        for kind in files:
+            path = self.path(f"{name}.{kind}")
+            if os.path.exists(path):
+                os.remove(path)
+            words += [{"json": "-json", "csv": "-csv", "h5": "-output"}[kind], path]
+        start = ["mpirun", "-n", str(self.ranks)] if self.ranks > 1 else []
+        progress(f"{shown(self.scene)}: {name}")
+        command = " ".join([*start, *map(shown, [PROGRAM, *words])])
+        try:
+            done = subprocess.run([*start, PROGRAM, *words], capture_output=True, text=True, check=False,
+                                  timeout=PATIENCE, cwd=ROOT)
+        except subprocess.TimeoutExpired:
+            return Answer(command, None, {}, "", f"stopped after {PATIENCE} s")
+        result, path = {}, self.path(f"{name}.json")
+        if os.path.exists(path):
+            with open(path, encoding="utf-8") as file:
+                result = json.load(file)
+        complaint = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
+        return Answer(command, done.returncode, result, done.stdout, complaint.removeprefix("mpmstab: "))
+
+
+def options_known():
+    """The options that this build of the program has."""
+    done = subprocess.run([PROGRAM, "list", "options"], capture_output=True, text=True, check=False)
+    return set(re.findall(r"^  (\w+) ", done.stdout, flags=re.MULTILINE))
+
+
+def every(steps):
+    return max(1, -(-steps // MOST_OUTPUT))
+
+
+def ask_all(scene, folder, ranks, known):
+    """All answers for a scene, by what was asked."""
+    asker = Asker(os.path.abspath(scene), folder, ranks)
+    answers = {"spectrum": asker.ask("spectrum", files=("json", "h5", "csv")),
+               "symbol": asker.ask("symbol", files=("json", "h5", "csv"))}
+    spectrum, symbol = answers["spectrum"], answers["symbol"]
+    if symbol.done and symbol.result["drift"]:
+        answers["at rest"] = asker.ask("symbol", "at-rest", ["-drift", "0"])
+    answers["critical"] = asker.ask("critical")
+    answers["run"] = asker.ask("run", files=("json", "csv"))
+    if answers["run"].done:
+        steps = answers["run"].result["run"]["steps"]
+        answers["output"] = asker.ask("run", "output", ["-output_every", str(every(steps))], ("json", "h5"))
+    small = spectrum.done and spectrum.result["spectrum"].get("unknowns", SMALL + 1) <= SMALL
+    if small and {"powers", "pseudospectrum"} <= known:
+        more = ["-measure", "false", "-powers", "400", "-pseudospectrum", "48"]
+        answers["transient"] = asker.ask("spectrum", "transient", more, ("json", "h5"))
+    if symbol.done and "map_axes" in known:
+        answers["map"] = asker.ask("map", options=["-map_axes", "courant,drift"], files=("json", "h5", "csv"))
+    return asker, answers
+
+
+def work_precision(scene, asker, result):
+    """Error against run time over half, once and twice the scene's cells: the command, status and what it said."""
+    cells = result["cells"]
+    script = os.path.join(ROOT, "scripts", "work_precision.py")
+    name = asker.path("work-precision")
+    grids = f"{max(2, cells // 2)},{cells},{2 * cells}"
+    words = [script, os.path.abspath(scene), "--cells", grids, "--repeats", "3", "-o", name]
+    progress(f"{shown(scene)}: error against run time")
+    if os.path.exists(f"{name}.runs.jsonl"):
+        os.remove(f"{name}.runs.jsonl")  # of another build or scene, perhaps
+    command = " ".join(map(shown, words))
+    try:
+        done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, timeout=PATIENCE,
+                              cwd=ROOT)
+    except subprocess.TimeoutExpired:
+        return Answer(command, None, {}, "", f"stopped after {PATIENCE} s")
+    complaint = (done.stderr.strip().splitlines() or [""])[-1]
+    return Answer(command, done.returncode, {"done": True} if done.returncode == 0 else {}, done.stdout, complaint)
+
+
+def explanations(table):
+    """What the program's own table says beside each of the five growths."""
+    said = {}
+    for name in COLUMNS:
+        found = re.search(rf"^  {name} +(?:off range|\S+) +(.*)$", table, flags=re.MULTILINE)
+        if found:
+            said[name] = found.group(1).strip()
+    return said
+
+
+def why_published_differs(table):
+    """The program's words on the distance between the published and the true abs(G), as one line."""
+    lines = table.splitlines()
+    for number, line in enumerate(lines):
+        if line.startswith("the published abs(G)"):
+            more = []
+            for following in lines[number + 1:]:
+                if not following.startswith("  "):
+                    break
+                more.append(following.strip())
+            return " ".join([line, *more])
+    return None
+
+
+def growths(answers):
+    """The five growths per step; None: not covered or not computed."""
+    spectrum, symbol = answers["spectrum"], answers["symbol"]
+    source = spectrum.result if spectrum.done else symbol.result if symbol.done else answers["run"].result
+    predicted = source.get("predicted", {})
+    found = {name: predicted.get(name) for name in COLUMNS[:3]}
+    found["spectrum"] = spectrum.result.get("spectrum", {}).get("growth")
+    run = spectrum.result.get("run") or answers["run"].result.get("run", {})
+    found["measured"] = run.get("growth_measured")
+    return found
