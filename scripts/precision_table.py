@@ -120,7 +120,7 @@ WORDS = {"ppc": "ppc {}", "courant": "k {:g}", "ranks": "{} ranks"}
 
 
 def name_of(row, names):
-    return " ".join(WORDS.get(name, "{}").format(row[name]) for name in names)
+    return " ".join(WORDS.get(name, "{}").format(row[name]) for name in names).replace(" 1 ranks", " 1 rank")
 
 
 def at(point, name):
@@ -170,13 +170,17 @@ def remarks(rows):
     wide = [row for row in timed if row["median_s"] > 1.25 * row["best_s"]]
     if wide:
         said.append(f"median more than a quarter above best in {len(wide)} of {len(timed)}: the machine was not quiet")
+    alone = [row for row in timed if row["growth_all_waves"] is None]
+    if alone:
+        said.append(f"{len(alone)} of {len(timed)} have no symbol (walls, particles that differ) and are judged by their "
+                    "run alone, which may hide growth of other waves")
     ends = [row["time"] for row in timed]
     if ends and max(ends) - min(ends) > 1e-12 * max(ends):
         said.append(f"whole steps end at times from {min(ends):.6g} to {max(ends):.6g}; each error is at its own end")
     for members in families(rows).values():
         points = [row for row in members if usable(row)]
         if len(points) > 1 and points[-1]["order"] is not None and points[-1]["order"] < FLOOR:
-            said.append(f"{name_of(points[-1], names)}: the error does not fall with cells any more (order "
+            said.append(f"{name_of(points[-1], names)}: the error falls slowly with cells, or no more (order "
                         f"{points[-1]['order']:.2f} at {points[-1]['cells']} cells)")
     for note in dict.fromkeys(row["note"] for row in rows if row["note"]):
         who = dict.fromkeys(name_of(row, names) for row in rows if row["note"] == note)

@@ -2,8 +2,8 @@
 """The slides' third question: how are ringing instability and formulation instability connected?
 
 study.py [--quick]: the symbol of particles off the middle of their cells; growth per time as the time step shrinks, at
-rest and in slow flow; which waves grow; growth over drift and Courant number; the content that no node sees, and what
-transfers and bases do to it. --quick: fewer cases.
+rest and in slow flow, and a closed form of its limit for many particles; which waves grow; growth over drift and
+Courant number; the content that no node sees, and what transfers and bases do to it. --quick: fewer cases.
 """
 import argparse
 import math
@@ -91,6 +91,33 @@ def rates(quick):
                 print(line.format(formulation, ppc, speed, *shown), flush=True)
 
 
+def closed_rate(speed):
+    """Of the wave of two cells, small steps, many particles: s h / c = 2 M z, M = U0 / c = (z - tanh z) / z^3."""
+    if speed >= 1 / 3:
+        return 0
+    low, high = 1e-2, 1e3  # M falls with z
+    for _ in range(100):
+        z = math.sqrt(low * high)
+        low, high = (z, high) if (z - math.tanh(z)) / z**3 > speed else (low, z)
+    return 2 * speed * low
+
+
+def limit(quick):
+    """Growth per time of the wave of two cells against its closed form."""
+    print("\n(growth - 1) / k of the wave of two cells, hats, flip, k = 1/50 (last column 1/100), and closed\n")
+    line = "{:>7}  {:>7} " + " {:>11}" * 5
+    cases = (("gas2", 2, 50), ("gas2", 8, 50), ("gas1", 16, 50), ("gas2", 16, 50), ("gas2", 32, 100))
+    print(line.format("U0 / c", "closed", *(f"{formulation} ppc {ppc}" for formulation, ppc, _ in cases)))
+    speeds = ("1/100", "1/20", "1/10", "1/6", "1/5", "3/10", "8/25", "33/100", "17/50")
+    for speed in speeds[1:-1:3] if quick else speeds:
+        shown = []
+        for formulation, ppc, inverse in cases:
+            scene = {"formulation": formulation, "ppc": ppc, "courant": 1 / inverse, "cells": 2,
+                     "drift": Fraction(speed) / inverse}
+            shown.append(f"{(ask('symbol', scene)['growth'] - 1) * inverse:.4f}")
+        print(line.format(speed, f"{closed_rate(float(Fraction(speed))):.4f}", *shown), flush=True)
+
+
 def waves():
     """Which waves grow."""
     print("\nwaves that grow by more than 1e-6 per step, of 64 cells, hats, flip, ppc 4\n")
@@ -151,6 +178,7 @@ def main():
     require_program()
     mechanism()
     rates(arguments.quick)
+    limit(arguments.quick)
     waves()
     maps()
     content(arguments.quick)
