@@ -1,20 +1,14 @@
-/* zgeev: PETSc with real scalars wraps LAPACK's real routines only. */
+/* All eigenvalues of a small complex matrix: zgeev. */
+#include <mpmstab/complex_lapack.h>
 #include <mpmstab/eigen_small.h>
 #include <math.h>
-#include <petscblaslapack.h>
 
-#if defined(PETSC_BLASLAPACK_CAPS)
-#define PETSCBLAS_ZGEEV ZGEEV
-#elif defined(PETSC_BLASLAPACK_UNDERSCORE)
-#define PETSCBLAS_ZGEEV zgeev_
-#else
-#define PETSCBLAS_ZGEEV zgeev
-#endif
+#define ZGEEV MPM_LAPACK(zgeev, ZGEEV)
 
-extern void PETSCBLAS_ZGEEV(const char *jobvl, const char *jobvr, const PetscBLASInt *n, double complex *a,
-                            const PetscBLASInt *lda, double complex *w, double complex *vl, const PetscBLASInt *ldvl,
-                            double complex *vr, const PetscBLASInt *ldvr, double complex *work,
-                            const PetscBLASInt *lwork, double *rwork, PetscBLASInt *info);
+extern void ZGEEV(const char *jobvl, const char *jobvr, const PetscBLASInt *n, double complex *a,
+                  const PetscBLASInt *lda, double complex *w, double complex *vl, const PetscBLASInt *ldvl,
+                  double complex *vr, const PetscBLASInt *ldvr, double complex *work, const PetscBLASInt *lwork,
+                  double *rwork, PetscBLASInt *info);
 
 static PetscErrorCode Call(MpmSmallEigen *s, PetscBool vectors, PetscBLASInt lwork, double complex work[])
 {
@@ -23,7 +17,7 @@ static PetscErrorCode Call(MpmSmallEigen *s, PetscBool vectors, PetscBLASInt lwo
 
   PetscFunctionBegin;
   PetscCall(PetscBLASIntCast(s->n, &n));
-  PETSCBLAS_ZGEEV(job, job, &n, s->matrix, &n, s->value, s->left, &n, s->right, &n, work, &lwork, s->rwork, &info);
+  ZGEEV(job, job, &n, s->matrix, &n, s->value, s->left, &n, s->right, &n, work, &lwork, s->rwork, &info);
   PetscCheck(info == 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "zgeev failed: %d", (int)info);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /* Tasks by name. */
 #include <mpmstab/errors.h>
+#include <mpmstab/launch.h>
 #include <mpmstab/settings.h>
 #include <mpmstab/stop.h>
 #include <mpmstab/task.h>
@@ -43,6 +44,7 @@ int main(int argc, char **argv)
       argv[1] = help;
       argc    = 2;
     }
+  MpmLaunchAlone();
   if (MpmErrorsOutside()) return MPM_EXIT_FAILED;
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_REFUSED;

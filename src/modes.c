@@ -177,7 +177,6 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
   PetscCall(SVDCreate(PetscObjectComm((PetscObject)map), &svd));
   PetscCall(SVDSetOperators(svd, map, NULL));
   PetscCall(SVDSetType(svd, SVDLAPACK));
-  PetscCall(SVDSetFromOptions(svd));
   PetscCall(SVDSolve(svd));
   PetscCall(SVDGetConverged(svd, &found));
   for (PetscInt i = 0; i < found; i++) {

@@ -80,6 +80,25 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, PetscInt *exponent)
+{
+  MpmRegisters registers;
+
+  PetscFunctionBegin;
+  *exponent = 0;
+  if (op->period == 1) {
+    PetscCall(PetscObjectReference((PetscObject)op->A));
+    *A        = op->A;
+    *exponent = op->exponent;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
+  PetscCall(MpmRegistersStep(&registers, step));
+  PetscCall(MpmRegistersGather(&registers, A));
+  PetscCall(MpmRegistersDestroy(&registers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperator **op)
 {
   const PetscReal begin = MPI_Wtime();

@@ -99,6 +99,7 @@ PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
   PetscCall(PrintSpectrum(s));
   PetscCall(PrintMeasured(s));
   PetscCall(PrintOperator(s));
+  PetscCall(MpmTransientPrint(s));
   PetscCall(MpmReportFinding(&s->finding, s->condition));
   PetscCall(PrintCost(s));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -44,6 +44,7 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
     json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
     json_object_set_new(object, "run", run);
   }
+  MpmTransientJson(s, object);
   PetscCall(MpmJsonWrite(s->scene->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -140,21 +140,27 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How finely the symbol is read, what the spectrum keeps, and how many layouts there are. */
-static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
+/* A count that may not be given: then it stays what it is. */
+static PetscErrorCode ReadCount(const MpmSettings *settings, const char name[], PetscInt *value)
 {
-  PetscInt64 n;
+  PetscInt64 n = *value;
 
   PetscFunctionBegin;
+  if (MpmSettingsGiven(settings, name)) PetscCall(MpmSettingsInteger(settings, name, &n));
+  *value = (PetscInt)n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How finely symbol and pseudospectrum are read, what the spectrum keeps, and how many layouts there are. */
+static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
   scene->phases = scene->cells;
-  if (MpmSettingsGiven(settings, "phases")) {
-    PetscCall(MpmSettingsInteger(settings, "phases", &n));
-    scene->phases = (PetscInt)n;
-  }
-  PetscCall(MpmSettingsInteger(settings, "modes", &n));
-  scene->modes = (PetscInt)n;
-  PetscCall(MpmSettingsInteger(settings, "layouts", &n));
-  scene->layouts = (PetscInt)n;
+  PetscCall(ReadCount(settings, "phases", &scene->phases));
+  PetscCall(ReadCount(settings, "modes", &scene->modes));
+  PetscCall(ReadCount(settings, "layouts", &scene->layouts));
+  PetscCall(ReadCount(settings, "powers", &scene->powers));
+  PetscCall(ReadCount(settings, "pseudospectrum", &scene->pseudospectrum));
   PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
   PetscCall(MpmSettingsSwitch(settings, "survey", &scene->survey));
   PetscCall(CheckSurvey(settings, scene));

@@ -189,6 +189,30 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of what the verdict calls 1, the powers are compared with 1. */
+static PetscErrorCode Transient(MpmSpectrum *s)
+{
+  const PetscReal tolerance = s->finding.tolerance;
+  const PetscReal growth    = fabs(s->finding.growth - 1) <= tolerance ? 1 : s->finding.growth;
+  PetscReal       norm;
+  Mat             weighed, A;
+
+  PetscFunctionBegin;
+  if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->scene->powers) PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, &s->transient));
+  if (!s->scene->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
+  PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
+  PetscCall(MatScale(A, scalbn(1, (int)s->op->exponent)));
+  PetscCall(MatNorm(A, NORM_INFINITY, &norm));
+  if (isfinite(norm))
+    PetscCall(MpmPseudospectrumCreate(s->scene, A, s->scene->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
+                                      &s->pseudospectrum));
+  PetscCall(MatDestroy(&A));
+  PetscCall(MatDestroy(&weighed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Largest resident size of this program, summed over its ranks. */
 static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
 {
@@ -216,7 +240,8 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
-  PetscCall(MpmOperatorCreate(comm, scene, &s->op)); /* first: it refuses what is too large */
+  PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
+  PetscCall(MpmOperatorCreate(comm, scene, &s->op));
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(scene, &s->predictor));
   if (!MpmSymbolWhyNot(scene)) {
@@ -227,6 +252,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCall(Solve(comm, s));
   PetscCall(Judge(s));
   PetscCall(Measure(s));
+  PetscCall(Transient(s));
   PetscCall(PeakMemory(comm, &s->memory));
   s->memory -= before;
   s->wall_s = MPI_Wtime() - started;
@@ -240,6 +266,8 @@ PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
   PetscFunctionBegin;
   PetscCall(MpmPredictorDestroy(&s->predictor));
   if (s->run) PetscCall(MpmRunDestroy(&s->run));
+  PetscCall(MpmTransientDestroy(&s->transient));
+  PetscCall(MpmPseudospectrumDestroy(&s->pseudospectrum));
   PetscCall(MpmEigenDestroy(&s->eigen));
   PetscCall(MpmOperatorDestroy(&s->op));
   if (s->symbol) PetscCall(MpmSymbolDestroy(&s->symbol));

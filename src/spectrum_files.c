@@ -65,6 +65,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
     PetscCall(WriteEigenvalues(s, &modes, &file));
     PetscCall(MpmModesWrite(s->op, s->eigen, s->scene->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
+    PetscCall(MpmTransientWrite(s, &file));
     PetscCall(MpmDataFileClose(&file, NULL));
   }
   PetscCall(MpmModesDestroy(&modes));

@@ -31,6 +31,23 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
 /* Collective. Sets balanced and unit from A; part of MpmOperatorCreate. */
 PetscErrorCode MpmOperatorBalance(MpmOperator *op);
 
+/*
+   MpmOperatorWeigh - W A W^-1, W^2 = m of a velocity (or displacement, or apic's c), V / E of a stress: the 2-norm of
+   what comes out is the norm of A in which a state is measured by its energy, where every field has a part in it.
+
+   Collective. A is op->A or a step; where particles are alike it is A itself. Destroy with MatDestroy.
+   MpmOperatorNorm says in a few words which norm that is; not collective.
+*/
+PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed);
+const char    *MpmOperatorNorm(const MpmOperator *op);
+
+/*
+   MpmOperatorStep - the matrix of one step of the period, times 2^-exponent.
+
+   Collective. Destroy with MatDestroy.
+*/
+PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, PetscInt *exponent);
+
 /* Collective. Takes a vector of the balanced operator, real and imaginary part, back to the state, of norm 1 again. */
 PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im);
 

@@ -77,7 +77,7 @@ typedef struct {
   MpmFraction           offset, drift;
   MpmInitial            initial;
   PetscBool             stagger, has_progress, progress, measure, survey, weights, source_term, ringing;
-  PetscInt              phases, modes, layouts;
+  PetscInt              phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
   MpmAxis               axes[2];
   char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
   char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
