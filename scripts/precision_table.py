@@ -15,6 +15,7 @@ COLUMNS = (*PARAMETERS, "drift", "steps", "time", "particles", "status", "verdic
            "error_l1", "error_l2", "error_linf", "field", "order", "best_s", "median_s", "repeats", "frontier", "note")
 SHORT = 1e-3  # seconds: a loop that is shorter is measured badly
 FLOOR = 0.5   # order below which errors are said not to fall
+AS_GOOD = 1.01  # errors within this factor are as good as one another
 
 
 def key(record, names=PARAMETERS):
@@ -79,10 +80,10 @@ def set_orders(rows):
 
 
 def frontier(rows):
-    """The usable rows that no other is both faster and more accurate than, from the fastest on."""
+    """The usable rows that no faster one is as accurate as, from the fastest on."""
     best, found = math.inf, []
     for row in sorted(filter(usable, rows), key=lambda row: (row["best_s"], row["error_l2"])):
-        if row["error_l2"] < best:
+        if row["error_l2"] * AS_GOOD < best:
             best = row["error_l2"]
             found.append(row)
     return found
@@ -140,7 +141,7 @@ def answer(rows, wanted, repeats):
             found.append((point, name_of(members[0], names)))
     found.sort(key=lambda pair: pair[0]["best_s"])
     if not found:
-        best = min(filter(usable, rows), key=lambda row: row["error_l2"], default=None)
+        best = next(reversed(frontier(rows)), None)
         said = f"error {wanted:g}: nothing that is stable reaches it here"
         return said if best is None else (f"{said}; the smallest is {best['error_l2']:.3g}, by {name_of(best, names)} "
                                           f"with {best['cells']} cells in {seconds(best['best_s'])}")

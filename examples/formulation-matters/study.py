@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The slides' first conclusion: does the underlying formulation matter for stability, and for error against run time?
 
 study.py [--quick] [-o FOLDER]: growth of all formulations and transfers on one gas and one bar, at rest and drifting an
@@ -7,6 +7,7 @@ of which FOLDER (results) keeps tables and pictures. --quick: fewer schemes and 
 """
 import argparse
 import os
+import re
 import subprocess
 import sys
 
@@ -66,9 +67,9 @@ def run_times(formulations, transfers, quick, folder):
                  "--cells", "16,32" if quick else "32,64,128,256", "--basis", "linear" if quick else "linear,quadratic",
                  "--formulation", ",".join(filter(formulations.__contains__, schemes)),
                  "--transfer", ",".join(filter(transfers.__contains__, ways)),
-                 "--error", "1e-1" if quick else "1e-2,1e-3", "--repeats", "1" if quick else "3",
+                 "--error", "1e-1" if quick else "1e-2,1e-3", "--repeats", "1" if quick else "5",
                  "-o", os.path.join(folder, name)], stdout=subprocess.PIPE, text=True, check=True)
-            print(done.stdout[done.stdout.index("\nfor error" if "\nfor error" in done.stdout else "\nerror "):].strip())
+            print(done.stdout[re.search("^(for )?error [0-9]", done.stdout, re.MULTILINE).start():].strip())
 
 
 def main():

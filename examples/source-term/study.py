@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The slides' second question: how does the source term contribute to stability?
 
 study.py [--quick] [-o PICTURE]: an independent march of nodes and particles in numpy, one Bloch wave at a time, in
@@ -7,7 +7,7 @@ growth, with 0 the term is gone. PICTURE (.png): growth over drift with and with
 
     gas1  u' = u + s sum_p (S' - S) u_p + k sum_p S' (r_{i+1} - r_i),   r' likewise from the old u
     gas2  u' = u + s sum_p (S - S-) u_p + k sum_p S (r_{i+1} - r_i),
-          r' = r + s sum_p (S' - S) r_p + k sum_p S' (u'_{i+1} - u'_i)     (u with the weights before the particles move)
+          r' = r + s sum_p (S' - S) r_p + k sum_p S' (u'_{i+1} - u'_i)     (u with the weights before the move)
 
 S-, S, S': weights where particles were, are and will be. With s = 0 the nodes go on by themselves, as C1, C2 say. The
 step may also be split with the weights S at both places of k; 'same place' below is that split without its term.
@@ -16,6 +16,7 @@ import argparse
 import math
 import os
 import sys
+import tempfile
 from fractions import Fraction
 
 import numpy
@@ -139,7 +140,7 @@ def removed(cases):
 
 def frozen():
     """Particles held where drifting ones pass, against drifting ones."""
-    print("\ngrowth per step, hats, flip, ppc 2, drift 1/8: particles held at each offset that they pass, and drifting\n")
+    print("\ngrowth per step, hats, flip, ppc 2, drift 1/8: particles held at each offset they pass, and drifting\n")
     line = "{:<5} {:>4}  {:>9} {:>9} {:>9} {:>9}  {:>14}  {:>9}"
     offsets = ("0", "1/4", "1/2", "3/4")
     print(line.format("", "k", *(f"at {offset}" for offset in offsets), "geometric mean", "drifting"))
@@ -148,7 +149,20 @@ def frozen():
             scene = {"formulation": formulation, "courant": k, "ppc": 2}
             held = [symbol(scene, offset=float(Fraction(offset))) for offset in offsets]
             print(line.format(formulation, k, *(f"{value:.6f}" for value in held),
-                              f"{math.exp(numpy.log(held).mean()):.6f}", f"{symbol(scene, drift='1/8'):.6f}"), flush=True)
+                              f"{math.exp(numpy.log(held).mean()):.6f}", f"{symbol(scene, drift='1/8'):.6f}"),
+                  flush=True)
+
+
+def worst_held():
+    """Slow flow against the worst of all places, particles on the nodes: C1 - C2 = -1 / ppc."""
+    print("\ngrowth per step, hats, flip, k = 0.1: particles held at the worst place (offset 0), and drift 1/100\n")
+    line = "{:<5} {:>4}  {:>9} {:>9}"
+    print(line.format("", "ppc", "held", "drifting"))
+    for formulation in ("gas1", "gas2"):
+        for ppc in (2, 4, 8):
+            scene = {"formulation": formulation, "courant": 0.1, "ppc": ppc}
+            print(line.format(formulation, ppc, f"{symbol(scene, offset=0):.6f}", f"{symbol(scene, drift='1/100'):.6f}"),
+                  flush=True)
 
 
 def calmer(quick):
@@ -169,6 +183,35 @@ def calmer(quick):
     return off
 
 
+def samples(options):
+    """The columns of a run's CSV, and its growth."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "run.csv")
+        status, found, said = launch("run", None, {"source_term": "true", "ringing": "true", **options, "csv": path})
+        if status:
+            sys.exit(f"study.py: {options}: {said}")
+        return numpy.genfromtxt(path, delimiter=",", names=True), found.get("growth", math.nan)
+
+
+def measured():
+    """The term's size in a smooth wave, where it is advection, and in what grows."""
+    print("\nthe term by mpmstab run -source_term true, over the nodes' values: gas2, hats, flip, k = 0.1, 64 cells\n"
+          "smooth: mode 1 at its first step, beside K U0 dt; growing: from random data, mean of the last quarter of "
+          "2000 steps\n")
+    line = "{:>4} {:>6}  {:>9} {:>9}  {:>9} {:>9} {:>9}"
+    print(line.format("ppc", "drift", "smooth", "K U0 dt", "growing", "ringing", "growth"))
+    for ppc in (2, 8):
+        for drift in ("1/100", "1/8", "1/3"):
+            scene = {"formulation": "gas2", "courant": 0.1, "drift": drift, "ppc": ppc}
+            smooth, _ = samples({**scene, "steps": 10})
+            random, rate = samples({**scene, "initial": "random", "steps": 2000})
+            late = len(random) * 3 // 4
+            print(line.format(ppc, drift, f"{smooth['source_u'][0]:.3e}",
+                              f"{2 * math.pi / CELLS * float(Fraction(drift)):.3e}",
+                              *(f"{numpy.mean(random[name][late:]):.3f}" for name in ("source_u", "ringing_u")),
+                              f"{rate:.4f}"), flush=True)
+
+
 def picture(path, quick):
     """Growth over drift with and without the term."""
     import matplotlib
@@ -183,14 +226,15 @@ def picture(path, quick):
                                                           ("without it (the slides' split)", "#0072B2", "s"),
                                                           ("without it (same place)", "#009E73", "^"))):
             axes.semilogy(drifts, numpy.maximum(found[:, column] - 1, 1e-7), color=colour, marker=marker, markersize=4,
-                          linewidth=0.8, label=label)
+                          linestyle="none", label=label)
         axes.set_title(f"gas2, linear, flip, k = 0.1, ppc {ppc}", fontsize=10)
         axes.set_xlabel("drift / cells per step")
         axes.grid(True, alpha=0.3)
     panels[0].set_ylabel("growth per step - 1 (stable: at the bottom)")
     panels[0].set_ylim(0.7e-7, 1)
-    panels[1].legend(fontsize=9, loc="lower right")
-    figure.savefig(path + ".part", format="png", dpi=100)
+    figure.legend(*panels[0].get_legend_handles_labels(), fontsize=9, loc="lower center", ncol=3,
+                  bbox_to_anchor=(0.5, 1))
+    figure.savefig(path + ".part", format="png", dpi=100, bbox_inches="tight")
     os.replace(path + ".part", path)
 
 
@@ -202,7 +246,9 @@ def main():
     require_program()
     off = removed([case for case in CASES if not arguments.quick or case[2] == 2])
     frozen()
+    worst_held()
     off = max(off, calmer(arguments.quick))
+    measured()
     print(f"\nnumpy with the term and mpmstab differ by {'less than 1e-9' if off < 1e-9 else format(off, '.1e')}")
     if arguments.output:
         picture(arguments.output, arguments.quick)

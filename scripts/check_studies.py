@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""Runs the quick form of a study of examples/ and checks what it finds, and that its page quotes what it prints.
+
+check_studies.py formulation-matters|source-term|ringing, MPMSTAB set. Silent when all is well.
+"""
+import csv
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "examples")
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_studies: {message}")
+
+
+def rows(text, *begin):
+    """Numbers of the lines that begin with these words."""
+    found = []
+    for line in text.splitlines():
+        words = line.split()
+        if words[:len(begin)] == list(begin):
+            found.append([float(word) for word in words[len(begin):] if re.fullmatch(r"-?[0-9.]+(e[-+][0-9]+)?", word)])
+    check(found, f"no line begins with {begin}")
+    return found
+
+
+def quoted(text, page):
+    """Every line of a table stands in the page, but run times and what has grown out of rounding."""
+    text = re.split("^-{30}|^a smooth wave", text, maxsplit=1, flags=re.MULTILINE)[0]
+    with open(page, encoding="utf-8") as file:
+        lines = set(file.read().splitlines())
+    table = [line for line in text.splitlines() if len(re.findall(r"(?<![\w.])\d+\.\d+(?![\w.])", line)) >= 2]
+    check(len(table) > 5, f"{len(table)} lines of tables")
+    for line in table:
+        check(line in lines, f"{page} does not have the line\n{line}")
+
+
+def check_formulations(text, folder):
+    """gas1 grows at rest, gas2 and musl when particles drift, usl and pic do not; what grows is never the cheapest."""
+    for begin, at_rest, drifting in ((("gas1", "flip"), math.sqrt(1.25), 1.186564), (("gas2", "flip"), 1, 1.155498),
+                                     (("usl", "flip"), 1, 1), (("musl", "flip"), 1, 1.026847), (("gas2", "pic"), 1, 1)):
+        _, rest, rest_measured, moves, moves_measured, _ = rows(text, *begin)[0]
+        check(abs(rest - at_rest) < 2e-6 and abs(moves - drifting) < 2e-6, f"{begin}: {rest}, {moves}")
+        check(abs(rest_measured - rest) < 1e-3 and abs(moves_measured - moves) < 1e-3, f"{begin}: measured differs")
+    for name, grows in (("gas", {"gas1"}), ("gas-drifts", {"gas1", "gas2"}), ("bar", set()), ("bar-drifts", {"musl"})):
+        with open(os.path.join(folder, name + ".csv"), encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        found = {row["formulation"] for row in table if row["status"] == "unstable" and row["transfer"] == "flip"}
+        check(found == grows, f"{name}: {found} grow, not {grows}")
+        part = text[text.index(f"{'-' * 30} {name}\n"):]
+        answer = re.search("^(?:for )?error 0.1.*$", part, re.MULTILINE).group()
+        check(not any(f"{scheme} flip" in answer for scheme in grows), f"{name}: {answer}")
+
+
+def check_source_term(text, _):
+    """With the term it is mpmstab's scheme; without it, in slow flow, hardly anything grows, in fast flow more does."""
+    check("differ by less than 1e-9" in text, "numpy and mpmstab differ")
+    for begin in (("gas1", "0.1", "1/100", "2"), ("gas2", "0.1", "1/100", "2"), ("gas2", "0.1", "1/3", "2")):
+        program, with_it, without, _, _ = rows(text, *begin)[0]
+        check(program == with_it, f"{begin}: {program} and {with_it}")
+        check((without - 1) / (with_it - 1 + 1e-9) < 0.2 if begin[2] == "1/100" else without > 1.03, f"{begin}: {without}")
+    for smooth, advection in (row[:2] for row in rows(text, "2", "1/8") + rows(text, "8", "1/3")):
+        check(abs(smooth / advection - 1) < 1e-3, f"term {smooth}, advection {advection}")
+
+
+def check_ringing(text, _):
+    """The closed form holds with e = C1 - C2; at rest gas1's rate goes with k, in slow flow that of both is 1/2."""
+    check("closed form differ by less than 1e-7" in text, "the closed form does not hold")
+    for formulation in ("gas1", "gas2"):
+        large, middle, small = rows(text, formulation, "2", "1/10")[0]
+        check(abs(small - 0.5) < 0.01 and abs(middle - 0.5) < 0.01, f"{formulation}: {large}, {middle}, {small}")
+    check(rows(text, "gas1", "2", "0")[0] == [0.2361, 0.0499, 0.01] and rows(text, "gas2", "2", "0")[0] == [0, 0, 0],
+          "growth at rest")
+    check("gas2  linear     pic            792         0" in text, "pic grows somewhere")
+
+
+STUDIES = {"formulation-matters": check_formulations, "source-term": check_source_term, "ringing": check_ringing}
+
+
+def main(name):
+    with tempfile.TemporaryDirectory() as folder:
+        more = ["-o", folder] if name == "formulation-matters" else []
+        command = [sys.executable, os.path.join(EXAMPLES, name, "study.py"), "--quick", *more]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        check(done.returncode == 0 and done.stderr == "", f"{name}: status {done.returncode}: {done.stderr}")
+        STUDIES[name](done.stdout, folder)
+    quoted(done.stdout, os.path.join(EXAMPLES, name, "README.md"))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
