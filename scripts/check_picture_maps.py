@@ -117,11 +117,29 @@ def check_jordan():
     close(line(figure, "eigenvalues")[0], [0.5, 0.5], "eigenvalues")
 
 
+def check_real_powers():
+    """Powers and pseudospectrum as the program writes them; of a scheme that grows the Kreiss constant is infinite."""
+    for name, grows in (("gas2", False), ("gas1", True)):
+        mpmstab(MPMSTAB, "spectrum", name, "-powers", "60", "-pseudospectrum", "12", "-output",
+                "powers.h5", "-json", "powers.json")
+        with open("powers.json", encoding="utf-8") as file:
+            result = json.load(file)
+        figure = pictures.transient("powers.json")
+        close(line(figure, "norm"), [result["transient"]["steps"], result["transient"]["norm"]], "norms of the program")
+        close(line(figure, "rho")[1], result["growth"] ** line(figure, "rho")[0], "powers of growth")
+        figure = pictures.pseudospectrum("powers.h5", "powers.json")
+        labels = " ".join(figure.axes[0].get_legend_handles_labels()[1])
+        check(("it is infinite" in labels) == grows, f"{name}: {labels}")
+        if not grows:
+            close([part[0] for part in line(figure, "kreiss")], result["pseudospectrum"]["kreiss_at"], "Kreiss point")
+
+
 def main():
     mpmstab(MPMSTAB, "spectrum", "gas2", "-output", "gas2.h5", "-json", "gas2.json")
     check_map()
     check_real_map()
     check_jordan()
+    check_real_powers()
     check_written("transient", ("largest:", "time step n"), "jordan.json")
     check_written("pseudospectrum", ("Kreiss point", "gas2, linear basis"), "jordan.h5")
     check_written("map", ("Courant number k = c dt / h", "drift / cells per step", "unstable at"), "map.h5", "map.json")

@@ -44,7 +44,7 @@ def make():
     for name, text in SCENES.items():
         with open(f"{name}.yaml", "w", encoding="utf-8") as file:
             file.write(text)
-    done = report(*[f"{name}.yaml" for name in SCENES], "-o", "page.html", "--work", "files")
+    done = report(*[f"{name}.yaml" for name in SCENES], "-n", "2", "-o", "page.html", "--work", "files")
     check(done.returncode == 0, done.stderr)
     check("Traceback" not in done.stderr and "rests.yaml: error against run time" in done.stderr, done.stderr)
     check(not glob.glob("*.part"), "a .part is left")
@@ -110,6 +110,8 @@ def check_text(page):
     check("expected verdict unstable, found stable" in text, "a missed expectation is said")
     check_transient(page)
     text = article(page, "wrong")
+    check("<b>map</b>" not in article(page, "rings"), "a map has nothing to expect")
+    check("mpirun" not in text.split("The same again")[0], "what is not the program's")
     check("not examined" in text and "cells" in text and "minus one" in text, "a scene that cannot be read")
     for name in ("PETSc", "SLEPc", "MPI", "Python", "processor", "git revision", "date", "command"):
         check(re.search(rf"<td>{name}</td><td>[^<]+</td>", page), f"no {name}")

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs the quick form of a study of examples/ and checks what it finds, and that its page quotes what it prints.
 
 check_studies.py formulation-matters|source-term|ringing, MPMSTAB set. Silent when all is well.

@@ -31,6 +31,13 @@ def progress(text):
     print(f"report: {text}", file=sys.stderr, flush=True)
 
 
+def complaint_of(done):
+    """The program's own line; what mpirun adds to it says nothing."""
+    lines = done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"]
+    own = [line.removeprefix("mpmstab: ") for line in lines if line.startswith("mpmstab: ")]
+    return own[0] if own else lines[-1]
+
+
 class Asker:
     """Runs tasks on one scene, each with files of its own in a folder."""
 
@@ -50,7 +57,7 @@ class Asker:
             if os.path.exists(path):
                 os.remove(path)
             words += [{"json": "-json", "csv": "-csv", "h5": "-output"}[kind], path]
-        start = ["mpirun", "-n", str(self.ranks)] if self.ranks > 1 else []
+        start = ["mpirun", "-q", "-n", str(self.ranks)] if self.ranks > 1 else []
         progress(f"{shown(self.scene)}: {name}")
         command = " ".join([*start, *map(shown, [PROGRAM, *words])])
         try:
@@ -62,8 +69,7 @@ class Asker:
         if os.path.exists(path):
             with open(path, encoding="utf-8") as file:
                 result = json.load(file)
-        complaint = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
-        return Answer(command, done.returncode, result, done.stdout, complaint.removeprefix("mpmstab: "))
+        return Answer(command, done.returncode, result, done.stdout, complaint_of(done))
 
 
 def options_known():
@@ -114,8 +120,8 @@ def work_precision(scene, asker, result):
                               cwd=ROOT)
     except subprocess.TimeoutExpired:
         return Answer(command, None, {}, "", f"stopped after {PATIENCE} s")
-    complaint = (done.stderr.strip().splitlines() or [""])[-1]
-    return Answer(command, done.returncode, {"done": True} if done.returncode == 0 else {}, done.stdout, complaint)
+    made = {"done": True} if done.returncode == 0 else {}
+    return Answer(command, done.returncode, made, done.stdout, complaint_of(done))
 
 
 def explanations(table):

@@ -1,9 +1,9 @@
 /* Layouts of many seeds, each solved by one rank alone, and what they say together. */
+#include <mpmstab/deal.h>
 #include <mpmstab/dense.h>
 #include <mpmstab/eigen.h>
 #include <mpmstab/ensemble.h>
 #include <mpmstab/march.h>
-#include <mpmstab/progress.h>
 #include <math.h>
 
 #define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */
@@ -107,32 +107,28 @@ static PetscErrorCode Judge(const MpmScene *layout, MpmFinding *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dealt to ranks in turn; each number is one rank's, the others add 0. */
-static PetscErrorCode Solve(MpmEnsemble *e)
+static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 {
-  MpmScene    layout = *e->scene;
-  PetscMPIInt rank, size, count;
-  MpmProgress progress;
+  MpmEnsemble *e      = context;
+  MpmScene     layout = *e->scene;
+  MpmFinding   f;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(PetscMPIIntCast(e->n, &count));
-  PetscCall(MpmProgressBegin(e->scene, "layout", &progress));
-  for (PetscInt i = rank; i < e->n; i += size) {
-    MpmFinding f;
+  layout.seed += i;
+  PetscCall(Judge(&layout, &f));
+  e->growth[i]      = f.growth;
+  e->uncertainty[i] = f.uncertainty;
+  e->verdict[i]     = f.verdict;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    layout.seed = e->scene->seed + i;
-    PetscCall(Judge(&layout, &f));
-    e->growth[i]      = f.growth;
-    e->uncertainty[i] = f.uncertainty;
-    e->verdict[i]     = f.verdict;
-    PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, e->n), e->n));
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, e->growth, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, e->uncertainty, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, e->verdict, count, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCall(MpmProgressEnd(&progress));
+static PetscErrorCode Solve(MpmEnsemble *e)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmDeal(e->scene, "layout", e->n, JudgeSeed, e));
+  PetscCall(MpmDealtReals(e->n, e->growth));
+  PetscCall(MpmDealtReals(e->n, e->uncertainty));
+  PetscCall(MpmDealtInts(e->n, e->verdict));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,7 +7,7 @@
    eigenvalues near it, then refined about the best of them. A is real: sigma(conj z) = sigma(z).
 */
 #include <mpmstab/critical.h>
-#include <mpmstab/progress.h>
+#include <mpmstab/deal.h>
 #include <mpmstab/pseudospectrum.h>
 #include <math.h>
 
@@ -35,6 +35,7 @@ PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
 
 /* Points z, first those of half the square, then those outside the circle. */
 typedef struct {
+  MpmResolvent   *resolvent;
   PetscInt        n, square;
   double complex *z;
   PetscReal      *sigma;
@@ -87,23 +88,12 @@ static PetscErrorCode PointsCreate(const MpmPseudospectrum *s, const MpmResolven
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dealt to ranks in turn; each number is one rank's, the others add 0. */
-static PetscErrorCode Sigmas(const MpmScene *scene, MpmResolvent *r, Points *p)
+static PetscErrorCode Sigma(void *context, PetscInt i)
 {
-  PetscMPIInt rank, size, count;
-  MpmProgress progress;
+  Points *p = context;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(PetscMPIIntCast(p->n, &count));
-  PetscCall(MpmProgressBegin(scene, "point of the pseudospectrum", &progress));
-  for (PetscInt i = rank; i < p->n; i += size) {
-    PetscCall(MpmResolventSigma(r, p->z[i], &p->sigma[i]));
-    PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, p->n), p->n));
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, p->sigma, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCall(MpmProgressEnd(&progress));
+  PetscCall(MpmResolventSigma(p->resolvent, p->z[i], &p->sigma[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,7 +193,9 @@ PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt po
   PetscCall(PetscMalloc2(points, &s->re, points * points, &s->sigma));
   for (PetscInt j = 0; j < points; j++) s->re[j] = half * (2.0 * j - (points - 1)) / (points - 1);
   PetscCall(PointsCreate(s, &r, &p));
-  PetscCall(Sigmas(scene, &r, &p));
+  p.resolvent = &r;
+  PetscCall(MpmDeal(scene, "point of the pseudospectrum", p.n, Sigma, &p));
+  PetscCall(MpmDealtReals(p.n, p.sigma));
   for (PetscInt i = 0; i < points; i++)
     for (PetscInt j = 0; j < points; j++) s->sigma[i * points + j] = p.sigma[PetscMin(i, points - 1 - i) * points + j];
   PetscCall(Kreiss(&r, &p, s));

@@ -1,7 +1,7 @@
 /* Growth at the points of a rectangle: the symbol of one scene after another, dealt to the ranks. */
 #include <mpmstab/critical.h>
+#include <mpmstab/deal.h>
 #include <mpmstab/layout.h>
-#include <mpmstab/progress.h>
 #include <mpmstab/stability_map.h>
 #include <math.h>
 
@@ -67,38 +67,35 @@ static PetscErrorCode Check(const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Dealt to ranks in turn; each number is one rank's, the others add 0. */
-static PetscErrorCode Solve(MpmStabilityMap *map)
+static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
-  const PetscInt n  = map->points[0] * map->points[1];
-  MpmScene       at = *map->scene;
-  PetscMPIInt    rank, size, count;
-  MpmProgress    progress;
+  MpmStabilityMap *map = context;
+  MpmFinding       f   = {.tolerance = map->scene->tolerance};
+  MpmScene         at  = *map->scene;
+  MpmSymbol       *symbol;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(PetscMPIIntCast(n, &count));
-  PetscCall(MpmProgressBegin(map->scene, "point", &progress));
-  for (PetscInt i = rank; i < n; i += size) {
-    MpmFinding f = {.tolerance = map->scene->tolerance};
-    MpmSymbol *symbol;
+  Place(map, i, &at);
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->scene->phases, PETSC_FALSE, &symbol));
+  f.growth        = symbol->growth;
+  f.uncertainty   = symbol->uncertainty;
+  f.blur          = symbol->blur;
+  map->growth[i]  = symbol->growth;
+  map->beta[i]    = symbol->beta_at_max;
+  map->verdict[i] = MpmVerdictOf(&f);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    Place(map, i, &at);
-    PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->scene->phases, PETSC_FALSE, &symbol));
-    f.growth        = symbol->growth;
-    f.uncertainty   = symbol->uncertainty;
-    f.blur          = symbol->blur;
-    map->growth[i]  = symbol->growth;
-    map->beta[i]    = symbol->beta_at_max;
-    map->verdict[i] = MpmVerdictOf(&f);
-    PetscCall(MpmSymbolDestroy(&symbol));
-    PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, n), n));
-  }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->growth, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->beta, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, map->verdict, count, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
-  PetscCall(MpmProgressEnd(&progress));
+static PetscErrorCode Solve(MpmStabilityMap *map)
+{
+  const PetscInt n = map->points[0] * map->points[1];
+
+  PetscFunctionBegin;
+  PetscCall(MpmDeal(map->scene, "point", n, SolvePoint, map));
+  PetscCall(MpmDealtReals(n, map->growth));
+  PetscCall(MpmDealtReals(n, map->beta));
+  PetscCall(MpmDealtInts(n, map->verdict));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The slides' first conclusion: does the underlying formulation matter for stability, and for error against run time?
 
 study.py [--quick] [-o FOLDER]: growth of all formulations and transfers on one gas and one bar, at rest and drifting an

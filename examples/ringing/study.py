@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The slides' third question: how are ringing instability and formulation instability connected?
 
 study.py [--quick]: the symbol of particles off the middle of their cells; growth per time as the time step shrinks, at

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The slides' second question: how does the source term contribute to stability?
 
 study.py [--quick] [-o PICTURE]: an independent march of nodes and particles in numpy, one Bloch wave at a time, in
