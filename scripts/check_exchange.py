@@ -107,7 +107,8 @@ def run(mpiexec, mpmstab, number, ranks):
         check((max(source) > 1e-3) == (drift != 0), f"{scene}: source of {f} is {max(source)}")
     if basis == "linear":
         c1 = [float(row["c1_max"]) for row in rows]
-        check(result["weights"]["c1_max"] == max(c1), f"{scene}: C1 {result['weights']}")
+        least = [float(row["c1_min"]) for row in rows]
+        check(result["weights"] == {"c1_min": min(least), "c1_max": max(c1)}, f"{scene}: C1 {result['weights']}")
     return rows
 
 

@@ -63,7 +63,26 @@ def run(mpiexec, mpmstab, ranks):
     return result, text, data, table
 
 
+def check_letters(mpmstab):
+    """The terminal's picture has every third row and every second column of a large map, from its corner on."""
+    done = subprocess.run([mpmstab, "map", "-cells", "8", "-map_points", "60,70", "-csv", "large.csv"],
+                          capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    lines = [line.split() for line in lines[lines.index("courant") + 1:lines.index("          drift 0 to 0.5")]]
+    with open("large.csv") as file:
+        rows = list(csv.DictReader(file))
+    check(len(lines) == 20 and {len(letters) for _, letters in lines} == {35}, f"{len(lines)} lines of the picture")
+    for i, (courant, letters) in enumerate(reversed(lines)):
+        check(abs(float(courant) / float(rows[210 * i]["courant"]) - 1) < 1e-4, f"Courant number {courant}")
+        for j, letter in enumerate(letters):
+            row = rows[210 * i + 2 * j]
+            size = numpy.digitize(float(row["growth"]) - 1, [1e-3, 1e-2, 1e-1])
+            expected = {"stable": ".", "undecided": "?"}.get(row["verdict"], "-+x#"[size])
+            check(letter == expected, f"{letter} for {row}")
+
+
 def main(mpiexec, mpmstab):
+    check_letters(mpmstab)
     result, text, data, table = run(mpiexec, mpmstab, 1)
     found, rows = result["map"], list(csv.DictReader(text.splitlines()))
     check(found["axes"] == ["courant", "drift"] and found["shape"] == [4, 5], f"axes {found}")

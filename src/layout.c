@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdint.h>
 
-#define LONGEST_PERIOD 10000 /* steps, each an operator to multiply with */
-
 PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
 {
   uint64_t z = (uint64_t)seed + ((uint64_t)id + 1) * 0x9E3779B97F4A7C15u;
@@ -86,10 +84,10 @@ void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, Pet
 PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period)
 {
   PetscFunctionBegin;
-  MpmCheckInput(scene->drift.den > 0 && scene->drift.den <= LONGEST_PERIOD,
+  MpmCheckInput(scene->drift.den > 0 && scene->drift.den <= MPM_LONGEST_PERIOD,
                 "drift %.17g: particles are not back in their places within %d steps; allowed: -drift as a fraction "
                 "such as 1/8 with a denominator of at most %d ('mpmstab run' takes any drift)",
-                scene->drift.value, LONGEST_PERIOD, LONGEST_PERIOD);
+                scene->drift.value, MPM_LONGEST_PERIOD, MPM_LONGEST_PERIOD);
   *period = (PetscInt)scene->drift.den;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,8 +4,35 @@
 #include <mpmstab/output.h>
 #include <mpmstab/report.h>
 #include <math.h>
+#include <string.h>
 
 #define WORTH_SAYING 1e-6 /* difference in abs(G) */
+
+/* A number of the scene, or that the map goes over it. */
+static const char *Value(const MpmScene *s, MpmAxisKind kind, const char number[])
+{
+  for (int a = 0; a < 2; a++)
+    if (!strcmp(s->task, "map") && s->axes[a].kind == kind) return "varied";
+  return number;
+}
+
+static PetscErrorCode PrintLayout(const MpmScene *s, PetscMPIInt ranks)
+{
+  char ppc[32], offset[32], courant[32], drift[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(ppc, sizeof ppc, "%" PetscInt_FMT, s->ppc));
+  PetscCall(PetscSNPrintf(offset, sizeof offset, "%.6g", s->offset.value));
+  PetscCall(PetscSNPrintf(courant, sizeof courant, "%.6g", s->courant));
+  PetscCall(PetscSNPrintf(drift, sizeof drift, "%.6g", s->drift.value));
+  if (s->drift.den > 1)
+    PetscCall(PetscSNPrintf(drift, sizeof drift, "%" PetscInt64_FMT "/%" PetscInt64_FMT, s->drift.num, s->drift.den));
+  MpmPrint("%" PetscInt_FMT " cells x %s particles (%s, offset %s, jitter %.6g), Courant number %s, drift %s cells per "
+           "step, %d rank%s\n",
+           s->cells, Value(s, MPM_AXIS_PPC, ppc), s->layout, Value(s, MPM_AXIS_OFFSET, offset), s->jitter,
+           Value(s, MPM_AXIS_COURANT, courant), Value(s, MPM_AXIS_DRIFT, drift), ranks, ranks == 1 ? "" : "s");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt ranks)
 {
@@ -17,14 +44,7 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt 
            s->transfer->name);
   if (s->transfer->option) MpmPrint(" (%s %g)", s->transfer->option, s->transfer->number(&s->numbers));
   MpmPrint(", %s\n", s->boundary);
-  MpmPrint("%" PetscInt_FMT " cells x %" PetscInt_FMT
-           " particles (%s, offset %.6g, jitter %.6g), Courant number %.6g, drift ",
-           s->cells, s->ppc, s->layout, s->offset.value, s->jitter, s->courant);
-  if (s->drift.den > 1)
-    MpmPrint("%" PetscInt64_FMT "/%" PetscInt64_FMT, s->drift.num, s->drift.den);
-  else
-    MpmPrint("%.6g", s->drift.value);
-  MpmPrint(" cells per step, %d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(PrintLayout(s, ranks));
   if (s->counts.n > 1)
     MpmPrint("particles in cells: %s, repeated; %" PetscInt64_FMT " in all\n", counts, s->particles);
   else if (!MpmSceneIsFull(s))

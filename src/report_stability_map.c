@@ -75,7 +75,7 @@ static json_t *Numbers(PetscInt n, const PetscReal values[])
   return array;
 }
 
-PetscErrorCode MpmStabilityMapWriteJson(const MpmStabilityMap *map, PetscReal wall_s)
+PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
 {
   const char *const names[2] = {MpmAxisNames[map->scene->axes[0].kind], MpmAxisNames[map->scene->axes[1].kind]};
   const int         other    = map->scene->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
@@ -83,6 +83,7 @@ PetscErrorCode MpmStabilityMapWriteJson(const MpmStabilityMap *map, PetscReal wa
   PetscMPIInt       ranks;
 
   PetscFunctionBegin;
+  PetscCall(MpmStabilityMapLimits(map));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   object = MpmJsonScene(map->scene, "map", ranks, wall_s);
   MpmJsonSetFinding(object, &map->finding);

@@ -37,6 +37,7 @@ static PetscErrorCode Schur(MpmResolvent *r)
   PetscCall(PetscBLASIntCast(r->n, &n));
   PetscCall(PetscMalloc1(r->n, &rwork));
   ZGEES("N", "N", NULL, &n, r->factor, &n, &sorted, r->eigenvalue, NULL, &one, &size, &room, rwork, NULL, &info);
+  PetscCheck(info == 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "zgees failed: %d", (int)info);
   room = (PetscBLASInt)creal(size);
   PetscCall(PetscMalloc1(room, &work));
   ZGEES("N", "N", NULL, &n, r->factor, &n, &sorted, r->eigenvalue, NULL, &one, work, &room, rwork, NULL, &info);

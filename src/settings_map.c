@@ -7,6 +7,22 @@ const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", NULL};
 
 static const char *const spans[] = {"map_courant", "map_drift", "map_offset", "map_ppc"};
 
+/* What an axis takes the place of, by any name. */
+static const char *const replaced[][2] = {
+    {"courant", "dt"}, {"drift", "velocity"}, {"offset", "offset"}, {"ppc", "ppc"}};
+
+static PetscErrorCode RefuseReplaced(const MpmSettings *settings, PetscInt kind)
+{
+  char why[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
+  for (int i = 0; i < 2; i++)
+    if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
+      PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Of particles per cell every number is taken, however many points are asked for by default. */
 static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
 {
@@ -37,6 +53,7 @@ PetscErrorCode MpmSettingsAxes(const MpmSettings *settings, MpmScene *scene)
     MpmAxis    *axis = &scene->axes[a];
     MpmFraction span[2];
 
+    PetscCall(RefuseReplaced(settings, kinds[a]));
     axis->kind = (MpmAxisKind)kinds[a];
     PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
     axis->from   = span[0];

@@ -221,7 +221,7 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
     PetscCall(MpmFractionParse(first, &span[0], &ok));
     if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
   }
-  PetscCall(PetscSNPrintf(bounds, sizeof bounds, " to %.6g", (double)option->hi));
+  PetscCall(PetscSNPrintf(bounds, sizeof bounds, option->hi < 1 ? " to below 1" : " to %.6g", (double)option->hi));
   PetscCall(PetscSNPrintf(
       why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
       option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));
@@ -237,8 +237,8 @@ PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], P
   char             why[128], *end;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as 1,4,0,2",
-                          room, (int)option->lo, (int)option->hi));
+  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
+                          (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2"));
   *n = 0;
   for (const char *text = settings->text[MpmOptionIndex(name)];; text = end + 1) {
     const long value = strtol(text, &end, 10);

@@ -27,6 +27,11 @@ static void SetParameter(MpmScene *scene, MpmAxisKind kind, const MpmFraction *v
   }
 }
 
+static PetscBool GoesOver(const MpmScene *scene, MpmAxisKind kind)
+{
+  return scene->axes[0].kind == kind || scene->axes[1].kind == kind ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
 {
   return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
@@ -60,9 +65,14 @@ static PetscErrorCode Check(const MpmScene *scene)
     for (PetscInt i = 0; i < scene->axes[a].points; i++) {
       const MpmFraction value = NumberOf(&scene->axes[a], i);
 
+      MpmCheckInput(scene->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
+                    "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
+                    ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
+                    "are fractions such as 1/2, and fewer points",
+                    scene->axes[0].points, scene->axes[1].points, value.value, MPM_LONGEST_PERIOD);
       SetParameter(&at, scene->axes[a].kind, &value);
-      PetscCall(MpmLayoutPeriod(&at, &period));
     }
+  PetscCall(MpmLayoutPeriod(&at, &period));
   PetscCall(MpmSymbolCheck(&at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,18 +129,30 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the formulas say along the axis that is not the Courant number, of particles at rest. */
-static PetscErrorCode Limits(MpmStabilityMap *map)
+static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
+{
+  MpmScene     at = *map->scene;
+  MpmPredictor predictor;
+
+  PetscFunctionBegin;
+  map->published_limit = NAN;
+  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  at.drift = (MpmFraction){.num = 0, .den = 1, .value = 0};
+  PetscCall(MpmPredictorCreate(&at, &predictor));
+  if (!predictor.why_not_published) map->published_limit = map->scene->formulation->published_limit;
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
 {
   const MpmAxis *axes  = map->scene->axes;
   const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   MpmScene       at    = *map->scene;
-  MpmPredictor   predictor;
   MpmCritical    critical;
 
   PetscFunctionBegin;
-  map->published_limit = NAN;
-  if (axes[1 - other].kind != MPM_AXIS_COURANT) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(map->points[other], &map->limits));
   for (PetscInt i = 0; i < map->points[other]; i++) {
     const MpmFraction value = NumberOf(&axes[other], i);
@@ -139,10 +161,6 @@ static PetscErrorCode Limits(MpmStabilityMap *map)
     PetscCall(MpmCriticalByClosedForm(&at, &critical));
     map->limits[i] = critical.closed;
   }
-  at.drift = (MpmFraction){.num = 0, .den = 1, .value = 0};
-  PetscCall(MpmPredictorCreate(&at, &predictor));
-  if (!predictor.why_not_published) map->published_limit = map->scene->formulation->published_limit;
-  PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,7 +184,7 @@ PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **ma
   PetscCall(PetscCalloc3(n, &m->growth, n, &m->beta, n, &m->verdict));
   PetscCall(Solve(m));
   PetscCall(Sum(m));
-  PetscCall(Limits(m));
+  PetscCall(PublishedLimit(m));
   m->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -157,6 +157,7 @@ static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order
   error = SVDSetFromOptions(svd);
   PetscCall(PetscPopErrorHandler());
   MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
+  PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* whatever they say */
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = SVDSolve(svd);
   PetscCall(PetscPopErrorHandler());

@@ -37,6 +37,8 @@ void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscR
 */
 void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, PetscInt *cell, PetscReal *xi);
 
+#define MPM_LONGEST_PERIOD 10000 /* steps, each an operator to multiply with */
+
 /*
    MpmLayoutPeriod - steps after which the particles are where they were, but for whole cells: the denominator of the
    drift, 1 at rest.

@@ -109,6 +109,9 @@ PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
 /* Not collective. As many particles in every cell. */
 void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
 
+/* Collective. What must come out. Called by MpmSceneCreate, when initial data are known. */
+PetscErrorCode MpmSettingsExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect);
+
 /* Collective. What a map goes over. Called by MpmSceneCreate for the task map. */
 PetscErrorCode MpmSettingsAxes(const MpmSettings *settings, MpmScene *scene);
 

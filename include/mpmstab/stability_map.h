@@ -9,9 +9,8 @@
    phase that has it) and verdict are of each point, on every rank. unstable, undecided: how many points are. worst: the
    point that grows fastest. finding: unstable when any point is, stable when all are.
 
-   limits: where one axis is the Courant number, for each number of the other axis the Courant number up to which the
-   closed form says that particles at rest are stable (NaN: it does not cover them), else NULL; published_limit: the same
-   by the slides' formula, which knows neither offset nor particles per cell (NaN: it does not cover the scene).
+   published_limit: where one axis is the Courant number, the one up to which the slides say that particles at rest are
+   stable, whatever their places (NaN: they do not treat the scene). limits: NULL until MpmStabilityMapLimits.
 S*/
 typedef struct {
   const MpmScene *scene;
@@ -31,8 +30,14 @@ typedef struct {
 PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map);
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
 
+/*
+   Not collective. Where one axis is the Courant number, sets limits: for each number of the other axis the Courant
+   number up to which the closed form says that particles at rest are stable (NaN: it does not cover them).
+*/
+PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map);
+
 /* Collective. The table for people; the JSON object; the CSV with a row for each point; the HDF5 file. */
 PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map);
-PetscErrorCode MpmStabilityMapWriteJson(const MpmStabilityMap *map, PetscReal wall_s);
+PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s);
 PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map);
 PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map);

@@ -14,6 +14,7 @@ static PetscErrorCode MapOf(const char options[], MpmScene **scene, MpmStability
   PetscCall(MpmSceneCreate("map", NULL, scene));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(MpmStabilityMapCreate(*scene, map));
+  PetscCall(MpmStabilityMapLimits(*map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
