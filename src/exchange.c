@@ -186,12 +186,14 @@ static PetscErrorCode Ringing(MpmExchange *x, PetscInt field, PetscReal *ringing
   const PetscReal *q;
   MpmPlaces        places;
 
+  KSPConvergedReason reason;
+
   PetscFunctionBegin;
   PetscCall(GetPlaces(march, &places));
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
-  PetscCall(MpmNodalSolveApply(x->solve, march->particles, &places, odd, inverse_mass, g, y));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, &places, odd, inverse_mass, g, y, &reason));
   PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[field], &q));
   PetscCall(Remainder(march, &places, q, y, sums));
   PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[field], &q));
@@ -200,6 +202,7 @@ static PetscErrorCode Ringing(MpmExchange *x, PetscInt field, PetscReal *ringing
   PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
   PetscCall(RestorePlaces(march, &places));
   PetscCall(Ratio(x, sums[0], sums[1], ringing));
+  if (reason <= 0) *ringing = NAN; /* as where particles almost coincide */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

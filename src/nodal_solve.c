@@ -82,13 +82,13 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
-                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[])
+PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places, PetscBool odd,
+                                const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[],
+                                KSPConvergedReason *reason)
 {
-  const PetscInt     last = s->grid->nodes - 1;
-  const PetscReal   *a;
-  PetscReal         *b, mirror[2];
-  KSPConvergedReason reason;
+  const PetscInt   last = s->grid->nodes - 1;
+  const PetscReal *a;
+  PetscReal       *b, mirror[2];
 
   PetscFunctionBegin;
   if (s->step < 0 || odd != s->odd || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
@@ -102,16 +102,26 @@ PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particle
     if (s->grid->wall[end] && odd && s->scene->ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
-  PetscCall(KSPGetConvergedReason(s->ksp, &reason));
-  MpmCheckInput(reason > 0,
-                "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
-                "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",
-                KSPConvergedReasons[reason]);
+  PetscCall(KSPGetConvergedReason(s->ksp, reason));
   PetscCall(VecGetArrayRead(s->solution, &a));
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
   PetscCall(MpmGridSpread(s->grid, 1, &y));
   MpmSceneMirror(s->scene, odd, mirror);
   MpmGridReflect(s->grid, mirror, y);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
+                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[])
+{
+  KSPConvergedReason reason;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalSolveTry(s, particles, places, odd, inverse_mass, g, y, &reason));
+  MpmCheckInput(reason > 0,
+                "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
+                "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",
+                KSPConvergedReasons[reason]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -94,7 +94,7 @@ const MpmOption MpmOptions[] = {
   {"stagger",      MPM_SWITCH,   "false",    "start the field updated first half a step early", NO_RANGE, .tasks = "run"},
   {"weights",      MPM_SWITCH,   "false",    "measure the slides' weights C1 and C2 at each sampled step", NO_RANGE, .tasks = "run"},
   {"source_term",  MPM_SWITCH,   "false",    "measure the slides' source term, sum_p (S^{t+1}_ip - S^t_ip) q_p, at each sampled step", NO_RANGE, .tasks = "run"},
-  {"ringing",      MPM_SWITCH,   "false",    "measure the ringing content, the part of particle data that no node sees, at each sampled step", NO_RANGE, .tasks = "run"},
+  {"ringing",      MPM_SWITCH,   "false",    "measure the ringing content, the part of particle data that P2G does not see, at each sampled step", NO_RANGE, .tasks = "run"},
   {"tolerance",    MPM_REAL,     "1e-6",     "exponential growth per step above 1 + tolerance is unstable", ABOVE(0)},
   {"phases",       MPM_INTEGER,  NULL,       "phases in [0, 2 pi) at which the symbol is taken (default: cells)", BETWEEN(1, 2147483646), .tasks = "symbol, map"},
   {"map_axes",     MPM_ENDS,     "courant,drift", "what a map goes over: two of courant, drift, offset and ppc", .word = AxisWord, .tasks = "map"},

@@ -118,7 +118,7 @@ static PetscErrorCode PrintExchange(const MpmRun *run)
     MpmPrint("\n");
   }
   if (run->scene->ringing) {
-    MpmPrint("ringing content, share that no node sees:");
+    MpmPrint("ringing content, share of particle data that P2G does not see:");
     for (PetscInt f = 0; table->fields[f]; f++) {
       PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));
       PetscCall(PrintField("", "last", last->ringing[f]));

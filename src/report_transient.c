@@ -16,39 +16,47 @@ static PetscErrorCode PrintPowers(const MpmSpectrum *s)
   if (isnan(t->largest))
     MpmPrint("  largest beyond the range of doubles, at n = %" PetscInt_FMT, t->at_step);
   else
-    MpmPrint("  largest%s %.6g, at n = %" PetscInt_FMT, t->missing ? " of those known" : "", t->largest, t->at_step);
+    MpmPrint("  largest of the %" PetscInt_FMT " n looked at%s %.6g, at n = %" PetscInt_FMT, t->n - t->missing,
+             t->missing ? " and known" : "", t->largest, t->at_step);
   if (fabs(growth - 1) > tolerance && isfinite(t->excess))
     MpmPrint("; of norm(A^n) / growth^n %.6g, at n = %" PetscInt_FMT, t->excess, t->excess_at);
   MpmPrint("\n");
   if (t->missing) MpmPrint("  not converged: %" PetscInt_FMT " of %" PetscInt_FMT " norms\n", t->missing, t->n);
-  if (t->missing || !isfinite(t->power) || !isfinite(growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (t->missing || s->finding.verdict == MPM_UNDECIDED || !isfinite(t->power) || !isfinite(growth))
+    PetscFunctionReturn(PETSC_SUCCESS);
   if (fabs(growth - 1) > tolerance)
     MpmPrint("  late norms go like growth^n%s", t->power > GROWS ? " times a power of n" : "");
   else if (t->power > GROWS)
     MpmPrint("  growth is 1, but norms grow like a power of n: a defective eigenvalue, or nearly one");
   else
-    MpmPrint("  growth is 1 and norms are bounded, as far as n = %" PetscInt_FMT " shows", t->steps[t->n - 1]);
+    MpmPrint("  growth is 1, and norms do not go on growing up to n = %" PetscInt_FMT, t->steps[t->n - 1]);
   MpmPrint(" (fitted: n^%.2f)\n", fabs(t->power) < 0.005 ? 0 : t->power);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Under drift the constant is that of the operator of a period, and says nothing of what lies between. */
 static PetscErrorCode PrintKreiss(const MpmSpectrum *s)
 {
-  const MpmPseudospectrum *p  = s->pseudospectrum;
-  const char              *of = s->op->period > 1 ? " of the operator of a period" : "";
+  const MpmPseudospectrum *p     = s->pseudospectrum;
+  const PetscBool          moves = s->op->period > 1 ? PETSC_TRUE : PETSC_FALSE;
+  const char              *of = moves ? " of the operator of a period" : "", *when = moves ? " of whole periods" : "";
 
   PetscFunctionBegin;
   if (isinf(p->kreiss))
     MpmPrint("Kreiss constant%s: infinite, an eigenvalue is outside the unit circle\n", of);
   else if (isnan(creal(p->kreiss_at)))
-    MpmPrint("Kreiss constant%s: 1 as far as was looked; then no norm(A^n) is beyond e N = %.4g\n", of, M_E * p->order);
+    MpmPrint("Kreiss constant%s: 1 as far as was looked; then no norm(A^n)%s is beyond e N = %.4g\n", of, when,
+             M_E * p->order);
   else {
-    MpmPrint("Kreiss constant%s: at least %.6g, at z = %.6g + %.6gi", of, p->kreiss, creal(p->kreiss_at),
+    MpmPrint("Kreiss constant%s: at least %.6g, at z = %.6g + %.6gi;\n", of, p->kreiss, creal(p->kreiss_at),
              cimag(p->kreiss_at));
     if (p->edge_power > GROWS)
-      MpmPrint(", growing like distance^-%.2f to the unit circle: powers are not bounded\n", p->edge_power);
+      MpmPrint(
+          "  it still grows there, like distance^-%.2f, at %g from the unit circle: an eigenvalue on it is defective, "
+          "or\n  several are nearer to one another; norm(A^n)%s reaches that for some n\n",
+          p->edge_power, MPM_KREISS_NEAREST, when);
     else
-      MpmPrint(";\n  norm(A^n) reaches that for some n, and if it is K, none is beyond e N K = %.4g\n",
+      MpmPrint("  norm(A^n)%s reaches that for some n, and if it is K, none is beyond e N K = %.4g\n", when,
                M_E * p->order * p->kreiss);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -209,8 +209,8 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
 }
 
 /*
-   The largest, also beside growth^n; and the power of n with which the largest so far of norm(A^n) / growth^n grows over
-   the late steps, by least squares: norms themselves may swing.
+   The largest, also beside growth^n; and the power of n with which the largest so far of norm(A^n) / growth^n grows
+   over the late steps, by least squares: norms themselves may swing.
 */
 static void Judge(PetscReal growth, MpmTransient *t)
 {

@@ -6,8 +6,8 @@
 typedef PetscErrorCode (*MpmPart)(void *context, PetscInt i);
 
 /*
-   MpmDeal - does parts 0 .. n - 1, dealt to the ranks in turn, so that the result does not depend on how many there are,
-   with a progress line in the unit given.
+   MpmDeal - does parts 0 .. n - 1, dealt to the ranks in turn, so that the result does not depend on how many there
+   are, with a progress line in the unit given.
 
    Collective on PETSC_COMM_WORLD; the parts are not.
 */

@@ -15,7 +15,10 @@ typedef struct {
 /* Not collective. Reads '3', '-1/8', '0.25' or '1e-9'; *ok says whether the whole text is a finite number. */
 PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscBool *ok);
 
-/* Not collective. Point j of n equally spaced ones, n > 1, from one fraction to another: exact where its terms are short. */
+/*
+   Not collective. Point j of n equally spaced ones, n > 1, from one fraction to another: exact where its terms are
+   short.
+*/
 MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n);
 
 /*

@@ -74,8 +74,8 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both. List: whole numbers with commas between them, at
-   most room.
+   (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
+   List: whole numbers with commas between them, at most room.
 */
 PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);

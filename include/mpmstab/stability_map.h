@@ -3,7 +3,8 @@
 #include <mpmstab/scene.h>
 
 /*S
-   MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, the second axis running fastest.
+   MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, the second axis running
+   fastest.
 
    at[a]: the numbers along axis a, points[a] of them. growth (per step, the largest over the phases), beta (the least
    phase that has it) and verdict are of each point, on every rank. unstable, undecided: how many points are. worst: the

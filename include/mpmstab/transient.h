@@ -8,7 +8,8 @@
 
    norm is NaN where it is beyond the range of doubles or the solver did not converge (missing: at so many steps);
    log_norm, its natural logarithm, is NaN only in the second case. largest (NaN: out of range) is at at_step. excess
-   is the largest norm(A^n) / growth^n, at excess_at; power, p where its largest so far grows like n^p over the late steps;
+   is the largest norm(A^n) / growth^n, at excess_at; power, p where its largest so far grows like n^p over the late
+   steps;
    both NaN when growth is not known, power also when there are too few steps.
 
    The norm is that of MpmOperatorWeigh. Source: Trefethen and Embree 2005, Spectra and Pseudospectra, ch. 14-18.
