@@ -1,4 +1,4 @@
-/* The one place that knows about differences between PETSc versions. */
+/* The one place that knows about differences between versions of PETSc, and between compilers. */
 #pragma once
 #include <petscsys.h>
 
@@ -10,4 +10,9 @@
 /* 'Leave it as it is' for KSPSetTolerances(): named so by 3.22, which deprecates the old name, PETSC_DEFAULT. */
 #ifndef PETSC_CURRENT
 #define PETSC_CURRENT PETSC_DEFAULT
+#endif
+
+/* C11's, which glibc's complex.h has for gcc alone. */
+#ifdef __clang__
+#define CMPLX(re, im) __builtin_complex((double)(re), (double)(im))
 #endif
