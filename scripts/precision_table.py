@@ -151,7 +151,7 @@ def answer(rows, wanted, repeats):
         said[0] += "; a loop under 1 ms: its time is rough"
     for point, name in found[1:4]:
         ratio = point["best_s"] / first["best_s"]
-        tie = repeats > 1 and point["best_s"] <= first["median_s"]
+        tie = repeats > 1 and ratio <= min(p["median_s"] / p["best_s"] for p in (first, point))  # of both, not of one
         said.append(f"  next {at(point, name)}, "
                     + ("no slower within the scatter of repeats" if tie else f"{ratio:.2g} times as long"))
     if len(found) > 4:
