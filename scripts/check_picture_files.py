@@ -66,7 +66,7 @@ def check_scenes():
             (("spectrum", "gas1.h5", "gas1-run.json"), "the second is of the task run"),
             (("symbol", "gas1-symbol.h5", "gas2.h5"), "gas1-symbol.h5 and gas2.h5: of different scenes"),
             (("symbol", "drift-symbol.h5", "drift.h5", "pic.json"), "drift-symbol.h5 and pic.json: of different"),
-            (("symbol", "gas1-symbol.csv", "gas1.h5", "gas2.json"), "different scenes: largest growth 1.11803399 and 1"),
+            (("symbol", "gas1-symbol.csv", "gas1.h5", "gas2.json"), "scenes: largest growth 1.11803399 and 1"),
             (("symbol", "gas1-symbol.csv", "gas2.h5", "gas1.json"), "gas1.json and gas2.h5: of different scenes"),
             (("pseudospectrum", "powers.h5", "gas1.json"), "powers.h5 and gas1.json: of different scenes")):
         check_refused(arguments, says)

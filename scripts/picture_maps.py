@@ -182,8 +182,8 @@ def axes_of_map(file, shape, result, result_path):
         for name, size in zip(found["axes"], shape):
             values = file["map"][name][()] if name in file["map"] else numpy.zeros(0)
             if len(values) != size:
-                files.refuse(f"{file.filename} and {result_path}", f"of different maps: the first has no axis {name} of "
-                             f"{size} points", "files of one map")
+                files.refuse(f"{file.filename} and {result_path}",
+                             f"of different maps: the first has no axis {name} of {size} points", "files of one map")
             require_axis(file.filename, values, result_path, name, found[name])
         return found["axes"]
     sizes = {name: len(file["map"][name]) for name in MAP_LABELS if name in file["map"]}

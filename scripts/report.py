@@ -91,8 +91,8 @@ def revision():
     """Of this project; it may lie inside the repository of another."""
     if os.path.realpath(first_line("git", "rev-parse", "--show-toplevel") or os.sep) != os.path.realpath(ROOT):
         return "not known"
-    changed = first_line("git", "status", "--porcelain", "-uno")
-    return first_line("git", "rev-parse", "--short=12", "HEAD") + ", with changes that are not committed" * bool(changed)
+    changed = ", with changes that are not committed" if first_line("git", "status", "--porcelain", "-uno") else ""
+    return first_line("git", "rev-parse", "--short=12", "HEAD") + changed
 
 
 def facts(arguments):
