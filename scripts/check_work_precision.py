@@ -168,7 +168,7 @@ def check_failed():
 
 def check_disturbances():
     """Ctrl-C while the scene is looked at, a disk that is full, and two at once."""
-    environment = disturbed("slow.sh", "touch begun; sleep 60")
+    environment = disturbed("slow.sh", "touch begun; exec sleep 60")
     with subprocess.Popen([sys.executable, SCRIPT, "scene.yaml", "-o", "slow"], env=environment, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         while not os.path.exists("begun"):
@@ -277,7 +277,7 @@ def check_all_waves():
 
 
 def main():
-    for path in (*glob.glob("*.jsonl"), *glob.glob("disk.*")):
+    for path in {*glob.glob("*.jsonl"), *glob.glob("disk.*"), *glob.glob("begun"), *glob.glob("kill")}:
         os.remove(path)
     with open("scene.yaml", "w", encoding="ascii") as file:
         file.write(SCENE)
