@@ -37,7 +37,9 @@ def check_map():
     with open("gas2.json", encoding="utf-8") as file:
         result = json.load(file)
     result["map"] = {"axes": ["courant", "drift"], "published_limit": 0.7071,
-                     "unstable": int((growth > 1 + 1e-6).sum()), "corrected_limit": [1.5, None, None, None, None]}
+                     "unstable": int((growth > 1 + 1e-6).sum()), "corrected_limit": [1.5, None, None, None, None],
+                     "courant": list(k), "drift": list(drift)}
+    result["task"] = "map"
     with open("map.json", "w", encoding="utf-8") as file:
         json.dump(result, file)
     figure = pictures.growth_map("map.h5", "map.json")
@@ -146,7 +148,17 @@ def main():
     square = numpy.eye(3)
     with made_up("square.h5") as file:
         file["map/courant"], file["map/drift"], file["map/growth"] = square[0], square[0], square + 1
-    for arguments, says in ((("map", "gas2.h5"), "no /map/growth in it"), (("map", "square.h5"), "cannot be told"),
+    turned = {"axes": ["offset", "drift"], "offset": [0.5]}
+    with open("map.json", encoding="utf-8") as file:
+        result = json.load(file)
+    for name, changes in (("shifted.json", {"courant": [0.1, *result["map"]["courant"][1:]]}), ("turned.json", turned)):
+        with open(name, "w", encoding="utf-8") as file:
+            json.dump({**result, "map": {**result["map"], **changes}}, file)
+    for arguments, says in ((("map", "map.h5", "shifted.json"), "map.h5 and shifted.json: of different maps: courant"),
+                            (("map", "map.h5", "turned.json"), "map.h5 and turned.json: of different maps: the first "
+                                                               "has no axis offset"),
+                            (("map", "map.h5", "gas2.json"), "the second is of the task spectrum"),
+                            (("map", "gas2.h5"), "no /map/growth in it"), (("map", "square.h5"), "cannot be told"),
                             (("transient", "gas2.json"), "no 'transient' in it"),
                             (("map", "map.h5", "map.json", "real.csv"), "231 points in it"),
                             (("pseudospectrum", "gas2.h5"), "no /pseudospectrum/re in it")):

@@ -12,10 +12,11 @@ import sys
 import h5py
 import numpy
 from PIL import Image
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import pictures
 from picture_files import attributes, steps_of
-from picture_runs import frame
+from picture_runs import frame, predicted_of, through
 from picture_spectra import published_factors
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -54,6 +55,11 @@ def line(figure, gid):
 def text_of(name):
     with open(name, encoding="utf-8") as file:
         return file.read()
+
+
+def loaded(name):
+    with open(name, encoding="utf-8") as file:
+        return json.load(file)
 
 
 def make(program):
@@ -138,8 +144,20 @@ def check_modes():
                 close(values, file[f"modes/0001/{field}_{what}"][:][order], f"{field}_{what} of mode 1")
         growth = file["modes/0001"].attrs["growth"]
         pair = file["modes/0001"].attrs["im"] != 0
-    check(f"mode 1: growth {growth:.9g} per step" in figure.axes[0].get_title(), figure.axes[0].get_title())
-    check(figure.axes[1].get_title().startswith(f"mode {3 if pair else 2}:"), "of a pair both are shown, or none")
+    check(f"mode 1\ngrowth {growth:.9g}\n" in figure.axes[0].get_title(), figure.axes[0].get_title())
+    check(figure.axes[1].get_title().startswith(f"mode {3 if pair else 2}\n"), "of a pair both are shown, or none")
+
+
+def check_room():
+    """Four modes: titles do not meet, columns are as wide as one another and as far apart."""
+    figure = pictures.modes("drift.h5", 4)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    top = figure.axes[:4]
+    titles = [axes.title.get_window_extent(renderer) for axes in top]
+    check(all(one.x1 < other.x0 for one, other in zip(titles, titles[1:])), "titles of modes meet")
+    left = [axes.get_position().x0 for axes in top]
+    close(numpy.diff(left), numpy.full(3, left[1] - left[0]), "columns of modes stand apart by chance", 1e-3)
 
 
 def check_growth():
@@ -157,6 +175,11 @@ def check_growth():
     close(steps, rows["step"], "steps")
     close(size, numpy.sqrt(rows["energy"] / rows["energy"][0]), "sizes")
     check(figure.axes[0].get_yscale() == "log", "growth on a linear axis")
+    late = 3 * 1.1 ** numpy.arange(10, 20)
+    close(through(numpy.arange(20), numpy.append(numpy.ones(10), late), 1.1)[10:], late, "late steps are not met")
+    run, same, other = map(loaded, ("drift-run.json", "drift.json", "jitter.json"))
+    check(predicted_of(run, [other, same]) == same["spectrum"]["growth"], "predicted by another scene's spectrum")
+    check(predicted_of(run, [other]) is None, "predicted by another scene's spectrum")
 
 
 def check_spacetime():
@@ -171,8 +194,20 @@ def check_spacetime():
         times = numpy.repeat([float(file[step].attrs["step"]) for step in steps], 32)
     close(picture.get_array(), values, "colours are not the values")
     check((boxes[:, 0, 0] <= x).all() and (x <= boxes[:, 1, 0]).all(), "particles are not where they are drawn")
+    check(figure.axes[1].get_ylabel() == "u of particles", "colours are not said to be the values")
     check((boxes[:, 0, 1] <= times).all() and (times <= boxes[:, 2, 1]).all(), "steps are not where they are drawn")
     close((boxes[:, 1, 0] - boxes[:, 0, 0]).reshape(len(steps), -1).sum(axis=1), numpy.ones(len(steps)), "gaps in x")
+
+
+def check_own_scale():
+    """What grows by orders of magnitude is drawn relative to each step's largest, and so it says."""
+    figure = pictures.spacetime("gas1-run.h5", "u")
+    values = numpy.reshape(figure.axes[0].collections[0].get_array(), (4, 32))
+    close(abs(values).max(axis=1), numpy.ones(4), "steps have one scale")
+    with h5py.File("gas1-run.h5") as file:
+        last = steps_of(file)[-1][1]["particles/u"][:]
+    close(values[-1], last / abs(last).max(), "relative values")
+    check("its largest value at that step" in figure.axes[1].get_ylabel(), figure.axes[1].get_ylabel())
 
 
 def check_frames():
@@ -232,26 +267,10 @@ def check_command():
     check(text_of("out-modes.svg") == before, "the same file gives another picture")
 
 
-def check_refusals():
-    with open("plain.h5", "w", encoding="utf-8") as file:
-        file.write("not HDF5")
-    with open("list.json", "w", encoding="utf-8") as file:
-        file.write("[1]")
-    for arguments, says in (
-            (("spectrum", "none.h5"), "none.h5: no such file"), (("spectrum", "plain.h5"), "is not HDF5"),
-            (("modes", "gas1-symbol.h5"), "gas1-symbol.h5: no /modes in it"),
-            (("spacetime", "gas1.h5"), "no /step_... in it"), (("frames", "gas1.h5"), "no /step_... in it"),
-            (("spacetime", "drift-run.h5", "v"), "no field 'v' in it; allowed: u or r"),
-            (("transient", "list.json"), "not a result"), (("growth", "plain.h5"), "is not JSON"),
-            (("growth", "gas1.json"), "is of the task spectrum"), (("symbol", "gas1-run.csv"), "no column 'beta'"),
-            (("modes", "gas2.h5", "-o", "nowhere/x"), "nowhere/x.png.part: No such file")):
-        check_refused(arguments, says)
-
-
 def main(program):
     make(program)
-    for one in (check_spectrum, check_symbol, check_modes, check_growth, check_spacetime, check_frames,
-                check_command, check_refusals):
+    for one in (check_spectrum, check_symbol, check_modes, check_room, check_growth, check_spacetime, check_own_scale,
+                check_frames, check_command):
         one()
 
 

@@ -5,26 +5,31 @@ check_report.py MPMSTAB, in a folder that may be filled. Silent when all is well
 """
 import base64
 import glob
+import html
 import json
 import os
 import re
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import types
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
 os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
-import report_runs  # noqa: E402 (which program it runs comes first)
+import report_page  # noqa: E402 (which program it runs comes first)
+import report_runs  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = {"rings": "formulation: gas2\ncells: 8\ncourant: 0.1\ndrift: 1/8\ninitial: random\nsteps: 200\n",
           "rests": "formulation: gas2 # <b>&amp;\ncells: 8\ncourant: 0.5\nsteps: 64\n",
           "jitters": "formulation: elastic\ncells: 8\ncourant: 1\njitter: 0.4\nsteps: 64\n"
                      "expect:\n  verdict: unstable\n",
-          "wrong": "formulation: gas2\ncells: minus one\n"}
+          "wrong one's": "formulation: gas2\ncells: minus one\n"}
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
          "--disable-component-update --disable-sync --disable-dev-shm-usage").split()
 WIDTHS = ((360, 740), (1280, 900))
@@ -35,9 +40,8 @@ def check(condition, message):
         sys.exit(f"check_report: {message}")
 
 
-def report(*arguments):
-    return subprocess.run([sys.executable, os.path.join(HERE, "report.py"), *arguments], capture_output=True, text=True,
-                          check=False)
+def report(*arguments, script=os.path.join(HERE, "report.py"), **how):
+    return subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True, check=False, **how)
 
 
 def make():
@@ -109,19 +113,45 @@ def check_text(page):
     check("<b>symbol</b> does not cover this scene: <q>jitter 0.4: the symbol needs" in text, "a refusal is quoted")
     check("expected verdict unstable, found stable" in text, "a missed expectation is said")
     check_transient(page)
-    text = article(page, "wrong")
+    check_overview(page)
+    text = article(page, "wrong-one-s")
     check("<b>map</b>" not in article(page, "rings"), "a map has nothing to expect")
-    check("mpirun" not in text.split("The same again")[0], "what is not the program's")
+    said, again = text.split("The same again")
+    check("mpirun" not in said, "what is not the program's")
+    words = shlex.split(html.unescape(again.split("<pre", 1)[1].split(">", 1)[1]).splitlines()[0])
+    check(words[:4] == ["mpirun", "-q", "-n", "2"] and os.path.abspath("wrong one's.yaml") in
+          [os.path.join(report_runs.ROOT, word) for word in words], f"not to be typed: {words}")
     check("not examined" in text and "cells" in text and "minus one" in text, "a scene that cannot be read")
     for name in ("PETSc", "SLEPc", "MPI", "Python", "processor", "git revision", "date", "command"):
         check(re.search(rf"<td>{name}</td><td>[^<]+</td>", page), f"no {name}")
     network = re.search(r"""(src|href)\s*=\s*["']?\s*(https?:)?//|@import|url\(""", page)
     check(not network, f"the network is named: {network}")
-    kinds = {name: len(re.findall("<img ", article(page, name))) for name in SCENES}
-    least = {"rings": 6, "rests": 7, "jitters": 4, "wrong": 0}
-    check(all(kinds[name] >= least[name] for name in least) and kinds["wrong"] == 0, f"pictures: {kinds}")
+    least = {"rings": 6, "rests": 7, "jitters": 4, "wrong-one-s": 0}
+    kinds = {name: len(re.findall("<img ", article(page, name))) for name in least}
+    check(all(kinds[name] >= least[name] for name in least) and kinds["wrong-one-s"] == 0, f"pictures: {kinds}")
     check("not drawn" not in page, "a picture was not drawn")
     check(all(re.findall(r'<img [^>]*alt="([^"]+)"', page)), "a picture without words")
+
+
+def check_overview(page):
+    """What was refused is not undecided; a tolerance is not a limit."""
+    check("4 scenes: " in page and "1 not examined. Growth" in page, "scenes are not counted")
+    line = {name: cells_of(re.search(rf'<tr>(<td><a href="#{name}".*?)</tr>', page).group(1))
+            for name in ("rings", "rests", "wrong-one-s")}
+    check("? not examined" in line["wrong-one-s"][1], f"{line['wrong-one-s']}")
+    check(result("rings", "critical")["critical"]["threshold"] is False, "rings has a threshold: this tests nothing")
+    check(">none</abbr>" in line["rings"][10] and "falls below the tolerance" in line["rings"][10], f"{line['rings']}")
+    limit = result("rests", "critical")["critical"]["critical_courant"]
+    check(value_of(line["rests"][10]) == limit, f"{line['rests']}, not {limit}")
+
+
+def check_second_line():
+    """What a line on the Kreiss constant goes on with is kept, what stands beside it is not."""
+    table = "transient: norm(A^n)\n  largest 5\nKreiss constant: at least 3;\n  it is higher nearer\n\nverdict: x\n"
+    answer = types.SimpleNamespace(done=True, table=table, result={"verdict": "stable", "transient": {
+        "largest": 1.5, "at_step": 3}})
+    said = report_page.transient_words({"answers": {"transient": answer}})
+    check(said.endswith('<pre tabindex="0">Kreiss constant: at least 3;\n  it is higher nearer</pre>'), said)
 
 
 def check_transient(page):
@@ -180,10 +210,45 @@ def check_refusals():
     for arguments, says in ((("none.yaml",), "none.yaml: no such file or directory; allowed: a scene in YAML"),
                             (("rests.yaml", "-n", "0"), "-n 0: allowed: 1 or more ranks"),
                             (("rests.yaml", "-o", "nowhere/page.html", "--no-work-precision", "--work", "files2"),
-                             "nowhere/page.html.part: No such file")):
-        done = report(*arguments)
-        lines = [line for line in done.stderr.splitlines() if not line.startswith("report: ")]
-        check(done.returncode == 2 and len(lines) == 1 and says in lines[0], f"{arguments}: {done.returncode} {lines}")
+                             "nowhere: No such file"),
+                            (("rests.yaml", "-o", "files", "--work", "files2"), "files: is a folder"),
+                            (("rests.yaml", "--work", "rests.yaml"), "rests.yaml: File exists"),
+                            (("rests.yaml", "--ranks", "two"), "invalid int value: 'two'")):
+        refused(report(*arguments), arguments, says)
+    for program, says in (("/etc/passwd", "/etc/passwd cannot be run"), ("none/mpmstab", "there is no ")):
+        refused(report("rests.yaml", env={**os.environ, "MPMSTAB": program}), program, says)
+
+
+def refused(done, what, says, status=2):
+    """In one line, before anything is run."""
+    check(done.returncode == status and len(done.stderr.splitlines()) == 1 and says in done.stderr,
+          f"{what}: {done.returncode} {done.stderr}")
+
+
+def check_places():
+    """From another folder by a relative path of the program; in a repository of others; ended by Ctrl-C."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(os.environ["MPMSTAB"], os.path.join(folder, "mpm"))
+        shutil.copy("rests.yaml", folder)
+        shutil.copytree(HERE, os.path.join(folder, "inside", "scripts"))
+        commit = ["-c", "user.name=a", "-c", "user.email=a", "commit", "-q", "--allow-empty", "-m", "a"]
+        for command in (["init", "-q"], commit):
+            subprocess.run(["git", *command], cwd=folder, check=True)
+        script = os.path.join(folder, "inside", "scripts", "report.py")
+        done = report("rests.yaml", "--no-work-precision", script=script, cwd=folder,
+                      env={**os.environ, "MPMSTAB": "./mpm"})
+        check(done.returncode == 0, f"by a relative path: {done.stderr}")
+        with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
+            page = file.read()
+        check("1 scene: 1 stable." in page, "by a relative path nothing was run")
+        check("<td>git revision</td><td>not known</td>" in page, "another repository's revision")
+    with subprocess.Popen([sys.executable, os.path.join(HERE, "report.py"), "rests.yaml", "-o", "ended.html"],
+                          text=True, stderr=subprocess.PIPE) as process:
+        process.stderr.readline()  # it has begun
+        process.send_signal(signal.SIGINT)
+        said = [line for line in process.communicate()[1].splitlines() if not line.startswith("report: ")]
+    check(process.returncode == 130 and said == ["report.py: interrupted"], f"{process.returncode} {said}")
+    check(not glob.glob("ended.html*"), "half a page")
 
 
 def main():
@@ -191,6 +256,8 @@ def main():
     check_text(page)
     check_browser("page.html")
     check_refusals()
+    check_second_line()
+    check_places()
 
 
 if __name__ == "__main__":

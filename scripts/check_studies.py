@@ -86,6 +86,18 @@ def check_ringing(text, _):
 STUDIES = {"formulation-matters": check_formulations, "source-term": check_source_term, "ringing": check_ringing}
 
 
+def check_ends(command):
+    """A standard output that is full is said in one line, a closed pipe is not; bad options are refused in one."""
+    reading, closed = os.pipe()
+    os.close(reading)
+    with open("/dev/full", "w", encoding="utf-8") as full, os.fdopen(closed, "w") as pipe:
+        for more, output, status, said in (([], full, 1, "study.py: standard output cannot be written: No space left"),
+                                           ([], pipe, 1, ""), (["--no"], None, 2, "unrecognized arguments: --no")):
+            done = subprocess.run([*command, *more], stdout=output, stderr=subprocess.PIPE, text=True, check=False)
+            check(done.returncode == status and said in done.stderr and len(done.stderr.splitlines()) == bool(said),
+                  f"{more}: {done.returncode} {done.stderr}")
+
+
 def main(name):
     with tempfile.TemporaryDirectory() as folder:
         more = ["-o", folder] if name == "formulation-matters" else []
@@ -93,6 +105,7 @@ def main(name):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         check(done.returncode == 0 and done.stderr == "", f"{name}: status {done.returncode}: {done.stderr}")
         STUDIES[name](done.stdout, folder)
+        check_ends(command)
     quoted(done.stdout, os.path.join(EXAMPLES, name, "README.md"))
 
 

@@ -4,19 +4,22 @@
 check_work_precision.py, in a folder that may be filled, MPMSTAB set. Silent when all is well.
 """
 import csv
+import fcntl
 import glob
 import itertools
 import json
 import math
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
 import time
 
-from precision_table import answer, cheapest_of, make_rows
-from program import launch
+from precision_picture import draw
+from precision_table import answer, cheapest_of, make_rows, remarks
+from program import PROGRAM, launch
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "work_precision.py")
 SCENE = "formulation: gas2\nstagger: true\ncourant: 0.5\ntime: 1\n"
@@ -28,8 +31,8 @@ def check(condition, message):
         sys.exit(f"check_work_precision: {message}")
 
 
-def start(*arguments):
-    return subprocess.run([sys.executable, SCRIPT, *arguments], capture_output=True, text=True, check=False)
+def start(*arguments, **how):
+    return subprocess.run([sys.executable, SCRIPT, *arguments], capture_output=True, text=True, check=False, **how)
 
 
 def lines_of(path):
@@ -123,11 +126,69 @@ def check_resume():
     runs = runs_of(path)
     check(len(runs) == 16 and len(set(runs)) == 16, f"not each of 16 runs once: {sorted(runs)}")
     check(all(row["repeats"] == "4" for row in rows_of("again.csv")), "not all repeats are there")
-    check(runs != sorted(runs, key=lambda run: run[2:] + run[:2]), "every round has the same order")
+    orders = [[run[:2] for run in runs if run[2] == number] for number in range(1, 5)]
+    check(len(set(map(tuple, orders))) > 2, f"every round has the same order: {orders}")
     check([run[2] for run in runs] == sorted(run[2] for run in runs), "rounds are not one after another")
     whole = lines_of(path)
     start(*command)
     check(lines_of(path) == whole, "a second start of what is done has run something")
+
+
+def one_line(done, status, words):
+    """Refused or ended in one line, with nothing half written."""
+    check(done.returncode == status and len(done.stderr.splitlines()) == 1 and words in done.stderr,
+          f"{words}: status {done.returncode}, {done.stdout} {done.stderr}")
+    check(not glob.glob("*.part"), "a .part is left")
+
+
+def disturbed(name, text):
+    """A program that does what text says before it is mpmstab."""
+    with open(name, "w", encoding="ascii") as file:
+        file.write(f'#!/bin/sh\n{text}\nexec {PROGRAM} "$@"\n')
+    os.chmod(name, 0o755)
+    return {**os.environ, "MPMSTAB": os.path.abspath(name)}
+
+
+def check_failed():
+    """What was killed from outside is run again by the same command, what the program refuses is not."""
+    environment = disturbed("killed.sh", 'case "$*" in *"-time "*) if [ -e kill ]; then kill -9 $$; fi;; esac')
+    command = ["scene.yaml", "--cells", "8", "--transfer", "flip,apic", "--repeats", "2", "-o", "failed"]
+    open("kill", "w", encoding="ascii").close()
+    done = start(*command, env=environment)
+    check(done.returncode == 2 and "no combination runs" in done.stderr, f"all are killed: {done.stdout} {done.stderr}")
+    os.remove("kill")
+    done = start(*command, env=environment)
+    check(done.returncode == 0, f"not killed any more: {done.stdout} {done.stderr}")
+    check([(row["status"], row["repeats"]) for row in rows_of("failed.csv")] == [("ok", "2"), ("refused", "0")],
+          f"{rows_of('failed.csv')}")
+    whole = lines_of("failed.runs.jsonl")
+    start(*command, env=environment)
+    check(lines_of("failed.runs.jsonl") == whole, "what is refused is run again")
+
+
+def check_disturbances():
+    """Ctrl-C while the scene is looked at, a disk that is full, and two at once."""
+    environment = disturbed("slow.sh", "touch begun; exec sleep 60")
+    with subprocess.Popen([sys.executable, SCRIPT, "scene.yaml", "-o", "slow"], env=environment, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        while not os.path.exists("begun"):
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate()
+    os.remove("begun")
+    one_line(subprocess.CompletedProcess([], process.returncode, *said), 130, "work_precision.py: interrupted")
+
+    environment = disturbed("free.sh", "ulimit -S -f unlimited")
+    command = ["scene.yaml", "--cells", "8,16", "--repeats", "2", "-o", "disk"]
+    for size, name in ((700, "disk.runs.jsonl"), (20000, "disk.png")):
+        done = start(*command, env=environment,
+                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY)))
+        one_line(done, 2, f"{name}: File too large")
+        check(not os.path.exists("disk.png"), "half a picture")
+    check(start(*command, env=environment).returncode == 0, "there is space again")
+    with open("disk.runs.jsonl", "a", encoding="ascii") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        one_line(start(*command), 2, "disk.runs.jsonl is being written by another")
 
 
 def check_refusals():
@@ -145,6 +206,7 @@ def check_refusals():
         done = start(*arguments)
         said = done.stderr + done.stdout
         check(done.returncode == 2 and words in said, f"{arguments}: {done.returncode} {said}")
+        check(len(done.stderr.splitlines()) == 1, f"{arguments}: {said}")
 
 
 def synthetic(formulation, cells, error, loops, **more):
@@ -159,7 +221,7 @@ def check_words():
     records = []
     for cells in (16, 64):
         records += synthetic("a", cells, cells**-2.0, [1e-5 * cells**2, 1.2e-5 * cells**2, 1.3e-5 * cells**2])
-        records += synthetic("b", cells, cells**-2.0, [1.1e-5 * cells**2] * 3)
+        records += synthetic("b", cells, cells**-2.0, [1.1e-5 * cells**2, 1.3e-5 * cells**2, 1.3e-5 * cells**2])
         records += synthetic("c", cells, cells**-1.0, [1e-6 * cells**2] * 3)
         records += synthetic("d", cells, cells**-8.0, [1e-7 * cells**2] * 3, status="unstable")
     rows = make_rows(records, [record for record in records if record["round"] == 1])
@@ -178,6 +240,32 @@ def check_words():
     check(orders["d", 64] is None, "an unstable family has an order")
 
 
+def check_ties():
+    """A winner whose times scatter does not tie with one that is slower each time."""
+    records = synthetic("a", 16, 1e-3, [1e-2, 9e-2, 9e-2]) + synthetic("b", 16, 1e-3, [5e-2] * 3)
+    said = answer(make_rows(records, [record for record in records if record["round"] == 1]), 1e-3, 3)
+    check("next b" in said and "5 times as long" in said, f"a tie in\n{said}")
+
+
+def check_remarks():
+    """Errors that fall by less than the order 0.5, medians more than a quarter above the best; no others."""
+    records = []
+    for cells in (16, 32):
+        records += synthetic("slow", cells, cells**-0.45, [1e-2, 1.3e-2, 1.3e-2])
+        records += synthetic("falls", cells, cells**-0.55, [1e-2, 1.2e-2, 1.2e-2])
+    said = "\n".join(remarks(make_rows(records, [record for record in records if record["round"] == 1])))
+    check("slow: the error falls slowly" in said and "(order 0.45 at 32 cells)" in said and "falls:" not in said, said)
+    check("above best in 2 of 4: the machine was not quiet" in said, said)
+
+
+def check_crosses():
+    """An unstable run stands at its error, beyond the others' at the top."""
+    records = synthetic("a", 16, 1e-2, [1e-2]) + synthetic("b", 16, 1e-3, [1e-2], status="unstable")
+    records += synthetic("c", 16, 5.0, [2e-2], status="unstable") + synthetic("a", 32, 1e-3, [2e-2])
+    crosses, = [line for line in draw(make_rows(records, records), "made up").axes[0].lines if line.get_marker() == "X"]
+    check(list(crosses.get_ydata()) == [1e-3, 2e-2], f"crosses at {crosses.get_ydata()}")
+
+
 def check_all_waves():
     """A smooth run of musl that drifts shows nothing; its symbol does."""
     with open("drift.yaml", "w", encoding="ascii") as file:
@@ -189,15 +277,13 @@ def check_all_waves():
 
 
 def main():
-    for path in glob.glob("*.jsonl"):
+    for path in {*glob.glob("*.jsonl"), *glob.glob("disk.*"), *glob.glob("begun"), *glob.glob("kill")}:
         os.remove(path)
     with open("scene.yaml", "w", encoding="ascii") as file:
         file.write(SCENE)
-    check_words()
-    check_content()
-    check_all_waves()
-    check_resume()
-    check_refusals()
+    for one in (check_words, check_ties, check_remarks, check_crosses, check_content, check_all_waves, check_resume,
+                check_failed, check_disturbances, check_refusals):
+        one()
 
 
 if __name__ == "__main__":

@@ -12,6 +12,9 @@ class Refusal(Exception):
     """Bad input, as the one line that is said."""
 
 
+SCENE = ("formulation", "basis", "transfer", "boundary", "cells", "ppc", "particles", "courant", "drift")
+
+
 def refuse(path, why, allowed):
     raise Refusal(f"{path}: {why}; allowed: {allowed}")
 
@@ -25,11 +28,17 @@ def open_hdf5(path):
         return refuse(path, "is not HDF5, or damaged", "an HDF5 file that mpmstab has written with -output")
 
 
-def array(file, name, made_by):
-    """A dataset whole; made_by says which command writes it."""
+def array(file, name, made_by, columns=None):
+    """A dataset whole, of so many columns; made_by says which command writes it."""
+    made = f"a file that 'mpmstab {made_by}' has written"
     if not isinstance(file.get(name), h5py.Dataset):
-        refuse(file.filename, f"no /{name} in it", f"a file that 'mpmstab {made_by}' has written")
-    return file[name][()]
+        refuse(file.filename, f"no /{name} in it", made)
+    values = file[name][()]
+    if not numpy.size(values) or values.dtype.kind not in "fiu":
+        refuse(file.filename, f"no numbers in /{name}", made)
+    if columns and (values.ndim != 2 or values.shape[1] != columns):
+        refuse(file.filename, f"/{name} has the shape {values.shape}", made)
+    return values
 
 
 def read_json(path):
@@ -40,7 +49,7 @@ def read_json(path):
         return refuse(path, error.strerror.lower(), "a file that mpmstab has written with -json")
     except ValueError:
         return refuse(path, "is not JSON", "a file that mpmstab has written with -json")
-    if not isinstance(result, dict) or "formulation" not in result:
+    if not isinstance(result, dict) or any(key not in result for key in (*SCENE, "task")):
         refuse(path, "is not a result of mpmstab", "a file that mpmstab has written with -json")
     return result
 
@@ -84,8 +93,9 @@ def attributes(file):
     scene = {}
     for key, value in file.attrs.items():
         scene[key] = value.decode() if isinstance(value, bytes) else value
-    if "formulation" not in scene:
-        refuse(file.filename, "no scene in its attributes", "a file that mpmstab has written with -output")
+    missing = [key for key in SCENE if key not in scene]
+    if missing:
+        refuse(file.filename, f"no '{missing[0]}' in its attributes", "a file that mpmstab has written with -output")
     return scene
 
 
@@ -147,6 +157,35 @@ def scene_parts(scene):
             "cells": f"{int(scene['cells'])} cells",
             "ppc": f"{int(scene['ppc'])} particle{'s' if scene['ppc'] > 1 else ''} a cell",
             "layout": ", ".join(layout), "boundary": f"ends {scene['boundary']}"}
+
+
+def compared(scene):
+    """The parts of a scene as they must agree for numbers of two files to go together; JSON has drift as a number."""
+    material = scene.get("material", "uniform")
+    inclusion = material.get("inclusion", (0, 0)) if isinstance(material, dict) else (0, 0)
+    if material == "two":
+        inclusion = scene["inclusion_from"], scene["inclusion_to"]
+    return {**scene_parts(scene), "courant": f"k = {float(scene['courant']):.12g}",
+            "drift": f"drift {float(scene['drift']):.12g}", "particles": f"{int(scene['particles'])} particles",
+            "inclusion": f"inclusion {inclusion[0]:.12g},{inclusion[1]:.12g}"}
+
+
+def require_same(path, scene, other_path, other):
+    """Refuses two files that are of different scenes."""
+    ours, theirs = compared(scene), compared(other)
+    differs = [f"{ours[key]} and {theirs[key]}" for key in ours if ours[key] != theirs[key]]
+    if differs:
+        refuse(f"{path} and {other_path}", f"of different scenes: {differs[0]}", "files of one scene")
+
+
+def result_beside(path, scene, result_path, *tasks):
+    """The JSON of one of these tasks on the scene that a file is of (None: the file does not say)."""
+    result = read_json(result_path)
+    if result["task"] not in tasks:
+        refuse(f"{path} and {result_path}", f"the second is of the task {result['task']}", " or ".join(tasks))
+    if scene:
+        require_same(path, scene, result_path, result)
+    return result
 
 
 def scene_text(scene):

@@ -54,7 +54,7 @@ def pseudospectrum(path, result_path=None):
                                   for name in ("re", "im", "sigma"))
     kreiss, at = kreiss_on(real, imaginary, sigma)
     if result_path:
-        result = files.read_json(result_path)
+        result = files.result_beside(path, scene, result_path, "spectrum")
         found = files.part(result, "pseudospectrum", result_path, "spectrum -pseudospectrum P -json")
         kreiss, at = found["kreiss"], complex(*found["kreiss_at"]) if found["kreiss_at"] else None
     floor = sigma[sigma > 0].min() if (sigma > 0).any() else 1e-16
@@ -90,12 +90,12 @@ def growth_map(path, result_path=None, csv_path=None):
 
     The JSON of the same map has the limits and how many points are unstable, its CSV says which are undecided.
     """
-    result = files.read_json(result_path) if result_path else None
     with files.open_hdf5(path) as file:
         scene = files.attributes(file)
+        result = files.result_beside(path, scene, result_path, "map") if result_path else None
         growth = files.array(file, "map/growth", "map -output")
         names = axes_of_map(file, growth.shape, result, result_path)
-        first, second = (file[f"map/{name}"][()] for name in names)
+        first, second = (files.array(file, f"map/{name}", "map -output") for name in names)
     if min(growth.shape) < 2:
         files.refuse(path, f"a map of {growth.shape[0]} x {growth.shape[1]} points", "at least 2 along each axis")
     tolerance = float(scene.get("tolerance", 1e-6))
@@ -105,7 +105,7 @@ def growth_map(path, result_path=None, csv_path=None):
     axes = figure.add_subplot()
     axes.set_facecolor("#eeeeee")
     draw_growth(figure, axes, (first, second), growth, beyond)
-    open_points = numpy.isnan(growth) | undecided_of(csv_path, growth.shape)
+    open_points = numpy.isnan(growth) | undecided_of(path, csv_path, names, (first, second))
     if open_points.any():
         at = numpy.argwhere(open_points)
         axes.plot(first[at[:, 0]], second[at[:, 1]], "x", color="black", markersize=4, label="undecided",
@@ -135,14 +135,23 @@ def draw_growth(figure, axes, places, growth, beyond):
     axes.set_ylim(y[[0, -1]])
 
 
-def undecided_of(csv_path, shape):
+def undecided_of(path, csv_path, names, places):
     """The points that the CSV of a map calls undecided."""
+    shape = (len(places[0]), len(places[1]))
     if not csv_path:
         return numpy.zeros(shape, bool)
     words = files.read_words(csv_path, "verdict", "map -csv")
     if len(words) != shape[0] * shape[1]:
         files.refuse(csv_path, f"{len(words)} points in it", f"the CSV of the same map, of {shape[0] * shape[1]}")
+    for name, values in zip(names, numpy.meshgrid(*places, indexing="ij")):
+        require_axis(path, values.ravel(), csv_path, name, files.read_words(csv_path, name, "map -csv"))
     return numpy.reshape([word == "undecided" for word in words], shape)
+
+
+def require_axis(path, values, other_path, name, others):
+    """Refuses two files of maps whose points along an axis are not the same."""
+    if len(others) != len(values) or any(abs(float(other) - value) > 1e-9 for other, value in zip(others, values)):
+        files.refuse(f"{path} and {other_path}", f"of different maps: {name} has other values", "files of one map")
 
 
 def edges_of(values):
@@ -169,7 +178,14 @@ def map_footer(scene, names):
 def axes_of_map(file, shape, result, result_path):
     """The names of the two axes, in their order."""
     if result:
-        return files.part(result, "map", result_path, "map -json")["axes"]
+        found = files.part(result, "map", result_path, "map -json")
+        for name, size in zip(found["axes"], shape):
+            values = file["map"][name][()] if name in file["map"] else numpy.zeros(0)
+            if len(values) != size:
+                files.refuse(f"{file.filename} and {result_path}",
+                             f"of different maps: the first has no axis {name} of {size} points", "files of one map")
+            require_axis(file.filename, values, result_path, name, found[name])
+        return found["axes"]
     sizes = {name: len(file["map"][name]) for name in MAP_LABELS if name in file["map"]}
     orders = [(a, b) for a in sizes for b in sizes if a != b and (sizes[a], sizes[b]) == shape]
     if len(orders) != 1:

@@ -1,4 +1,5 @@
 """Pictures of runs: growth, space-time, frames and a movie. Each function returns a figure, frames() their names."""
+import io
 import math
 import os
 
@@ -9,6 +10,7 @@ from matplotlib.collections import PolyCollection
 
 import picture_files as files
 import picture_style as style
+from program import write_whole
 
 MOST_ROWS = 300  # output steps in a space-time picture
 MOST_FRAMES = 500
@@ -30,7 +32,7 @@ def predicted_of(result, spectra):
     for key in ("eigenmode", "corrected_mode", "corrected"):
         if result["predicted"].get(key) is not None:
             return result["predicted"][key]
-    same = [s for s in spectra if files.scene_parts(s) == files.scene_parts(result)]
+    same = [s for s in spectra if files.compared(s) == files.compared(result)]
     return same[0]["spectrum"].get("growth") if same else None
 
 
@@ -201,21 +203,19 @@ def frames(path, folder, per_second=12):
         for step, group in steps:
             figure = frame(scene, step, group, fields, limits)
             names.append(os.path.join(folder, f"step_{step:010d}.png"))
-            style.write(figure, names[-1], "png")
+            write_whole(names[-1], style.encoded(figure, "png"))
             if len(names) == 1:
-                movie.setup(figure, os.path.join(folder, "movie.gif"), dpi=100)
+                movie.setup(figure, "movie.gif", dpi=100)
             movie.fig = figure
             movie.grab_frame()
-    movie.outfile += ".part"
-    names.append(finish(movie))
+    names.append(os.path.join(folder, "movie.gif"))
+    write_whole(names[-1], film(movie))
     return names
 
 
-def finish(movie):
-    """Writes the movie aside and renames it."""
-    # Pillow tells the format by the ending, so it is said.
-    movie._frames[0].save(movie.outfile, format="GIF", save_all=True, append_images=movie._frames[1:],
+def film(movie):
+    """The bytes of the movie."""
+    file = io.BytesIO()
+    movie._frames[0].save(file, format="GIF", save_all=True, append_images=movie._frames[1:],
                           duration=int(1000 / movie.fps), loop=0)
-    name = movie.outfile[: -len(".part")]
-    os.replace(movie.outfile, name)
-    return name
+    return file.getvalue()

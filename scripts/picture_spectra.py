@@ -26,7 +26,7 @@ def published_factors(formulation, k, beta):
 
 
 def eigenvalues_of(file):
-    return files.complex_pairs(files.array(file, "spectrum/eigenvalues", "spectrum -output"))[:, 0]
+    return files.complex_pairs(files.array(file, "spectrum/eigenvalues", "spectrum -output", 2))[:, 0]
 
 
 def growth_of(values, scene):
@@ -82,7 +82,8 @@ def spectrum(path, result_path=None):
         scene, values = files.attributes(file), eigenvalues_of(file)
         growth = growth_of(values, scene).max()
         if result_path:
-            growth = files.part(files.read_json(result_path), "growth", result_path, "spectrum -json")
+            result = files.result_beside(path, scene, result_path, "spectrum")
+            growth = files.part(result, "growth", result_path, "spectrum -json")
         figure = style.new_figure(6, files.scene_text(scene))
         axes = figure.add_subplot()
         unit_circle(axes)
@@ -130,8 +131,10 @@ def phase_axis(axes):
 def symbol(path, result_path=None, spectrum_path=None):
     """abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth."""
     beta, columns, scene = curves_of(path)
-    result = files.read_json(result_path) if result_path else None
+    result = files.result_beside(path, scene, result_path, "symbol", "spectrum", "run") if result_path else None
     told = scene or result
+    if not scene and result:
+        require_curve(path, columns["symbol"], result_path, result)
     figure = style.new_figure(4.4, files.scene_text(told) if told else "a CSV does not say of which scene")
     axes = figure.add_subplot()
     if "factors" in columns:
@@ -146,7 +149,7 @@ def symbol(path, result_path=None, spectrum_path=None):
                   linestyle=(0, (1, 1)))
     with_spectrum = spectrum_path or (None if path.endswith(".csv") else path)
     if with_spectrum:
-        draw_by_phase(axes, with_spectrum, required=bool(spectrum_path))
+        draw_by_phase(axes, with_spectrum, (path if told is scene else result_path, told), bool(spectrum_path))
     measured = (result or {}).get("run", {}).get("growth_measured")
     if measured is not None:
         axes.axhline(measured, label=f"measured, {measured:.6f}", **style.COLUMNS["measured"])
@@ -159,11 +162,24 @@ def symbol(path, result_path=None, spectrum_path=None):
     return figure
 
 
-def draw_by_phase(axes, path, required):
-    """Eigenvalues at the phase of their largest Fourier component; those that no node sees have none."""
+def require_curve(path, curve, result_path, result):
+    """A CSV does not say its scene, but its largest growth must be the symbol's in the JSON."""
+    told, largest = result["predicted"].get("symbol"), numpy.nanmax(curve)
+    if told is not None and abs(told - largest) > 1e-9 * told:
+        files.refuse(f"{path} and {result_path}", f"of different scenes: largest growth {largest:.9g} and {told:.9g}",
+                     "files of one scene")
+
+
+def draw_by_phase(axes, path, told, required):
+    """Eigenvalues at the phase of their largest Fourier component; those that no node sees have none.
+
+    told: the file that says the picture's scene, and the scene (None: none does).
+    """
     with files.open_hdf5(path) as file:
         if "spectrum" not in file and not required:
             return
+        if told[1]:
+            files.require_same(*told, path, files.attributes(file))
         beta, values = files.array(file, "spectrum/beta", "spectrum -output"), eigenvalues_of(file)
         growth = growth_of(values, files.attributes(file))
     seen = numpy.isfinite(beta)
@@ -189,10 +205,21 @@ def title_of_mode(file, name):
     """Growth, eigenvalue and wave of a mode."""
     group = file["modes"][name]
     real, imaginary = float(group.attrs["re"]), float(group.attrs["im"])
-    value = f"{real:.5g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.5g}i" if abs(imaginary) > 1e-7 else "")
+    value = f"{real:.4g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.4g}i" if abs(imaginary) > 1e-7 else "")
     beta = files.array(file, "spectrum/beta", "spectrum -output")[int(name) - 1]
-    wave = "no node sees it" if numpy.isnan(beta) else f"phase β = {beta:.4g} radians per cell"
-    return f"mode {int(name)}: growth {group.attrs['growth']:.9g} per step\neigenvalue {value}\n{wave}"
+    wave = "no node sees it" if numpy.isnan(beta) else f"β = {beta:.4g} radians per cell"
+    return f"mode {int(name)}\ngrowth {group.attrs['growth']:.9g}\neigenvalue {value}\n{wave}"
+
+
+def share_axes(grid):
+    """One scale for all, with numbers at the left and the lower edge only."""
+    for axes in grid.ravel()[1:]:
+        axes.sharex(grid[0, 0])
+        axes.sharey(grid[0, 0])
+    for axes in grid[:-1].ravel():
+        axes.tick_params(labelbottom=False)
+    for axes in grid[:, 1:].ravel():
+        axes.tick_params(labelleft=False)
 
 
 def modes(path, count=2):
@@ -202,8 +229,11 @@ def modes(path, count=2):
         x = files.array(file, "modes/coordinates", "spectrum -output") / float(scene["length"])
         order = numpy.argsort(x, kind="stable")
         fields = sorted((key[:-3] for key in file["modes"][names[0]] if key.endswith("_re")), key="uvrwsc".find)
-        figure = style.new_figure(1.7 + 1.6 * len(fields), files.scene_text(scene))
-        grid = figure.subplots(len(fields), len(names), sharex=True, sharey=True, squeeze=False)
+        figure = style.new_figure(2.1 + 1.6 * len(fields), files.scene_text(scene), width=1 + 2.7 * max(2, len(names)))
+        rows = figure.add_gridspec(len(fields) + 1, len(names), height_ratios=[1] * len(fields) + [0.12])
+        grid = numpy.array([[figure.add_subplot(rows[row, column]) for column in range(len(names))]
+                            for row in range(len(fields))])
+        share_axes(grid)
         for column, name in enumerate(names):
             group = file["modes"][name]
             grid[0, column].set_title(title_of_mode(file, name), fontsize=9.5)
@@ -220,5 +250,7 @@ def modes(path, count=2):
         grid[row, 0].set_ylabel(f"{field} / norm of mode")
     for axes in grid[-1]:
         axes.set_xlabel("x / L")
-    grid[-1, 0].legend(loc="upper left", bbox_to_anchor=(-0.1, -0.3), ncol=2)
+    below = figure.add_subplot(rows[-1, :])
+    below.axis("off")
+    below.legend(*grid[0, 0].get_legend_handles_labels(), loc="center", ncol=2)
     return figure

@@ -1,11 +1,12 @@
 """How every picture looks, and how it is written: PNG and SVG, whole or not at all."""
 import io
-import os
 
 import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib.figure import Figure  # noqa: E402 (the backend comes first)
+
+from program import write_whole  # noqa: E402
 
 # Okabe and Ito: told apart by every eye; each goes with a marker or a kind of line of its own.
 COLOURS = ["#D55E00", "#0072B2", "#CC79A7", "#009E73", "#E69F00", "#56B4E9"]
@@ -47,15 +48,8 @@ def encoded(figure, kind):
     return file.getvalue()
 
 
-def write(figure, path, kind):
-    """One file, aside and then renamed."""
-    with open(path + ".part", "wb") as file:
-        file.write(encoded(figure, kind))
-    os.replace(path + ".part", path)
-
-
 def save(figure, name):
     """NAME.png and NAME.svg, whichever of the two endings name has."""
     stem = name[:-4] if name.endswith((".png", ".svg")) else name
     for kind in ("png", "svg"):
-        write(figure, f"{stem}.{kind}", kind)
+        write_whole(f"{stem}.{kind}", encoded(figure, kind))

@@ -13,8 +13,7 @@
 
 Files are those of mpmstab's -output (.h5), -json and -csv. As a module: each kind is a function that returns a figure.
 """
-import argparse
-import sys
+from program import Parser, end_in_one_line, refuse  # first: see there
 
 from picture_files import Refusal
 from picture_maps import growth_map, pseudospectrum, transient
@@ -69,7 +68,7 @@ def draw(args):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("kind", choices=KINDS)
     parser.add_argument("files", nargs="+", metavar="FILE")
     parser.add_argument("-o", "--output", metavar="NAME", help="default: the kind's name")
@@ -81,12 +80,8 @@ def main():
         if figure:
             save(figure, args.output or args.kind)
     except Refusal as refusal:
-        print(f"pictures.py: {refusal}", file=sys.stderr)
-        sys.exit(2)
-    except OSError as error:
-        print(f"pictures.py: {error.filename}: {error.strerror}; allowed: a place that can be written", file=sys.stderr)
-        sys.exit(2)
+        refuse(refusal)
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

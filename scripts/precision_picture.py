@@ -1,18 +1,14 @@
 """Error over run time on log axes: a line for each family, the efficient frontier heavy, unstable runs as crosses."""
-import os
 import textwrap
 
-import matplotlib
+from matplotlib import ticker
+from matplotlib.figure import Figure
 
-matplotlib.use("Agg")
-matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text
-from matplotlib import pyplot, ticker  # noqa: E402 (the backend comes first)
+import picture_style as style
+from precision_table import families, frontier, name_of, seconds, usable, varying
 
-from precision_table import families, frontier, name_of, seconds, usable, varying  # noqa: E402
-
-COLOURS = ["#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]  # Okabe and Ito; vermilion: unstable
-UNSTABLE = "#D55E00"
-MARKERS = "osD^vP<>*h"
+UNSTABLE, *COLOURS = *style.COLOURS, "#000000"
+MARKERS = style.MARKERS + "<>*h"
 
 
 def draw_family(axes, number, members, names):
@@ -39,7 +35,8 @@ def draw_unstable(axes, rows, names, top):
 
 
 def draw(rows, title):
-    figure, axes = pyplot.subplots(figsize=(8.4, 5), constrained_layout=True)
+    figure = Figure(figsize=(8.4, 5), constrained_layout=True)
+    axes = figure.add_subplot()
     names = varying(rows)
     for number, members in enumerate(families(rows).values()):
         draw_family(axes, number, members, names)
@@ -59,12 +56,3 @@ def draw(rows, title):
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
     return figure
-
-
-def write(rows, title, name):
-    """NAME.png and NAME.svg."""
-    figure = draw(rows, title)
-    for kind in ("png", "svg"):
-        figure.savefig(f"{name}.{kind}.part", format=kind, dpi=110)
-        os.replace(f"{name}.{kind}.part", f"{name}.{kind}")
-    pyplot.close(figure)

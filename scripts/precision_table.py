@@ -151,7 +151,7 @@ def answer(rows, wanted, repeats):
         said[0] += "; a loop under 1 ms: its time is rough"
     for point, name in found[1:4]:
         ratio = point["best_s"] / first["best_s"]
-        tie = repeats > 1 and point["best_s"] <= first["median_s"]
+        tie = repeats > 1 and ratio <= min(p["median_s"] / p["best_s"] for p in (first, point))  # of both, not of one
         said.append(f"  next {at(point, name)}, "
                     + ("no slower within the scatter of repeats" if tie else f"{ratio:.2g} times as long"))
     if len(found) > 4:
@@ -172,8 +172,8 @@ def remarks(rows):
         said.append(f"median more than a quarter above best in {len(wide)} of {len(timed)}: the machine was not quiet")
     alone = [row for row in timed if row["growth_all_waves"] is None]
     if alone:
-        said.append(f"{len(alone)} of {len(timed)} have no symbol (walls, particles that differ) and are judged by their "
-                    "run alone, which may hide growth of other waves")
+        said.append(f"{len(alone)} of {len(timed)} have no symbol (walls, particles that differ) and are judged by "
+                    "their run alone, which may hide growth of other waves")
     ends = [row["time"] for row in timed]
     if ends and max(ends) - min(ends) > 1e-12 * max(ends):
         said.append(f"whole steps end at times from {min(ends):.6g} to {max(ends):.6g}; each error is at its own end")

@@ -1,43 +1,114 @@
-"""Runs mpmstab for the scripts, and what they share of files. MPMSTAB names the program (build/mpmstab)."""
+"""Runs mpmstab for the scripts, and what they share: refusals in one line, files that are whole, the machine.
+
+MPMSTAB names the program (build/mpmstab). Scripts import this first: from here on Ctrl-C ends them in one line.
+"""
+import argparse
 import json
 import os
+import platform
 import subprocess
 import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))
+PROGRAM = os.path.abspath(os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab")))
+
+
+def say(message):
+    print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
 
 
 def refuse(message):
     """Ends the script as the program ends for bad input."""
-    print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
+    say(message)
     sys.exit(2)
+
+
+class Parser(argparse.ArgumentParser):
+    """Describes a script by its docstring and refuses in one line."""
+
+    def __init__(self, description):
+        super().__init__(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+    def error(self, message):
+        refuse(f"{message}; allowed: what --help says")
+
+
+def uncaught(kind, error, trace):
+    """Ctrl-C is no fault of the script; what is goes the usual way."""
+    if not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, trace)
+        return
+    say("interrupted")
+    sys.exit(130)
+
+
+sys.excepthook = uncaught
+
+
+def end_in_one_line(main):
+    """Runs main; files that cannot be written and a standard output that is full are said, a closed pipe is not."""
+    try:
+        main()
+        if sys.stdout:
+            sys.stdout.flush()
+    except OSError as error:
+        if error.filename:
+            refuse(f"{error.filename}: {error.strerror}; allowed: a place that can be read and written")
+        if not isinstance(error, BrokenPipeError):
+            say(f"standard output cannot be written: {error.strerror}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or the interpreter says it again
+        sys.exit(1)
 
 
 def require_program():
     if not os.path.exists(PROGRAM):
         refuse(f"there is no {PROGRAM}; ./scripts/setup.sh builds it, MPMSTAB names another")
+    if not (os.path.isfile(PROGRAM) and os.access(PROGRAM, os.X_OK)):
+        refuse(f"{PROGRAM} cannot be run; allowed: mpmstab itself (MPMSTAB names it)")
+
+
+def command_of(words, ranks=1):
+    return [*(["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []), PROGRAM, *words]
+
+
+def result_of(path):
+    """The JSON that the program has written; {}: none."""
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
 
 
 def launch(task, scene=None, options=(), ranks=1):
     """Status, JSON ({}: none) and what was said on standard error. Options: a list, or a dictionary of values."""
     if isinstance(options, dict):
         options = [word for name, value in options.items() for word in (f"-{name}", str(value))]
-    command = ["mpirun", "-q", "-n", str(ranks), PROGRAM] if ranks > 1 else [PROGRAM]
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "out.json")
-        done = subprocess.run([*command, task, *([scene] if scene else []), *options, "-json", out],
+        done = subprocess.run(command_of([task, *([scene] if scene else []), *options, "-json", out], ranks),
                               capture_output=True, text=True, check=False)
-        found = {}
-        if os.path.exists(out):
-            with open(out, encoding="utf-8") as file:
-                found = json.load(file)
-    return done.returncode, found, done.stderr.strip()
+        return done.returncode, result_of(out), done.stderr.strip()
 
 
-def write_whole(path, text):
-    """The file appears whole or not at all."""
-    with open(path + ".part", "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(path + ".part", path)
+def write_whole(path, content):
+    """The file, of text or bytes, appears whole or not at all; an error names it."""
+    part = path + ".part"
+    try:
+        with open(part, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+        os.replace(part, path)
+    except BaseException as error:
+        if os.path.lexists(part):
+            os.remove(part)
+        if isinstance(error, OSError):
+            error.filename, error.filename2 = path, None
+        raise
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or "not known"

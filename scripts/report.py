@@ -7,7 +7,8 @@ Runs spectrum, symbol, critical, run and map of mpmstab on each scene (by defaul
 run time over three grids; what a scene does not support is quoted. The page holds its pictures and needs no network.
 Files of the runs stay in FOLDER (report-files beside the page). MPMSTAB names the program (build/mpmstab).
 """
-import argparse
+# First, so that Ctrl-C during the imports below is one line too.
+from program import PROGRAM, ROOT, Parser, end_in_one_line, processor, refuse, require_program, write_whole
 import datetime
 import glob
 import os
@@ -15,16 +16,16 @@ import platform
 import shlex
 import subprocess
 import sys
+import tempfile
 
 import picture_files
 import report_html
 import report_page
 import report_runs
-from program import PROGRAM, ROOT, refuse, require_program, write_whole
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE.yaml")
     parser.add_argument("-o", "--output", default="report.html", metavar="PAGE")
     parser.add_argument("-n", "--ranks", type=int, default=1)
@@ -86,26 +87,35 @@ def first_line(*command):
     return (done.stdout.splitlines() or [""])[0] if done.returncode == 0 else ""
 
 
-def processor():
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or "not known"
+def revision():
+    """Of this project; it may lie inside the repository of another."""
+    if os.path.realpath(first_line("git", "rev-parse", "--show-toplevel") or os.sep) != os.path.realpath(ROOT):
+        return "not known"
+    changed = ", with changes that are not committed" if first_line("git", "status", "--porcelain", "-uno") else ""
+    return first_line("git", "rev-parse", "--short=12", "HEAD") + changed
 
 
 def facts(arguments):
     """What the numbers rest on."""
     done = subprocess.run([PROGRAM, "list", "versions"], capture_output=True, text=True, check=False)
     versions = [tuple(line.split(None, 1)) for line in done.stdout.splitlines()[1:]]
-    revision = first_line("git", "rev-parse", "--short=12", "HEAD")
-    if revision and first_line("git", "status", "--porcelain", "-uno"):
-        revision += ", with changes that are not committed"
     command = shlex.join(["scripts/report.py", *map(report_runs.shown, sys.argv[1:])])
     return [*versions, ("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
             ("processor", f"{processor()}, {os.cpu_count()} of them"), ("ranks", arguments.ranks),
-            ("git revision", revision or "not known"),
+            ("git revision", revision()),
             ("date", datetime.datetime.now().astimezone().isoformat(" ", "seconds")), ("command", command)]
+
+
+def require_places(arguments):
+    """What cannot be written is said before the runs, not after them."""
+    if os.path.isdir(arguments.output):
+        refuse(f"{arguments.output}: is a folder; allowed: a file that can be written")
+    os.makedirs(arguments.work, exist_ok=True)
+    for folder in (os.path.dirname(os.path.abspath(arguments.output)), arguments.work):
+        try:
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            refuse(f"{folder}: {error.strerror}; allowed: a folder that can be written")
 
 
 def main():
@@ -114,18 +124,15 @@ def main():
     texts = [read_scene(scene) for scene in arguments.scenes]
     with open(os.path.join(ROOT, "scripts", "report.css"), encoding="utf-8") as file:
         style = file.read()
-    try:
-        os.makedirs(arguments.work, exist_ok=True)
-        known = report_runs.options_known()
-        entries = [examine(scene, name, text, arguments, known)
-                   for scene, name, text in zip(arguments.scenes, names_of(arguments.scenes), texts)]
-        report_runs.progress("the page")
-        body = report_page.body(entries, facts(arguments))
-        write_whole(arguments.output, report_html.page(f"mpmstab: {len(entries)} scenes", style, body))
-    except OSError as error:
-        refuse(f"{error.filename}: {error.strerror}; allowed: a place that can be written")
+    require_places(arguments)
+    known = report_runs.options_known()
+    entries = [examine(scene, name, text, arguments, known)
+               for scene, name, text in zip(arguments.scenes, names_of(arguments.scenes), texts)]
+    report_runs.progress("the page")
+    body = report_page.body(entries, facts(arguments))
+    write_whole(arguments.output, report_html.page(f"mpmstab: {len(entries)} scenes", style, body))
     print(f"written: {arguments.output}; files of the runs: {report_runs.shown(arguments.work)}")
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

@@ -19,8 +19,9 @@ def number(value, form=".9g"):
     return f'<data value="{value!r}">{value:{form}}</data>'
 
 
-def badge(verdict):
-    return f'<span class="badge {verdict}">{SIGNS[verdict]} {verdict}</span>'
+def badge(verdict, word=None):
+    """A verdict, or another word in its colours."""
+    return f'<span class="badge {verdict}">{SIGNS[verdict]} {word or verdict}</span>'
 
 
 def table(label, head, rows, numeric=()):

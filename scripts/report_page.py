@@ -48,11 +48,12 @@ def which_step(entry):
         said = "No limit was found."
     elif limit == 0:
         said = "None: it grows at every Courant number."
+    elif not found.get("threshold", True):
+        said = (f"None: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}; "
+                f"the scene has {number(result['courant'], '.6g')}.")
     else:
         said = (f"Courant number k = c dt / h up to {number(limit, '.6g')}; "
                 f"the scene has {number(result['courant'], '.6g')}.")
-    if limit and not found.get("threshold", True):
-        said += " There growth only falls below the tolerance: there is no threshold."
     if "limited_by_beta" in found and found["limited_by_beta"]:
         said += f" Waves of {number(2 * math.pi / found['limited_by_beta'], '.4g')} cells set it."
     if "growth_when_drifting" in found:
@@ -142,7 +143,10 @@ def transient_words(entry):
             words += (" No eigenvalue lies outside the unit circle, and yet states grow: the operator is not normal, "
                       "or has a defective eigenvalue. That is not called unstable, but it is there.")
     telling = ("Kreiss", "norms grow", "norms are", "late norms")
-    lines = [line for line in answer.table.splitlines() if any(word in line for word in telling)]
+    lines, told = [], False
+    for line in answer.table.splitlines():
+        told = any(word in line for word in telling) or (told and line.startswith("  "))  # what it goes on with
+        lines += [line] * told
     return f"<h3>Transient growth</h3>\n<p>{words}</p>\n" + (html.preformatted("\n".join(lines)) if lines else "")
 
 
@@ -184,26 +188,39 @@ def scene_section(entry):
         "<h3>The same again</h3>", html.preformatted(commands), "</article>"])
 
 
+def largest_stable(critical):
+    """Of the task critical: the Courant number, or none where growth only falls below what is tolerated."""
+    if not critical.done:
+        return "-"
+    found = critical.result["critical"]
+    limit = found.get("critical_courant")
+    if limit and not found.get("threshold", True):
+        why = f"growth fades as k does and falls below the tolerance only at k = {limit:.3g}"
+        return f'<abbr title="{escaped(why)}">none</abbr>'
+    return "no limit found" if limit is None else number(limit, ".6g") if limit else "none"
+
+
 def overview(entries):
     rows = []
     for entry in entries:
         answer = best(entry)
         result, critical = (answer.result if answer else {}), entry["answers"]["critical"]
-        limit = critical.result.get("critical", {}).get("critical_courant")
         found = growths(entry["answers"]) if answer else dict.fromkeys(COLUMNS)
         rows.append([f'<a href="#{entry["name"]}">{escaped(entry["name"])}</a>',
-                     html.badge(result["verdict"]) if answer else html.badge("undecided"),
+                     html.badge(result["verdict"]) if answer else html.badge("undecided", "not examined"),
                      escaped(result.get("formulation", "-")), number(result.get("courant"), ".6g"),
                      number(result.get("drift"), ".6g"), *[number(found[name], ".6f") for name in COLUMNS],
-                     number(limit, ".6g") if limit is not None else "none" if critical.done else "-"])
+                     largest_stable(critical)])
     head = ["scene", "verdict", "scheme", "k", "drift", *COLUMNS, "largest stable k"]
     count = {verdict: sum(best(e) is not None and best(e).result["verdict"] == verdict for e in entries)
              for verdict in html.SIGNS}
+    count["not examined"] = len(entries) - sum(count.values())
     words = ", ".join(f"{many} {verdict}" for verdict, many in count.items() if many)
-    return (f"<p>{len(entries)} scene{'s' if len(entries) > 1 else ''}: {words or 'none examined'}. Growth is the "
+    return (f"<p>{len(entries)} scene{'s' if len(entries) > 1 else ''}: {words}. Growth is the "
             "factor per step of what grows fastest; published is as the slides print it, corrected the same analysis "
             "done right; symbol, spectrum and measured are this program's and must agree. A dash: the formula or task "
-            "does not cover the scene.</p>\n" + html.table("all scenes", head, rows, (3, 4, 5, 6, 7, 8, 9, 10)))
+            "does not cover the scene. None as largest stable k: it grows at every one, or growth only fades as k "
+            "does.</p>\n" + html.table("all scenes", head, rows, (3, 4, 5, 6, 7, 8, 9, 10)))
 
 
 def body(entries, facts):

@@ -1,11 +1,11 @@
 """What a report asks of the program for one scene, and what came back. Nothing here ends the report."""
-import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 
-from program import PROGRAM, ROOT
+from program import PROGRAM, ROOT, command_of, result_of
 
 SMALL = 256  # unknowns up to which powers and the pseudospectrum are taken
 MOST_OUTPUT = 120  # output steps of a run, about
@@ -22,9 +22,14 @@ class Answer:
 
 
 def shown(path):
-    """A path as one would type it in the project's folder."""
+    """A path as one would read it in the project's folder."""
     inside = os.path.relpath(path, ROOT)
     return path if inside.startswith("..") else inside
+
+
+def typed(words):
+    """A command as one would type it in the project's folder: what is a path within it is said from there."""
+    return shlex.join(shown(word) if os.path.isabs(word) else word for word in words)
 
 
 def progress(text):
@@ -57,19 +62,14 @@ class Asker:
             if os.path.exists(path):
                 os.remove(path)
             words += [{"json": "-json", "csv": "-csv", "h5": "-output"}[kind], path]
-        start = ["mpirun", "-q", "-n", str(self.ranks)] if self.ranks > 1 else []
         progress(f"{shown(self.scene)}: {name}")
-        command = " ".join([*start, *map(shown, [PROGRAM, *words])])
+        command = command_of(words, self.ranks)
         try:
-            done = subprocess.run([*start, PROGRAM, *words], capture_output=True, text=True, check=False,
-                                  timeout=PATIENCE, cwd=ROOT)
+            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, cwd=ROOT)
         except subprocess.TimeoutExpired:
-            return Answer(command, None, {}, "", f"stopped after {PATIENCE} s")
-        result, path = {}, self.path(f"{name}.json")
-        if os.path.exists(path):
-            with open(path, encoding="utf-8") as file:
-                result = json.load(file)
-        return Answer(command, done.returncode, result, done.stdout, complaint_of(done))
+            return Answer(typed(command), None, {}, "", f"stopped after {PATIENCE} s")
+        result = result_of(self.path(f"{name}.json"))
+        return Answer(typed(command), done.returncode, result, done.stdout, complaint_of(done))
 
 
 def options_known():
@@ -114,7 +114,7 @@ def work_precision(scene, asker, result):
     progress(f"{shown(scene)}: error against run time")
     if os.path.exists(f"{name}.runs.jsonl"):
         os.remove(f"{name}.runs.jsonl")  # of another build or scene, perhaps
-    command = " ".join(map(shown, words))
+    command = typed(words)
     try:
         done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, timeout=PATIENCE,
                               cwd=ROOT)

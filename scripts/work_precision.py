@@ -11,7 +11,9 @@ runs all combinations once, in an order of its own, so that what slows the machi
 keeps each run as soon as it is done: after an interruption the same command goes on, and more of any range adds to it.
 NAME.csv has a row for each combination, NAME.png and NAME.svg the picture. MPMSTAB names the program (build/mpmstab).
 """
-import argparse
+# First, so that Ctrl-C during the imports below is one line too.
+from program import PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_program, say, write_whole
+import fcntl
 import hashlib
 import itertools
 import json
@@ -22,8 +24,8 @@ import sys
 import time
 
 import precision_picture
+from picture_style import save
 from precision_table import PARAMETERS, answer, csv_text, key, make_rows, remarks, table
-from program import PROGRAM, launch, refuse, require_program, write_whole
 
 KINDS = {"cells": int, "courant": float, "ppc": int, "ranks": int, "formulation": str, "transfer": str, "basis": str}
 
@@ -37,7 +39,7 @@ def ranged(kind):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("scene", metavar="SCENE.yaml")
     for name, kind in KINDS.items():
         parser.add_argument(f"--{name}", type=ranged(kind))
@@ -54,14 +56,6 @@ def parse():
     return arguments
 
 
-def processor():
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor()
-
-
 def digest(path):
     with open(path, "rb") as file:
         return hashlib.sha256(file.read()).hexdigest()
@@ -73,7 +67,7 @@ def look_at(arguments):
         refuse(f"{arguments.scene}: there is no such file; allowed: a scene")
     status, base, said = launch("run", arguments.scene)
     if status not in (0, 3) or not base:  # 3: with this program its expectations are missed, which is not the question
-        refuse(f"{arguments.scene} does not run: {said}")
+        refuse(f"{arguments.scene} does not run: {said or f'status {status}'}")
     if "error" not in base["run"]:
         refuse(f"{arguments.scene}: these data have no exact solution; allowed: initial mode, pulse or step")
     end = base["run"]["time"] if arguments.time is None else arguments.time
@@ -82,16 +76,35 @@ def look_at(arguments):
     return base, end, made_from
 
 
-def open_runs(path, made_from):
-    """The runs there are already, and the file to add to."""
-    if not os.path.exists(path) or os.path.getsize(path) == 0:
-        file = open(path, "w", encoding="utf-8")
-        file.write(json.dumps(made_from) + "\n")
-        file.flush()
-        return [], file
+def lock(path):
+    """The file of runs, open and held: of two at once the second is refused."""
+    file = open(path, "a", encoding="utf-8")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        refuse(f"{path} is being written by another work_precision.py; allowed: one at a time (-o names another file)")
+    return file
+
+
+def add_line(path, record):
+    """At once and whole to the file; an error names it."""
+    try:
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(json.dumps(record) + "\n")
+    except OSError as error:
+        error.filename = path
+        raise
+
+
+def read_runs(path, made_from):
+    """The runs there are already; those that failed are run again."""
     with open(path, "rb") as file:
         text = file.read()
     whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off by the end of an earlier start is run again
+    if not whole and json.dumps(made_from).encode().startswith(text):
+        os.truncate(path, 0)
+        add_line(path, made_from)
+        return []
     try:
         first, *records = [json.loads(line) for line in whole.decode().splitlines()]
         differs = [name for name in made_from if first[name] != made_from[name]]
@@ -101,7 +114,7 @@ def open_runs(path, made_from):
         refuse(f"{path} holds runs of another {' and '.join(differs)}, which do not compare with these; allowed: the "
                "same (-o names another file, or delete it)")
     os.truncate(path, len(whole))
-    return records, open(path, "a", encoding="utf-8")
+    return [record for record in records if record["status"] != "failed"]
 
 
 def measure(arguments, combination, end, first):
@@ -131,10 +144,10 @@ def progress(done, total, begin, already):
         print(f"\rrun {done} of {total}, {left:.0f} s left   ", end=end, file=sys.stderr, flush=True)
 
 
-def run_all(arguments, combinations, end, records, file):
-    """Adds the runs that are missing to records and file, round by round."""
+def run_all(arguments, combinations, end, records, path):
+    """Adds the runs that are missing to records and the file, round by round."""
     have = {(key(record), record["round"]) for record in records}
-    over = {key(record) for record in records if record["status"] in ("refused", "failed")}
+    over = {key(record) for record in records if record["status"] == "refused"}
     total, begin, already = arguments.repeats * len(combinations), time.monotonic(), 0
     done = 0
     for number in range(1, arguments.repeats + 1):
@@ -146,8 +159,7 @@ def run_all(arguments, combinations, end, records, file):
                 already += 1
             else:
                 record = {**measure(arguments, combination, end, number == 1), "round": number}
-                file.write(json.dumps(record) + "\n")
-                file.flush()
+                add_line(path, record)
                 records.append(record)
                 if record["status"] in ("refused", "failed"):
                     over.add(name)
@@ -167,7 +179,7 @@ def title(arguments, rows, end):
 def report(arguments, rows, base, end):
     """Table and words to standard output, CSV and picture to files."""
     write_whole(f"{arguments.output}.csv", csv_text(rows))
-    precision_picture.write(rows, title(arguments, rows, end), arguments.output)
+    save(precision_picture.draw(rows, title(arguments, rows, end)), arguments.output)
     print(f"error against run time: {arguments.scene} to time {end:g}"
           + ("" if arguments.time else f" (where the scene's {base['run']['steps']} steps end)"))
     print("error: largest l2 over fields (but apic's affine part) at the end / exact amplitude;\n"
@@ -188,25 +200,23 @@ def main():
     as_it_stands = {name: base[name] for name in PARAMETERS}
     values = [getattr(arguments, name) or [as_it_stands[name]] for name in PARAMETERS]
     combinations = [dict(zip(PARAMETERS, choice)) for choice in itertools.product(*values)]
-    try:
-        records, file = open_runs(f"{arguments.output}.runs.jsonl", made_from)
-    except OSError as error:
-        refuse(f"{arguments.output}.runs.jsonl: {error.strerror}")
+    path = f"{arguments.output}.runs.jsonl"
     interrupted = False
-    with file:
+    with lock(path):
+        records = read_runs(path, made_from)
         try:
-            run_all(arguments, combinations, end, records, file)
+            run_all(arguments, combinations, end, records, path)
         except KeyboardInterrupt:
             interrupted = True
-    rows = make_rows([record for record in records if record["round"] <= arguments.repeats], combinations)
-    if rows:
-        report(arguments, rows, base, end)
+        rows = make_rows([record for record in records if record["round"] <= arguments.repeats], combinations)
+        if rows:
+            report(arguments, rows, base, end)
     if interrupted:
-        print("work_precision.py: interrupted; the same command goes on", file=sys.stderr)
+        say("interrupted; the same command goes on")
         sys.exit(130)
     if all(row["status"] in ("refused", "failed") for row in rows):
         refuse("no combination runs; the notes say why")
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

@@ -5,7 +5,6 @@ study.py [--quick] [-o FOLDER]: growth of all formulations and transfers on one 
 eighth of a cell per step, by symbol and by marching; then their errors against run time (scripts/work_precision.py),
 of which FOLDER (results) keeps tables and pictures. --quick: fewer schemes and grids.
 """
-import argparse
 import os
 import re
 import subprocess
@@ -14,7 +13,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCRIPTS = os.path.join(HERE, os.pardir, os.pardir, "scripts")
 sys.path.insert(0, SCRIPTS)
-from program import launch, require_program  # noqa: E402 (the path comes first)
+from program import Parser, end_in_one_line, launch, require_program  # noqa: E402 (the path comes first)
 
 PROBLEMS = {"gas": ("scene.yaml", "gas-drifts.yaml", ("gas1", "gas2"), ("flip", "pic", "blend", "xpic", "nullspace")),
             "bar": ("bar.yaml", "bar-drifts.yaml", ("elastic", "usl", "usf", "musl", "usavg"),
@@ -68,12 +67,14 @@ def run_times(formulations, transfers, quick, folder):
                  "--formulation", ",".join(filter(formulations.__contains__, schemes)),
                  "--transfer", ",".join(filter(transfers.__contains__, ways)),
                  "--error", "1e-1" if quick else "1e-2,1e-3", "--repeats", "1" if quick else "5",
-                 "-o", os.path.join(folder, name)], stdout=subprocess.PIPE, text=True, check=True)
+                 "-o", os.path.join(folder, name)], stdout=subprocess.PIPE, text=True, check=False)
+            if done.returncode:
+                sys.exit(done.returncode)  # it has said why
             print(done.stdout[re.search("^(for )?error [0-9]", done.stdout, re.MULTILINE).start():].strip())
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("-o", "--output", metavar="FOLDER", default="results")
     arguments = parser.parse_args()
@@ -86,4 +87,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

@@ -5,7 +5,6 @@ study.py [--quick]: the symbol of particles off the middle of their cells; growt
 rest and in slow flow, and a closed form of its limit for many particles; which waves grow; growth over drift and
 Courant number; the content that no node sees, and what transfers and bases do to it. --quick: fewer cases.
 """
-import argparse
 import math
 import os
 import sys
@@ -17,7 +16,7 @@ import numpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, os.pardir, os.pardir, "scripts"))
-from program import launch, require_program  # noqa: E402 (the path comes first)
+from program import Parser, end_in_one_line, launch, require_program  # noqa: E402 (the path comes first)
 
 
 def ask(task, options, scene=None):
@@ -172,7 +171,7 @@ def content(quick):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     require_program()
@@ -185,4 +184,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

@@ -12,7 +12,6 @@ growth, with 0 the term is gone. PICTURE (.png): growth over drift with and with
 S-, S, S': weights where particles were, are and will be. With s = 0 the nodes go on by themselves, as C1, C2 say. The
 step may also be split with the weights S at both places of k; 'same place' below is that split without its term.
 """
-import argparse
 import math
 import os
 import sys
@@ -23,7 +22,7 @@ import numpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, os.pardir, os.pardir, "scripts"))
-from program import launch, require_program  # noqa: E402 (the path comes first)
+from program import Parser, end_in_one_line, launch, require_program, write_whole  # noqa: E402 (the path comes first)
 
 CELLS = 64
 WAVES = 2 * math.pi * numpy.arange(1, CELLS // 2 + 1) / CELLS
@@ -161,8 +160,8 @@ def worst_held():
     for formulation in ("gas1", "gas2"):
         for ppc in (2, 4, 8):
             scene = {"formulation": formulation, "courant": 0.1, "ppc": ppc}
-            print(line.format(formulation, ppc, f"{symbol(scene, offset=0):.6f}", f"{symbol(scene, drift='1/100'):.6f}"),
-                  flush=True)
+            held, moves = symbol(scene, offset=0), symbol(scene, drift="1/100")
+            print(line.format(formulation, ppc, f"{held:.6f}", f"{moves:.6f}"), flush=True)
 
 
 def calmer(quick):
@@ -214,32 +213,33 @@ def measured():
 
 def picture(path, quick):
     """Growth over drift with and without the term."""
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    figure, panels = pyplot.subplots(1, 2, figsize=(9, 4), sharey=True, constrained_layout=True)
+    import picture_style as style  # here: without -o no picture is drawn
+    figure = style.Figure(figsize=(9, 4), constrained_layout=True)
+    rows = figure.add_gridspec(2, 2, height_ratios=[0.05, 1])
+    panels = [figure.add_subplot(rows[1, column]) for column in (0, 1)]
+    panels[1].sharey(panels[0])
     drifts = sorted({Fraction(n, d) for d in ((16,) if quick else (16, 100)) for n in range(1, d // 2 + 1)})
     for axes, ppc in zip(panels, (2, 8)):
         found = numpy.array([with_and_without({"formulation": "gas2", "courant": 0.1, "drift": str(drift), "ppc": ppc})
                              for drift in drifts])
-        for column, (label, colour, marker) in enumerate((("with the source term", "#D55E00", "o"),
-                                                          ("without it (the slides' split)", "#0072B2", "s"),
-                                                          ("without it (same place)", "#009E73", "^"))):
-            axes.semilogy(drifts, numpy.maximum(found[:, column] - 1, 1e-7), color=colour, marker=marker, markersize=4,
-                          linestyle="none", label=label)
+        for column, (label, colour, marker) in enumerate((("with the source term", 0, "o"),
+                                                          ("without it (the slides' split)", 1, "s"),
+                                                          ("without it (same place)", 3, "^"))):
+            axes.semilogy(drifts, numpy.maximum(found[:, column] - 1, 1e-7), color=style.COLOURS[colour],
+                          marker=marker, markersize=4, linestyle="none", label=label)
         axes.set_title(f"gas2, linear, flip, k = 0.1, ppc {ppc}", fontsize=10)
         axes.set_xlabel("drift / cells per step")
         axes.grid(True, alpha=0.3)
     panels[0].set_ylabel("growth per step - 1 (stable: at the bottom)")
     panels[0].set_ylim(0.7e-7, 1)
-    figure.legend(*panels[0].get_legend_handles_labels(), fontsize=9, loc="lower center", ncol=3,
-                  bbox_to_anchor=(0.5, 1))
-    figure.savefig(path + ".part", format="png", dpi=100, bbox_inches="tight")
-    os.replace(path + ".part", path)
+    above = figure.add_subplot(rows[0, :])
+    above.axis("off")
+    above.legend(*panels[0].get_legend_handles_labels(), loc="center", ncol=3)
+    write_whole(path, style.encoded(figure, "png"))
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("-o", "--output", metavar="PICTURE")
     arguments = parser.parse_args()
@@ -255,4 +255,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)
