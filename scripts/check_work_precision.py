@@ -240,6 +240,23 @@ def check_words():
     check(orders["d", 64] is None, "an unstable family has an order")
 
 
+def check_gaps():
+    """Errors and times that do not fall and rise with cells: nothing across what is unstable, no measured one left out."""
+    def said(wanted, *families):
+        records = [record for name, points in families for cells, error, loop, status in points
+                   for record in synthetic(name, cells, error, [loop], status=status)]
+        return answer(make_rows(records, records), wanted, 1)
+
+    slower = ("a", [(16, 0.5, 2e-3, "ok"), (32, 0.009, 1e-2, "ok"), (64, 0.005, 4e-3, "ok")])
+    check("cheapest here is a with 64 cells: 4 ms" in said(1e-2, slower), said(1e-2, slower))
+    gap = ("a", [(16, 0.5, 2e-3, "ok"), (32, 0.09, 4e-3, "unstable"), (64, 0.005, 8e-3, "ok")])
+    check("cheapest here is a with 64 cells: 8 ms" in said(1e-2, gap), said(1e-2, gap))
+    first = ("a", [(16, 0.5, 2e-3, "unstable"), (64, 0.005, 8e-3, "ok")])
+    check("coarsest" not in said(1e-2, first) and "a with 64 cells: 8 ms" in said(1e-2, first), said(1e-2, first))
+    near = ("a", [(16, 0.02, 1e-3, "ok"), (32, 0.0199, 2e-3, "ok")])
+    check("the smallest is 0.0199, by a with 32 cells" in said(1e-2, near), said(1e-2, near))
+
+
 def check_ties():
     """A winner whose times scatter does not tie with one that is slower each time."""
     records = synthetic("a", 16, 1e-3, [1e-2, 9e-2, 9e-2]) + synthetic("b", 16, 1e-3, [5e-2] * 3)

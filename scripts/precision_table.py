@@ -90,13 +90,15 @@ def frontier(rows):
 
 
 def cheapest_of(members, wanted):
-    """Least time at which a family reaches an error, or None: best, median, the grids it lies between."""
-    points = [row for row in members if usable(row)]
-    if points and points[0]["error_l2"] <= wanted:
-        return {"best_s": points[0]["best_s"], "median_s": points[0]["median_s"], "cells": (points[0]["cells"],)}
-    found = []
-    for coarse, fine in zip(points, points[1:]):
-        if fine["error_l2"] <= wanted < coarse["error_l2"]:
+    """
+    Least time at which a family reaches an error, or None: best, median, the grids it lies between, whether its coarsest.
+
+    Of the grids that reach it, and of the places between neighbours where it is crossed, if both can be used.
+    """
+    found = [{"best_s": row["best_s"], "median_s": row["median_s"], "cells": (row["cells"],),
+              "coarsest": row is members[0]} for row in members if usable(row) and row["error_l2"] <= wanted]
+    for coarse, fine in zip(members, members[1:]):
+        if usable(coarse) and usable(fine) and fine["error_l2"] <= wanted < coarse["error_l2"]:
             part = math.log(coarse["error_l2"] / wanted) / math.log(coarse["error_l2"] / fine["error_l2"])
             between = {name: coarse[name] ** (1 - part) * fine[name] ** part for name in ("best_s", "median_s")}
             found.append({**between, "cells": (coarse["cells"], fine["cells"])})
@@ -127,7 +129,8 @@ def at(point, name):
     """Where a family reaches an error, in words."""
     cells = point["cells"]
     if len(cells) == 1:
-        return f"{name} with {cells[0]} cells: {seconds(point['best_s'])} (its coarsest grid, so perhaps less)"
+        coarsest = " (its coarsest grid, so perhaps less)" if point["coarsest"] else ""
+        return f"{name} with {cells[0]} cells: {seconds(point['best_s'])}{coarsest}"
     return (f"{name}: {seconds(point['best_s'])} (interpolated between {cells[0]} and {cells[1]} cells)")
 
 
@@ -141,7 +144,7 @@ def answer(rows, wanted, repeats):
             found.append((point, name_of(members[0], names)))
     found.sort(key=lambda pair: pair[0]["best_s"])
     if not found:
-        best = next(reversed(frontier(rows)), None)
+        best = min(filter(usable, rows), key=lambda row: (row["error_l2"], row["best_s"]), default=None)
         said = f"error {wanted:g}: nothing that is stable reaches it here"
         return said if best is None else (f"{said}; the smallest is {best['error_l2']:.3g}, by {name_of(best, names)} "
                                           f"with {best['cells']} cells in {seconds(best['best_s'])}")

@@ -142,7 +142,7 @@ def transient_words(entry):
         if verdict == "stable" and found["largest"] > GROWS:
             words += (" No eigenvalue lies outside the unit circle, and yet states grow: the operator is not normal, "
                       "or has a defective eigenvalue. That is not called unstable, but it is there.")
-    telling = ("Kreiss", "norms grow", "norms are", "late norms")
+    telling = ("Kreiss", "norms grow", "norms do not", "late norms")
     lines, told = [], False
     for line in answer.table.splitlines():
         told = any(word in line for word in telling) or (told and line.startswith("  "))  # what it goes on with
