@@ -49,7 +49,7 @@ static inline PetscReal Moment(PetscReal xi, PetscReal width, PetscReal weight[N
 }
 
 #define CHUNK 128
-#define LONGEST 4 /* run that a loop is written for */
+#define LONGEST 16 /* run that is looked for */
 #define MARGIN (LONGEST * (NODES - 1))
 #define ROOM (CHUNK + 2 * MARGIN)
 
@@ -61,7 +61,7 @@ typedef struct {
   PetscInt begin, end, length, count;
 } Runs;
 
-/* None (begin = end = n) if the runs are not alike, or of a length that no loop is written for. */
+/* None (begin = end = n) if the runs are not alike, or too long. */
 static inline Runs FindRuns(PetscInt n, const PetscInt first[CHUNK])
 {
   const Runs none   = {n, n, 0, 0};
@@ -69,7 +69,7 @@ static inline Runs FindRuns(PetscInt n, const PetscInt first[CHUNK])
 
   while (begin < n && first[begin] == first[0]) begin++;
   while (begin + length < n && first[begin + length] == first[begin]) length++;
-  if (length != 1 && length != 2 && length != LONGEST) return none;
+  if (length == 0 || length > LONGEST) return none;
   for (PetscInt p = begin; p < n - length; p++) unlike |= first[p + length] - first[p] - 1;
   if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is a whole one too */
   return unlike ? none : (Runs){begin, n - (n - begin) % length, length, (n - begin) / length};
@@ -143,7 +143,9 @@ static inline void Sum(PetscInt n, const PetscInt first[CHUNK], const Runs *runs
   SumEach(runs->end, n, first, given, node);
   if (runs->length == 1) SumRuns(1, runs, first[runs->begin], given, node);
   if (runs->length == 2) SumRuns(2, runs, first[runs->begin], given, node);
-  if (runs->length == LONGEST) SumRuns(LONGEST, runs, first[runs->begin], given, node);
+  if (runs->length == 3) SumRuns(3, runs, first[runs->begin], given, node);
+  if (runs->length == 4) SumRuns(4, runs, first[runs->begin], given, node);
+  if (runs->length > 4) SumRuns(runs->length, runs, first[runs->begin], given, node);
 }
 
 static inline void SeeEach(PetscInt begin, PetscInt end, const PetscInt *restrict first, const PetscReal *restrict node,
@@ -201,7 +203,9 @@ INLINE void Gather(Weights weights, PetscInt n, const PetscInt *restrict cell, c
     SeeEach(0, runs.begin, first, node, seen);
     if (runs.length == 1) SeeRuns(1, runs.count, first[runs.begin], node, runs.begin, seen);
     if (runs.length == 2) SeeRuns(2, runs.count, first[runs.begin], node, runs.begin, seen);
-    if (runs.length == LONGEST) SeeRuns(LONGEST, runs.count, first[runs.begin], node, runs.begin, seen);
+    if (runs.length == 3) SeeRuns(3, runs.count, first[runs.begin], node, runs.begin, seen);
+    if (runs.length == 4) SeeRuns(4, runs.count, first[runs.begin], node, runs.begin, seen);
+    if (runs.length > 4) SeeRuns(runs.length, runs.count, first[runs.begin], node, runs.begin, seen);
     SeeEach(runs.end, size, first, node, seen);
     for (PetscInt i = 0; i < size; i++) {
       PetscReal       weight[NODES], sum = 0;

@@ -185,10 +185,10 @@ static void CheckRuns(const MpmBasis *basis, const PetscInt counts[], PetscInt n
 
 static void CheckAllRuns(const MpmBasis *basis)
 {
-  static const PetscInt counts[][4] = {{1}, {2}, {3}, {4}, {5}, {2, 2, 2, 0}, {2, 0, 2, 2}, {1, 2}, {4, 4, 4, 3}};
-  static const PetscInt ncounts[]   = {1, 1, 1, 1, 1, 4, 4, 2, 4};
+  static const PetscInt counts[][4] = {{1}, {2}, {3}, {4}, {5}, {2, 2, 2, 0}, {2, 0, 2, 2}, {1, 2}, {4, 4, 4, 3}, {17}};
+  static const PetscInt ncounts[]   = {1, 1, 1, 1, 1, 4, 4, 2, 4, 1};
 
-  for (PetscInt c = 0; c < 9; c++)
+  for (PetscInt c = 0; c < 10; c++)
     for (PetscInt skip = 0; skip < counts[c][0]; skip++) CheckRuns(basis, counts[c], ncounts[c], skip, 0.2);
 }
 
