@@ -19,6 +19,7 @@
      GRAD        particle[] += a h sum_i dphi_ip/dx node[i]
 
    What goes to nodes is not yet divided by mass. width is the particles' half width in cells, for bases that have one.
+   Hat P2G takes a for 1.
 */
 typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
                           PetscReal particle[], PetscReal node[]);
@@ -26,6 +27,19 @@ typedef void (*MpmKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[
 /* P2G and the nodal masses in one go, for particles that have moved: mass[] += sum over particles of phi_ip. */
 typedef void (*MpmMassKernel)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width,
                               const PetscReal particle[], PetscReal node[], PetscReal mass[]);
+
+void MpmHatP2G(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatP2GMass(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, const PetscReal particle[],
+                   PetscReal node[], PetscReal mass[]);
+void MpmHatP2GAffine(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+                     PetscReal particle[], PetscReal node[]);
+void MpmHatDiv(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatG2P(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+               PetscReal particle[], PetscReal node[]);
+void MpmHatGrad(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width, PetscReal a,
+                PetscReal particle[], PetscReal node[]);
 
 /* particle[] *= a. */
 void MpmScale(PetscInt n, PetscReal a, PetscReal particle[]);

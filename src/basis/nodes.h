@@ -247,16 +247,11 @@ static void Grad(PetscInt n, const PetscInt *restrict cell, const PetscReal *res
   Gather(Gradient, n, cell, xi, width, a, particle, node);
 }
 
-#if NODES == 2
-#define G2PAffine Grad /* phi (x_i - x_p) / D is -1 and 1 for the hat, but 0 / 0 where a particle is on a node */
-#else
 static void G2PAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
                       PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
   Gather(Moment, n, cell, xi, width, a, particle, node);
 }
-#endif
-
 static void P2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
                     const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {
