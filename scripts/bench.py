@@ -1,63 +1,135 @@
-#!/usr/bin/python3
-"""Marches gas2 beside the plain C loop, interleaved, and prints best and median time with their ratios.
+#!/usr/bin/env python3
+"""Marches schemes beside plain C loops that do the same, interleaved, and prints best times and their ratios.
 
-The machine's speed drifts by tens of per cent within minutes: only ratios of runs that alternate mean anything. Both
-programs end with the same energy (checked), so they do the same work.
+The machine's speed drifts by tens of per cent within minutes: only ratios of runs that alternate mean anything. All
+programs end with the same energy (checked to 1e-9), so they do the same work. A line of scripts/bench/history.jsonl
+keeps what came out.
 """
 import argparse
+import datetime
+import itertools
 import json
 import os
 import statistics
-import subprocess
 import sys
-import tempfile
+
+import bench_runs
+import program
+
+HISTORY = os.path.join(bench_runs.SOURCES, "history.jsonl")
+PARTICLES, DRIFTS = (10_000, 1_000_000, 8_000_000), ("0", "0.01", "0.3")
+WORK, MOST_STEPS, LEAST_STEPS = 4e7, 1000, 20  # particles x steps of a run
+SAME = 1e-9
+COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
+          f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
 
 
-def plain(args, drift):
-    out = subprocess.run([args.plain, str(args.particles), "2", str(args.steps), drift], capture_output=True, text=True,
-                         check=True)
-    result = json.loads(out.stdout)
-    return result["ns_per_particle_step"], result["energy"]
+def listed(allowed, kind=str):
+    def parse(text):
+        values = tuple(kind(word) for word in text.split(","))
+        if allowed and set(values) - set(allowed):
+            raise argparse.ArgumentTypeError(f"{text}; allowed: some of {','.join(allowed)}")
+        return values
+    return parse
 
 
-def mpmstab(args, drift, ranks):
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "run.json")
-        subprocess.run(["mpirun", "-n", str(ranks), args.mpmstab, "run", "-formulation", "gas2", "-ppc", "2", "-cells",
-                        str(args.particles // 2), "-courant", "0.5", "-drift", drift, "-steps", str(args.steps), "-json",
-                        path], capture_output=True, text=True, check=True)
-        with open(path) as file:
-            run = json.load(file)["run"]
-    return run["ns_per_particle_step"], run["energy"]["final"]
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--schemes", type=listed(bench_runs.SCHEMES), default=bench_runs.SCHEMES)
+    parser.add_argument("--bases", type=listed(bench_runs.BASES), default=bench_runs.BASES)
+    parser.add_argument("--particles", type=listed((), int), default=(1_000_000,), help="two a cell")
+    parser.add_argument("--drifts", type=listed(DRIFTS), default=("0", "0.3"), help=f"some of {','.join(DRIFTS)}")
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--all", action="store_true", help="every row: particles and drifts too; half an hour")
+    parser.add_argument("--no-memory", action="store_true", help="leave out gas2 with 8e6 particles, for its memory")
+    parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
+    parser.add_argument("--no-history", action="store_true", help="keep no line of this run")
+    args = parser.parse_args()
+    if args.all:
+        args.particles, args.drifts = PARTICLES, DRIFTS
+    if args.repeats < 1 or min(args.particles) < 1000:
+        parser.error("--repeats: at least 1; --particles: at least 1000")
+    return args
+
+
+def steps_for(particles):
+    return int(min(MOST_STEPS, max(LEAST_STEPS, WORK // particles)))
+
+
+def measure(row, repeats, python):
+    """Fills a row: best and median times, ratios and bytes."""
+    programs = {"plain": bench_runs.run_plain, "1": lambda r: bench_runs.run_mpmstab(r, 1),
+                "2": lambda r: bench_runs.run_mpmstab(r, 2)}
+    if python and row["scheme"] == "gas2":
+        programs["numba"] = lambda r: bench_runs.run_numba(python, r)
+    times = {name: [] for name in programs}
+    for _ in range(repeats):
+        for name, run in programs.items():
+            ns, energy, *more = run(row)
+            times[name].append(ns)
+            if name == "plain":
+                expected = energy
+            elif abs(energy - expected) > SAME * expected:
+                sys.exit(f"bench: {name} does not do what plain C does: {row}: energy {energy} and {expected}")
+            if more:
+                row["bytes"] = more[0]
+    row["best"] = {name: min(values) for name, values in times.items()}
+    row["median"] = {name: statistics.median(values) for name, values in times.items()}
+    row["ratio"] = row["best"]["1"] / row["best"]["plain"]
+    row["ratio_median"] = statistics.median(a / b for a, b in zip(times["1"], times["plain"]))
+    row["speed_up"] = row["best"]["1"] / row["best"]["2"]
+
+
+def show(row, triad):
+    """Cells a row of the table; the share of the memory's bandwidth only where the arrays fit no cache."""
+    best, median = row["best"], row["median"]
+    cells = " ".join(f"{best[name]:6.2f} ({median[name]:4.1f})" for name in ("plain", "1", "2"))
+    rate = row["bytes"] / best["1"]
+    share = f"{rate / triad:5.2f}" if row["particles"] >= 8_000_000 else f"{'-':>5}"
+    numba = f"{best['numba']:6.1f}" if "numba" in best else f"{'-':>6}"
+    print(f"{row['scheme']:8} {row['basis']:9} {row['particles']:9} {row['drift']:>5}  {cells} {numba}  "
+          f"{row['ratio']:6.2f} ({row['ratio_median']:4.2f}) {row['speed_up']:8.2f}  {row['bytes']:5.0f} {rate:5.1f} "
+          f"{share}", flush=True)
+
+
+def memory(ranks):
+    """Bytes a particle, in all and beyond what a march of few particles takes."""
+    many, few = ({"scheme": "gas2", "basis": "linear", "particles": n, "drift": "0.3", "steps": 2}
+                 for n in (8_000_000, 1000))
+    peak, least = bench_runs.peak_bytes(many, ranks), bench_runs.peak_bytes(few, ranks)
+    entry = {"ranks": ranks, "bytes": peak / many["particles"], "without_program": (peak - least) / many["particles"]}
+    print(f"memory: gas2, 8000000 particles, ranks {ranks}: {entry['bytes']:.1f} bytes a particle at its largest, "
+          f"{entry['without_program']:.1f} without what the program itself takes", flush=True)
+    return entry
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--mpmstab", default="build/mpmstab")
-    parser.add_argument("--plain", default="build/gas2_plain")
-    parser.add_argument("--particles", type=int, default=8000000)
-    parser.add_argument("--steps", type=int, default=20)
-    parser.add_argument("--repeats", type=int, default=7)
-    args = parser.parse_args()
-
-    print(f"gas2, {args.particles} particles, 2 a cell, {args.steps} steps; ns per particle and step, median (best) of "
-          f"{args.repeats} interleaved runs\n")
-    print(f"{'drift':>6}  {'plain C':>16}  {'1 rank':>16}  {'2 ranks':>16}  {'1 rank/plain':>12}  {'speed-up of 2':>13}")
-    for drift in ("0", "0.01", "0.3"):
-        times = {"plain": [], 1: [], 2: []}
-        for _ in range(args.repeats):
-            for key in times:
-                ns, energy = plain(args, drift) if key == "plain" else mpmstab(args, drift, key)
-                times[key].append(ns)
-                if key == "plain":
-                    expected = energy
-                elif abs(energy - expected) > 1e-9 * expected:
-                    sys.exit(f"bench: the two programs disagree: energy {energy} and {expected}")
-        median = {key: statistics.median(values) for key, values in times.items()}
-        cells = "  ".join(f"{median[key]:8.2f} ({min(times[key]):5.2f})" for key in times)
-        ratio = statistics.median(a / b for a, b in zip(times[1], times["plain"]))
-        speedup = statistics.median(a / b for a, b in zip(times[1], times[2]))
-        print(f"{drift:>6}  {cells}  {ratio:12.2f}  {speedup:13.2f}", flush=True)
+    args = arguments()
+    program.require_program()
+    bench_runs.compile_all()
+    python, why = (None, "not asked") if args.no_numba else bench_runs.numba_python()
+    if not python:
+        print(f"no numba: {why}")
+    result = {"date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+              **bench_runs.machine(), "repeats": args.repeats,
+              "triad_gb_per_s": [max(bench_runs.triad(n) for _ in range(3)) for n in (1, 2)], "rows": []}
+    print(f"{result['processor']}, {result['cores']} cores, load {result['load']}; {result['compiler']}; "
+          f"revision {result['revision']}")
+    print("triad: {:.1f} GB/s for one process, {:.1f} for two together".format(*result["triad_gb_per_s"]))
+    print(f"ns per particle and step, best (median) of {args.repeats}; ratio to plain C of the best (of pairs, median)\n"
+          "speed-up of 2 ranks; bytes that a step moves per particle, and their rate on 1 rank over the triad's\n")
+    print(COLUMNS)
+    for particles, scheme, basis, drift in itertools.product(args.particles, args.schemes, args.bases, args.drifts):
+        row = {"scheme": scheme, "basis": basis, "particles": particles, "drift": drift, "steps": steps_for(particles)}
+        measure(row, args.repeats, python)
+        show(row, result["triad_gb_per_s"][0])
+        result["rows"].append(row)
+    print()
+    if not args.no_memory:
+        result["memory"] = [memory(ranks) for ranks in (1, 2)]
+    if not args.no_history:
+        with open(HISTORY, "a", encoding="utf-8") as file:
+            file.write(json.dumps(result) + "\n")
 
 
 if __name__ == "__main__":

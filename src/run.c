@@ -9,6 +9,7 @@
 #include <mpmstab/progress.h>
 #include <mpmstab/run_csv.h>
 #include <mpmstab/stop.h>
+#include <mpmstab/traffic.h>
 #include <math.h>
 
 #define MOST_SAMPLES 256 /* equally spaced, unless growth asks for more */
@@ -237,6 +238,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
+  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes);
   if (loop.exchange) {
     r->exchange_first = loop.exchange->first;
     r->exchange_last  = loop.exchange->last;

@@ -13,8 +13,8 @@
    Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
    of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: of what there was at the start
    of the run (NaN: none to conserve, or the state was lost). lost: one step enlarged the state beyond what rescaling
-   can follow, and the run stopped there; growth_above: by how much at least per step. exchange_*: of scenes that ask
-   for weights, source term or ringing (see exchange.h).
+   can follow, and the run stopped there; growth_above: by how much at least per step. bytes: moved per particle and
+   step, if known (traffic.h). exchange_*: of scenes that ask for weights, source term or ringing (see exchange.h).
 S*/
 #define MPM_NEVER -1
 typedef struct {
@@ -22,7 +22,7 @@ typedef struct {
   PetscMPIInt     ranks;
   PetscInt64      from, steps, blew_up_at_step;
   PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
-  PetscReal       mass_change, momentum_change, growth_above;
+  PetscReal       mass_change, momentum_change, growth_above, bytes;
   PetscBool       has_errors, lost, stopped;
   MpmError        error[MPM_MAX_FIELDS];
   MpmSeries       series;

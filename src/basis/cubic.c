@@ -6,9 +6,16 @@
 
    Source: Steffen, Kirby and Berzins 2008.
 */
-#include "four_nodes.h"
+#define NODES 4
+#include "nodes.h"
 
-static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[4])
+static inline PetscInt First(PetscReal xi)
+{
+  (void)xi;
+  return -1;
+}
+
+static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
 {
   const PetscReal eta = 1 - xi;
 
@@ -19,7 +26,7 @@ static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[4])
   phi[3] = xi * xi * xi / 6;
 }
 
-static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[4])
+static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
 {
   const PetscReal eta = 1 - xi;
 
@@ -30,8 +37,10 @@ static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[4])
   slope[3] = xi * xi / 2;
 }
 
-const MpmBasis MpmCubic = {.name      = "cubic",
-                           .summary   = "cubic B-splines, their middles on the nodes",
-                           .reference = "Steffen, Kirby and Berzins 2008",
-                           .slope_sum = 2,
-                           FOUR_NODES};
+const MpmBasis MpmCubic = {.name        = "cubic",
+                           .summary     = "cubic B-splines, their middles on the nodes",
+                           .reference   = "Steffen, Kirby and Berzins 2008",
+                           .reach_left  = 1,
+                           .reach_right = 2,
+                           .slope_sum   = 2,
+                           KERNELS};

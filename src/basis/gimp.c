@@ -7,21 +7,28 @@
 
    Source: Bardenhagen and Kober 2004, contiguous particles of constant width.
 */
-#include "four_nodes.h"
+#define NODES 4
+#include "nodes.h"
 #include <math.h>
 
-static inline void Values(PetscReal xi, PetscReal l, PetscReal phi[4])
+static inline PetscInt First(PetscReal xi)
 {
-  for (int d = 0; d < 4; d++) {
+  (void)xi;
+  return -1;
+}
+
+static inline void Values(PetscReal xi, PetscReal l, PetscReal phi[NODES])
+{
+  for (int d = 0; d < NODES; d++) {
     const PetscReal x = fabs(xi + 1 - d);
 
     phi[d] = x < l ? 1 - (x * x + l * l) / (2 * l) : x <= 1 - l ? 1 - x : PetscSqr(PetscMax(1 + l - x, 0)) / (4 * l);
   }
 }
 
-static inline void Slopes(PetscReal xi, PetscReal l, PetscReal slope[4])
+static inline void Slopes(PetscReal xi, PetscReal l, PetscReal slope[NODES])
 {
-  for (int d = 0; d < 4; d++) {
+  for (int d = 0; d < NODES; d++) {
     const PetscReal x = fabs(xi + 1 - d);
     const PetscReal s = x < l ? x / l : x <= 1 - l ? 1 : PetscMax(1 + l - x, 0) / (2 * l);
 
@@ -29,9 +36,11 @@ static inline void Slopes(PetscReal xi, PetscReal l, PetscReal slope[4])
   }
 }
 
-const MpmBasis MpmGimp = {.name      = "gimp",
-                          .summary   = "hat averaged over a particle's width h / ppc (uGIMP)",
-                          .reference = "Bardenhagen and Kober 2004",
-                          .slope_sum = 2,
-                          .wide      = PETSC_TRUE,
-                          FOUR_NODES};
+const MpmBasis MpmGimp = {.name        = "gimp",
+                          .summary     = "hat averaged over a particle's width h / ppc (uGIMP)",
+                          .reference   = "Bardenhagen and Kober 2004",
+                          .reach_left  = 1,
+                          .reach_right = 2,
+                          .slope_sum   = 2,
+                          .wide        = PETSC_TRUE,
+                          KERNELS};

@@ -4,33 +4,42 @@
      abs(d) < 1/2          3/4 - d^2
      abs(d) < 3/2          (3/2 - abs(d))^2 / 2
 
+   so that a particle sees its nearest node, which is the cell's left or right one, and that node's neighbours.
+
    Source: Steffen, Kirby and Berzins 2008.
 */
-#include "four_nodes.h"
-#include <math.h>
+#define NODES 3
+#include "nodes.h"
 
-static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[4])
+static inline PetscInt First(PetscReal xi)
 {
-  (void)width;
-  for (int d = 0; d < 4; d++) {
-    const PetscReal x = fabs(xi + 1 - d);
-
-    phi[d] = x < 0.5 ? 0.75 - x * x : 0.5 * PetscSqr(PetscMax(1.5 - x, 0));
-  }
+  return xi < 0.5 ? -1 : 0;
 }
 
-static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[4])
+static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
 {
-  (void)width;
-  for (int d = 0; d < 4; d++) {
-    const PetscReal x = fabs(xi + 1 - d);
+  const PetscReal d = xi < 0.5 ? xi : xi - 1; /* from the nearest node */
 
-    slope[d] = copysign(x < 0.5 ? 2 * x : PetscMax(1.5 - x, 0), d - 1 - xi);
-  }
+  (void)width;
+  phi[0] = 0.5 * (0.5 - d) * (0.5 - d);
+  phi[1] = 0.75 - d * d;
+  phi[2] = 0.5 * (0.5 + d) * (0.5 + d);
 }
 
-const MpmBasis MpmQuadratic = {.name      = "quadratic",
-                               .summary   = "quadratic B-splines, their middles on the nodes",
-                               .reference = "Steffen, Kirby and Berzins 2008",
-                               .slope_sum = 2,
-                               FOUR_NODES};
+static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+{
+  const PetscReal d = xi < 0.5 ? xi : xi - 1;
+
+  (void)width;
+  slope[0] = d - 0.5;
+  slope[1] = -2 * d;
+  slope[2] = d + 0.5;
+}
+
+const MpmBasis MpmQuadratic = {.name        = "quadratic",
+                               .summary     = "quadratic B-splines, their middles on the nodes",
+                               .reference   = "Steffen, Kirby and Berzins 2008",
+                               .reach_left  = 1,
+                               .reach_right = 2,
+                               .slope_sum   = 2,
+                               KERNELS};

@@ -150,6 +150,65 @@ static void CheckContinuity(const MpmBasis *basis)
   }
 }
 
+#define ROWS 300 /* particles: more than kernels take at once */
+
+/* Particles in the order of their cells: all maps at once give what they give one particle at a time. */
+static void CheckRuns(const MpmBasis *basis, const PetscInt counts[], PetscInt ncounts, PetscInt skip, PetscReal width)
+{
+  static const MpmOpKind kinds[] = {MPM_P2G, MPM_P2G_AFFINE, MPM_DIV, MPM_G2P, MPM_G2P_AFFINE, MPM_GRAD};
+  PetscInt               cell[ROWS], p = 0;
+  PetscReal              xi[ROWS], q[2][ROWS], node[2][ROWS + 2 * PAD], mass[2][ROWS + 2 * PAD] = {{0}};
+
+  for (PetscInt c = 0; p < ROWS; c++) {
+    const PetscInt count = counts[c % ncounts];
+
+    for (PetscInt j = c ? 0 : skip; j < count && p < ROWS; j++, p++) { /* skip: of the first cell's particles */
+      cell[p] = c;
+      xi[p]   = (j + MpmHash(7, p)) / count;
+    }
+  }
+  for (PetscInt k = 0; k < 6; k++) {
+    for (PetscInt i = 0; i < ROWS; i++) q[0][i] = q[1][i] = MpmHash(8, i) - 0.5;
+    for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) node[0][i] = node[1][i] = MpmHash(9, i) - 0.5;
+    basis->kernel[kinds[k]](ROWS, cell, xi, width, 0.5, q[0], node[0] + PAD);
+    for (p = 0; p < ROWS; p++) basis->kernel[kinds[k]](1, &cell[p], &xi[p], width, 0.5, &q[1][p], node[1] + PAD);
+    for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) CHECK_NEAR(node[0][i], node[1][i], 1e-14);
+    for (p = 0; p < ROWS; p++) CHECK_NEAR(q[0][p], q[1][p], 1e-14 * fmax(1, fabs(q[1][p])));
+  }
+  basis->p2g_mass(ROWS, cell, xi, width, q[0], node[0] + PAD, mass[0] + PAD);
+  for (p = 0; p < ROWS; p++) basis->p2g_mass(1, &cell[p], &xi[p], width, &q[0][p], node[1] + PAD, mass[1] + PAD);
+  for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) {
+    CHECK_NEAR(node[0][i], node[1][i], 1e-13 * fmax(1, fabs(node[1][i])));
+    CHECK_NEAR(mass[0][i], mass[1][i], 1e-14 * fmax(1, fabs(mass[1][i])));
+  }
+}
+
+static void CheckAllRuns(const MpmBasis *basis)
+{
+  static const PetscInt counts[][4] = {{1}, {2}, {3}, {4}, {5}, {2, 2, 2, 0}, {2, 0, 2, 2}, {1, 2}, {4, 4, 4, 3}, {17}};
+  static const PetscInt ncounts[]   = {1, 1, 1, 1, 1, 4, 4, 2, 4, 1};
+
+  for (PetscInt c = 0; c < 10; c++)
+    for (PetscInt skip = 0; skip < counts[c][0]; skip++) CheckRuns(basis, counts[c], ncounts[c], skip, 0.2);
+}
+
+/* Two in the first cell, the next one empty, then two in each. */
+static void CheckGap(const MpmBasis *basis)
+{
+  PetscInt  cell[128];
+  PetscReal xi[128], q[128], node[80] = {0}, sum = 0;
+
+  for (PetscInt p = 0; p < 128; p++) {
+    cell[p] = p / 2 + (p > 1);
+    xi[p]   = p % 2 ? 0.75 : 0.25;
+    q[p]    = 1;
+    sum -= cell[p] + xi[p];
+  }
+  basis->kernel[MPM_P2G](128, cell, xi, 0.25, 1, q, node + PAD);
+  for (PetscInt i = 0; i < 80; i++) sum += (i - PAD) * node[i];
+  CHECK_NEAR(sum, 0, 1e-11); /* linear reproduction: where they are */
+}
+
 static void CheckPlace(void)
 {
   const PetscInt  cell0[] = {0, 0, 5, 5, 7, 7};
@@ -192,6 +251,8 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argv;
   for (PetscInt b = 0; MpmBases[b]; b++) {
     CheckContinuity(MpmBases[b]);
+    CheckAllRuns(MpmBases[b]);
+    CheckGap(MpmBases[b]);
     for (PetscReal width = 0.5; width > 0.01; width /= 3) {
       CheckConstants(MpmBases[b], width);
       CheckAffine(MpmBases[b], width);

@@ -1,6 +1,6 @@
 /* Compiled passes: as few as the algorithms allow, with nothing a scene does not need. */
 #include "check.h"
-#include <mpmstab/passes.h>
+#include <mpmstab/traffic.h>
 
 static PetscInt CountKind(const MpmSchedule *s, MpmPassOpKind kind)
 {
@@ -54,6 +54,21 @@ static PetscErrorCode Bounds(const char options[], PetscReal bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Counted by hand for two particles a cell: cell and place 12; fields 16 if they change; nodes as said below. */
+static PetscErrorCode Moves(const char options[], PetscReal bytes)
+{
+  MpmScene   *scene;
+  MpmSchedule s = {.npasses = 0};
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmScheduleCompile(scene->table, scene->basis, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
+  CHECK_NEAR(MpmScheduleBytes(scene->table, &s, 2), bytes, 0);
+  PetscCall(MpmScheduleDestroy(&s));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -69,8 +84,15 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Compiles("usl", "-transfer xpic -xpic_order 4", 5, 1, 0));
   PetscCall(Bounds("-formulation gas1", 2));
   PetscCall(Bounds("-formulation gas2", 3));
-  PetscCall(Bounds("-formulation elastic", 3)); /* w: 1 + 4k; u: 1 + k (1 + 4k) */
-  PetscCall(Bounds("-formulation usl", 4));     /* a: 4k; v: 1 + 4k; s: 1 + 2k (1 + 4k) */
+  PetscCall(Bounds("-formulation elastic", 3));                              /* w: 1 + 4k; u: 1 + k (1 + 4k) */
+  PetscCall(Bounds("-formulation usl", 4));                                  /* a: 4k; v: 1 + 4k; s: 1 + 2k (1 + 4k) */
+  PetscCall(Moves("-formulation gas2", 12 + 32 + (32 + 8) / 2));             /* both node fields change, mass */
+  PetscCall(Moves("-formulation gas2 -drift 1/8", 12 + 32 + (32 + 16) / 2)); /* the mass changes too */
+  PetscCall(Moves("-formulation gas1", 12 + 32 + (48 + 8) / 2));             /* old node fields beside the new */
+  PetscCall(
+      Moves("-formulation elastic", 12 + 32 + (16 + 24 + 8 + 8 + 24 + 24) / 2)); /* u, w and its old; a; LAP, ADD */
+  PetscCall(
+      Moves("-formulation usl -material two -density_ratio 4 -stiffness_ratio 2", 12 + 32 + 16 + (48 + 8 + 24) / 2));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""Counts instructions of small marches with callgrind, compares them with recorded ones: PROGRAM RECORDED COMPILER.
+
+Counted is what runs inside MpmMarchStep, per particle and step. Another compiler makes other code: then there is
+nothing to compare with (status 77). --record writes new numbers; say in the commit what changed them.
+"""
+import argparse
+import json
+import re
+import subprocess
+import sys
+
+import program
+
+WITHIN = 0.1
+CELLS, PPC, STEPS = 2000, 2, 20
+MARCHES = ("gas2 linear 0", "usl quadratic 0.3", "musl linear 0")
+
+
+def instructions(mpmstab, march):
+    formulation, basis, drift = march.split()
+    out = f"callgrind.{formulation}"
+    done = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=MpmMarchStep",
+                           f"--callgrind-out-file={out}", mpmstab, "run", "-formulation", formulation, "-basis", basis,
+                           "-drift", drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS), "-courant",
+                           "0.1"], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"check_cost: {march}: status {done.returncode}: {done.stderr}")
+    with open(out, encoding="utf-8") as file:
+        counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
+    if not counted:
+        sys.exit(f"check_cost: {march}: no instruction was counted in MpmMarchStep")
+    return counted / (CELLS * PPC * STEPS)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("program")
+    parser.add_argument("recorded")
+    parser.add_argument("compiler")
+    parser.add_argument("--record", action="store_true")
+    args = parser.parse_args()
+    found = {march: round(instructions(args.program, march), 3) for march in MARCHES}
+    if args.record:
+        recorded = {"compiler": args.compiler, "instructions": found}
+        program.write_whole(args.recorded, json.dumps(recorded, indent=2) + "\n")
+        return
+    with open(args.recorded, encoding="utf-8") as file:
+        recorded = json.load(file)
+    off = []
+    for march, now in found.items():
+        before = recorded["instructions"][march]
+        print(f"{march:18} {now:8.2f} instructions per particle and step, recorded {before:8.2f} "
+              f"({now / before - 1:+.1%})")
+        if abs(now / before - 1) > WITHIN:
+            off.append(march)
+    if recorded["compiler"] != args.compiler:
+        print(f"recorded with {recorded['compiler']}, this is {args.compiler}: not compared")
+        sys.exit(77)
+    if off:
+        sys.exit(f"check_cost: off by more than {WITHIN:.0%}: {', '.join(off)}; if it is meant to be, record it:\n  "
+                 f"{' '.join(sys.argv[:3])} '{args.compiler}' --record")
+
+
+if __name__ == "__main__":
+    main()
