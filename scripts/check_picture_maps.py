@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 import pictures
-from check_pictures import check, check_refused, check_written, close, line, mpmstab
+from check_pictures import SCENES, check, check_refused, check_written, close, line, mpmstab
 
 MPMSTAB = sys.argv[1]
 
@@ -68,7 +68,8 @@ def smallest_singular(z):
 
 def check_real_map():
     """A map that the program has made: what its CSV calls undecided is marked, and colours are its growth."""
-    mpmstab(MPMSTAB, "map", "gas2", "-map_courant", "0.4,1.6", "-map_points", "7,33", "-output", "real.h5", "-json",
+    SCENES["map"] = "-formulation gas2"  # its axes take the place of the others' Courant number
+    mpmstab(MPMSTAB, "map", "map", "-map_courant", "0.4,1.6", "-map_points", "7,33", "-output", "real.h5", "-json",
             "real.json", "-csv", "real.csv")
     rows = numpy.genfromtxt("real.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     axes = pictures.growth_map("real.h5", "real.json", "real.csv").axes[0]
