@@ -59,8 +59,8 @@ static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
         MpmVerdictNames[e->finding.verdict], MpmVerdictNames[s->finding.verdict]);
   CHECK(e->growth_min == e->growth_max && e->growth_median == e->growth_max && e->worst_seed == scene->seed,
         "%s: one layout is its own smallest and largest", options);
-  if (verdict == MPM_UNSTABLE)
-    CHECK(fabs(e->finding.uncertainty / s->finding.uncertainty - 1) < 0.5, "%s: uncertainty %.3g, spectrum %.3g",
+  if (verdict == MPM_UNSTABLE) /* what the solvers leave over is rounding itself, and no two solvers leave the same */
+    CHECK(fabs(log(e->finding.uncertainty / s->finding.uncertainty)) < log(4), "%s: uncertainty %.3g, spectrum %.3g",
           options, e->finding.uncertainty, s->finding.uncertainty);
   PetscCall(MpmSpectrumDestroy(&s));
   PetscCall(MpmSceneDestroy(&same));
