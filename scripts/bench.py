@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Marches schemes beside plain C loops that do the same, interleaved, and prints best times and their ratios.
 
 The machine's speed drifts by tens of per cent within minutes: only ratios of runs that alternate mean anything. All

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Counts instructions of small marches with callgrind, compares them with recorded ones: PROGRAM RECORDED COMPILER.
 
 Counted is what runs inside MpmMarchStep, per particle and step. Another compiler makes other code: then there is

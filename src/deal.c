@@ -19,22 +19,26 @@ PetscErrorCode MpmDeal(const MpmScene *scene, const char unit[], PetscInt n, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDealtReals(PetscInt n, PetscReal values[])
+static PetscErrorCode Sum(PetscInt n, void *values, MPI_Datatype type)
 {
   PetscMPIInt count;
 
   PetscFunctionBegin;
   PetscCall(PetscMPIIntCast(n, &count));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, count, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, count, type, MPI_SUM, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDealtReals(PetscInt n, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(Sum(n, values, MPIU_REAL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmDealtInts(PetscInt n, PetscInt values[])
 {
-  PetscMPIInt count;
-
   PetscFunctionBegin;
-  PetscCall(PetscMPIIntCast(n, &count));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, count, MPIU_INT, MPI_SUM, PETSC_COMM_WORLD));
+  PetscCall(Sum(n, values, MPIU_INT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -54,6 +54,14 @@ void Complete(const Scene *scene, double node[])
   Spread(scene, node);
 }
 
+double Squares(const Scene *scene)
+{
+  double sum = 0;
+
+  for (long p = 0; p < scene->particles; p++) sum += scene->u[p] * scene->u[p] + scene->s[p] * scene->s[p];
+  return sum / (double)(2 * scene->particles);
+}
+
 /* A wave of 32 cells; at 1/100 and 3/10 of a cell per step these particles never meet a node. */
 static void Begin(Scene *scene)
 {

@@ -25,6 +25,9 @@ void March(const Scene *scene);
 /* With the energy's unit: 1/2 the integral over a domain of length 1. */
 double Energy(const Scene *scene);
 
+/* Half the mean of the squares of both fields: the energy of all schemes but the bar's. */
+double Squares(const Scene *scene);
+
 /* The first node that a particle sees (as an index of a node array), and what it sees of it and of those after it. */
 #ifdef QUADRATIC
 #define NODES 3

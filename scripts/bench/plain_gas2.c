@@ -66,8 +66,5 @@ void March(const Scene *scene)
 
 double Energy(const Scene *scene)
 {
-  double sum = 0;
-
-  for (long p = 0; p < scene->particles; p++) sum += scene->u[p] * scene->u[p] + scene->s[p] * scene->s[p];
-  return sum / (double)(2 * scene->particles);
+  return Squares(scene);
 }

@@ -1,30 +1,5 @@
 /* Modified update stress last, straight: as usl, but the new velocity goes to the nodes before its gradient. */
-#include "plain.h"
-
-static void ToNodes(const Scene *scene)
-{
-  const double *restrict x = scene->x, *restrict v = scene->u, *restrict s = scene->s;
-  double *restrict vi = scene->node[0], *restrict ai = scene->node[1], *restrict m = scene->mass;
-  const double drift = scene->drift;
-
-  Zero(scene, vi);
-  Zero(scene, ai);
-  if (drift != 0) Zero(scene, m);
-  for (long p = 0; p < scene->particles; p++) {
-    double     phi[NODES], slope[NODES];
-    const long i = Weights(x[p], phi);
-
-    (void)Slopes(x[p], slope);
-    for (int n = 0; n < NODES; n++) {
-      vi[i + n] += phi[n] * v[p];
-      ai[i + n] -= COURANT * slope[n] * s[p];
-      if (drift != 0) m[i + n] += phi[n];
-    }
-  }
-  if (drift != 0) Fold(scene, m);
-  Complete(scene, vi);
-  Complete(scene, ai);
-}
+#include "plain_momentum.h"
 
 static void Velocity(const Scene *scene)
 {
@@ -69,8 +44,5 @@ void March(const Scene *scene)
 
 double Energy(const Scene *scene)
 {
-  double sum = 0;
-
-  for (long p = 0; p < scene->particles; p++) sum += scene->u[p] * scene->u[p] + scene->s[p] * scene->s[p];
-  return sum / (double)(2 * scene->particles);
+  return Squares(scene);
 }
