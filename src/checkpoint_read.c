@@ -268,6 +268,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
   PetscCall(ierr);
   PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
   if (!share.same) PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmParticlesComparePlaces(march->particles));
   PetscCall(MpmParticlesWeigh(march->scene, march->particles));
   if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -168,9 +168,11 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
     const PetscReal m    = places->mass ? places->mass[p] : 1;
     PetscReal       rest = q[p], xi;
     PetscInt        cell;
+    MpmBlock        block;
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    scene->basis->kernel[MPM_G2P](1, &cell, &xi, scene->width, -1, &rest, y);
+    MpmBlockPlace(scene->basis, 1, &cell, &xi, scene->width, &block);
+    scene->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];
   }

@@ -1,114 +1,34 @@
 /* The maps of THEORY.md, section 2 on arrays. */
-#include <mpmstab/kernels.h>
+#include <mpmstab/basis.h>
 
-/* P2G for the hat: phi = 1 - xi at node i, xi at node i + 1. The sums of a cell's run of particles stay in
-   registers, and the right node's sum is carried on when the next run is the next cell. */
-void MpmHatP2G(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-               PetscReal *restrict particle, PetscReal *restrict node)
+#define LONGEST 4 /* runs for which bases have loops */
+
+/* None (begin = end = n) if the runs are not alike, or too long. */
+static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
 {
-  PetscReal left = 0, right = 0;
-  PetscInt  c;
+  PetscInt unlike = 0, begin = 0, length = 0;
 
-  (void)width;
-  (void)a;
-  if (n == 0) return;
-  c = cell[0];
-  for (PetscInt p = 0; p < n; p++) {
-    if (cell[p] != c) {
-      node[c] += left;
-      if (cell[p] == c + 1) {
-        left = right;
-      } else {
-        node[c + 1] += right;
-        left = 0;
-      }
-      right = 0;
-      c     = cell[p];
-    }
-    const PetscReal q = particle[p], share = xi[p] * q;
-    right += share;
-    left += q - share;
-  }
-  node[c] += left;
-  node[c + 1] += right;
+  b->begin = b->end = n;
+  b->length         = 0;
+  while (begin < n && begin <= LONGEST && first[begin] == first[0]) begin++;
+  while (begin + length < n && length <= LONGEST && first[begin + length] == first[begin]) length++;
+  if (begin > LONGEST || length == 0 || length > LONGEST) return;
+  for (PetscInt p = begin; p < n - length; p++) unlike |= first[p + length] - first[p] - 1;
+  if (unlike) return;
+  if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is a whole one too */
+  b->begin  = begin;
+  b->end    = n - (n - begin) % length;
+  b->length = length;
 }
 
-void MpmHatP2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                   const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
+void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width,
+                   MpmBlock *b)
 {
-  PetscReal left = 0, right = 0, mass_left = 0, mass_right = 0;
-  PetscInt  c;
-
-  (void)width;
-  if (n == 0) return;
-  c = cell[0];
-  for (PetscInt p = 0; p < n; p++) {
-    if (cell[p] != c) {
-      node[c] += left;
-      mass[c] += mass_left;
-      if (cell[p] == c + 1) {
-        left      = right;
-        mass_left = mass_right;
-      } else {
-        node[c + 1] += right;
-        mass[c + 1] += mass_right;
-        left = mass_left = 0;
-      }
-      right = mass_right = 0;
-      c                  = cell[p];
-    }
-    const PetscReal q = particle[p], share = xi[p] * q;
-    right += share;
-    left += q - share;
-    mass_right += xi[p];
-    mass_left += 1 - xi[p];
-  }
-  node[c] += left;
-  node[c + 1] += right;
-  mass[c] += mass_left;
-  mass[c + 1] += mass_right;
-}
-
-void MpmHatG2P(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-               PetscReal *restrict particle, PetscReal *restrict node)
-{
-  (void)width;
-  for (PetscInt p = 0; p < n; p++) {
-    const PetscReal left = node[cell[p]], right = node[cell[p] + 1];
-    particle[p] += a * (left + xi[p] * (right - left));
-  }
-}
-
-void MpmHatGrad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                PetscReal *restrict particle, PetscReal *restrict node)
-{
-  (void)xi;
-  (void)width;
-  for (PetscInt p = 0; p < n; p++) particle[p] += a * (node[cell[p] + 1] - node[cell[p]]);
-}
-
-void MpmHatDiv(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-               PetscReal *restrict particle, PetscReal *restrict node)
-{
-  (void)xi;
-  (void)width;
-  for (PetscInt p = 0; p < n; p++) {
-    node[cell[p]] -= a * particle[p];
-    node[cell[p] + 1] += a * particle[p];
-  }
-}
-
-/* phi (x_i - x_p) is -(1 - xi) xi on the left and as much on the right, where D is (1 - xi) xi. */
-void MpmHatP2GAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                     PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
-{
-  (void)width;
-  for (PetscInt p = 0; p < n; p++) {
-    const PetscReal share = a * xi[p] * (1 - xi[p]) * particle[p];
-
-    node[cell[p]] -= share;
-    node[cell[p] + 1] += share;
-  }
+  b->n     = n;
+  b->xi    = xi;
+  b->width = width;
+  basis->first_nodes(n, cell, xi, b->first);
+  FindRuns(n, b->first, b);
 }
 
 void MpmScale(PetscInt n, PetscReal a, PetscReal *restrict particle)
@@ -131,12 +51,17 @@ void MpmPlaceBlock(PetscInt n, const PetscInt *restrict cell0, const PetscReal *
   }
 }
 
+/* Several sums side by side: one alone would wait for each product to be added. */
 PetscReal MpmSumSquares(PetscInt n, const PetscReal *restrict q)
 {
-  PetscReal sum = 0;
+  enum { SIDE = 32 };
+  PetscReal part[SIDE] = {0}, sum = 0;
+  PetscInt  p;
 
-#pragma omp simd reduction(+ : sum)
-  for (PetscInt p = 0; p < n; p++) sum += q[p] * q[p];
+  for (p = 0; p + SIDE <= n; p += SIDE)
+    for (int i = 0; i < SIDE; i++) part[i] += q[p + i] * q[p + i];
+  for (; p < n; p++) sum += q[p] * q[p];
+  for (int i = 0; i < SIDE; i++) sum += part[i];
   return sum;
 }
 

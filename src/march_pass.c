@@ -8,35 +8,13 @@
    blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
 */
 #include <mpmstab/march_nodes.h>
+#include <mpmstab/march_stage.h>
 
-#define BLOCK 128 /* particles: larger blocks are slower here, though they would fit the cache */
-
-/* What the passes of a group share. */
-typedef struct {
-  const MpmMarch *march;
-  PetscInt       *cell;
-  PetscReal      *xi, *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
-  PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
-} Arrays;
-
-/*
-   One pass on its way, its arrays resolved so that the block loop follows pointers only. Particles [first,
-   next) have been through it, nodes [lo, hi) are complete.
-*/
-typedef struct {
-  const MpmPass *pass;
-  const Arrays  *arrays;
-  PetscBool      moving, sample;
-  PetscInt       whole[2]; /* drift before and after DRIFT */
-  PetscReal      part[2];
-  PetscReal     *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *squares;
-  PetscInt       first, next, lo, hi, zeroed[2]; /* nodes [zeroed[0], zeroed[1]) are ready to be summed to */
-} Stage;
-
-static PetscErrorCode GetArrays(const MpmMarch *march, Arrays *a)
+static PetscErrorCode GetArrays(const MpmMarch *march, MpmMarchArrays *a)
 {
   PetscFunctionBegin;
   a->march = march;
+  a->block = MpmMarchBlockSize(march->particles);
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
   for (PetscInt f = 0; march->scene->table->fields[f]; f++)
@@ -61,7 +39,7 @@ static void SwapVec(Vec *a, Vec *b)
 }
 
 /* Fields that were summed into their spare array change places with it; last is the group's last stage. */
-static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *last)
+static PetscErrorCode RestoreArrays(MpmMarch *march, MpmMarchArrays *a, const MpmStage *last)
 {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < march->nnodes; f++) {
@@ -83,7 +61,8 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, Arrays *a, const Stage *las
 }
 
 /* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was there. */
-static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const MpmPass *pass, PetscInt64 step, Stage *s)
+static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before, const MpmPass *pass, PetscInt64 step,
+                                 MpmStage *s)
 {
   const MpmMarch *march = a->march;
 
@@ -104,56 +83,11 @@ static PetscErrorCode BeginStage(const Arrays *a, const Stage *before, const Mpm
   }
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
+  MpmStagePlace(s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A map whose particles differ: what they give, or get, times their weight. */
-static void RunWeighted(const Stage *s, const MpmPassOp *op, PetscInt n, const PetscInt cell[], const PetscReal xi[],
-                        PetscReal weight[], PetscReal q[])
-{
-  const PetscReal width = s->arrays->march->scene->width;
-  PetscReal       weighed[BLOCK];
-
-  for (PetscInt p = 0; p < n; p++) weighed[p] = op->to_nodes ? weight[p] * q[p] : 0;
-  op->kernel(n, cell, xi, width, op->a, weighed, (op->to_nodes ? s->sum : s->node)[op->node]);
-  if (op->kind == MPM_PASS_MASS) op->kernel(n, cell, xi, width, 1, weight, s->arrays->mass);
-  for (PetscInt p = 0; p < n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
-}
-
-/* Scratch fields live for a block: what a pass leaves in them no other reads. */
-static void RunBlock(const Stage *s, PetscInt begin, PetscInt n)
-{
-  const Arrays    *a     = s->arrays;
-  const PetscReal  width = a->march->scene->width;
-  PetscInt         cell_now[BLOCK];
-  PetscReal        xi_now[BLOCK], scratch[MPM_MAX_FIELDS][BLOCK];
-  const PetscInt  *cell = a->cell + begin;
-  const PetscReal *xi   = a->xi + begin;
-
-  if (s->moving) {
-    MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[0], s->part[0], cell_now, xi_now);
-    cell = cell_now;
-    xi   = xi_now;
-  }
-  for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    PetscReal *q = a->particle[op->particle] ? a->particle[op->particle] + begin : scratch[op->particle];
-
-    if (op->weight)
-      RunWeighted(s, op, n, cell, xi, a->weight[op->weight] + begin, q);
-    else if (op->kind == MPM_PASS_MAP)
-      op->kernel(n, cell, xi, width, op->a, q, (op->to_nodes ? s->sum : s->node)[op->node]);
-    else if (op->kind == MPM_PASS_MASS)
-      op->mass_kernel(n, cell, xi, width, q, s->sum[op->node], s->arrays->mass);
-    else if (op->kind == MPM_PASS_SCALE)
-      MpmScale(n, op->a, q);
-    else if (op->kind == MPM_PASS_DRIFT)
-      MpmPlaceBlock(n, a->cell + begin, a->xi + begin, s->whole[1], s->part[1], cell_now, xi_now);
-    else if (s->sample)
-      s->squares[op->particle] += MpmSumSquares(n, q);
-  }
-}
-
-static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
+static PetscErrorCode ZeroTo(MpmStage *s, PetscInt end)
 {
   const PetscInt n = end - s->zeroed[1];
 
@@ -166,7 +100,7 @@ static PetscErrorCode ZeroTo(Stage *s, PetscInt end)
 }
 
 /* g_i = sum / mass, 0 where there is no mass. */
-static void Complete(const Stage *s, PetscInt lo, PetscInt hi)
+static void Complete(const MpmStage *s, PetscInt lo, PetscInt hi)
 {
   if (s->pass->sums_mass)
     for (PetscInt i = lo; i < hi; i++) s->arrays->mass[i] = s->arrays->mass[i] > 0 ? 1 / s->arrays->mass[i] : 0;
@@ -177,29 +111,16 @@ static void Complete(const Stage *s, PetscInt lo, PetscInt hi)
   }
 }
 
-/* Nodes that particle p may see in this pass: from the least, to and with the largest. */
-static PetscInt LeastNode(const Stage *s, PetscInt p)
-{
-  return s->arrays->cell[p] + PetscMin(s->whole[0], s->whole[1]) - s->arrays->march->scene->basis->reach_left;
-}
-
-static PetscInt LargestNode(const Stage *s, PetscInt p)
-{
-  const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
-
-  return s->arrays->cell[p] + PetscMax(s->whole[0], s->whole[1]) + carry + s->arrays->march->scene->basis->reach_right;
-}
-
 /* The next block, and the nodes it leaves behind. */
-static PetscErrorCode Advance(Stage *s)
+static PetscErrorCode Advance(MpmStage *s)
 {
   const MpmGrid *grid = s->arrays->march->grid;
-  const PetscInt n = PetscMin(BLOCK, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
-  const PetscInt left = PetscMin(LeastNode(s, last), grid->nodes - grid->ghost);
+  const PetscInt n = PetscMin(s->arrays->block, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
+  const PetscInt left = PetscMin(MpmStageLeastNode(s, last), grid->nodes - grid->ghost);
 
   PetscFunctionBegin;
-  PetscCall(ZeroTo(s, PetscMin(LargestNode(s, last) + 1, grid->nodes + grid->ghost)));
-  RunBlock(s, s->next, n);
+  PetscCall(ZeroTo(s, PetscMin(MpmStageLargestNode(s, last) + 1, grid->nodes + grid->ghost)));
+  MpmStageRunBlock(s, s->next, n);
   Complete(s, s->hi, left);
   s->hi = PetscMax(s->hi, left);
   s->next += n;
@@ -210,28 +131,28 @@ static PetscErrorCode Advance(Stage *s)
    Lets a joined stage follow the one before it as far as that has completed nodes. It stays inside [lo, hi) of the one
    before, which neither reads those nodes again nor divides by their masses, so it may overwrite both.
 */
-static PetscErrorCode Follow(const Stage *before, Stage *s)
+static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
 {
   const PetscInt count = s->arrays->march->particles->count;
 
   PetscFunctionBegin;
   while (s->next < count) {
-    const PetscInt last = PetscMin(s->next + BLOCK, count) - 1;
+    const PetscInt last = PetscMin(s->next + s->arrays->block, count) - 1;
 
-    if (LargestNode(s, last) >= before->hi) break;
-    if (LeastNode(s, s->next) < before->lo) { /* sees shared nodes: comes after the halo sum */
+    if (MpmStageLargestNode(s, last) >= before->hi) break;
+    if (MpmStageLeastNode(s, s->next) < before->lo) { /* sees shared nodes: comes after the halo sum */
       s->first = s->next = last + 1;
-      s->lo = s->hi = PetscMax(s->hi, LargestNode(s, last) + 1);
+      s->lo = s->hi = PetscMax(s->hi, MpmStageLargestNode(s, last) + 1);
       continue;
     }
-    if (s->next == s->first) s->zeroed[0] = s->zeroed[1] = LeastNode(s, s->next);
+    if (s->next == s->first) s->zeroed[0] = s->zeroed[1] = MpmStageLeastNode(s, s->next);
     PetscCall(Advance(s));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
-static PetscErrorCode FinishStage(Stage *s)
+static PetscErrorCode FinishStage(MpmStage *s)
 {
   const MpmGrid *grid  = s->arrays->march->grid;
   const PetscInt count = s->arrays->march->particles->count, hi = s->hi;
@@ -243,8 +164,10 @@ static PetscErrorCode FinishStage(Stage *s)
   end          = s->zeroed[0];
   s->zeroed[1] = -grid->ghost;
   PetscCall(ZeroTo(s, end));
-  for (PetscInt begin = 0; begin < s->first; begin += BLOCK) RunBlock(s, begin, PetscMin(BLOCK, s->first - begin));
-  for (; s->next < count; s->next += BLOCK) RunBlock(s, s->next, PetscMin(BLOCK, count - s->next));
+  for (PetscInt begin = 0; begin < s->first; begin += s->arrays->block)
+    MpmStageRunBlock(s, begin, PetscMin(s->arrays->block, s->first - begin));
+  for (; s->next < count; s->next += s->arrays->block)
+    MpmStageRunBlock(s, s->next, PetscMin(s->arrays->block, count - s->next));
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
   sums[s->pass->nsums] = s->arrays->mass;
@@ -262,8 +185,9 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
 {
   const PetscInt count                     = march->particles->count;
   PetscInt64     step                      = march->particles->step;
-  Arrays         arrays                    = {0};
-  Stage          stage[MPM_MAX_JOINED + 1] = {0};
+  MpmMarchArrays arrays                    = {0};
+  MpmStage       stage[MPM_MAX_JOINED + 1] = {0};
+  MpmPlaced      placed[MPM_MAX_JOINED + 1][2];
   MpmPlaces      places;
 
   PetscFunctionBegin;
@@ -271,6 +195,7 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   for (PetscInt g = 0; g < n; g++) {
     stage[g].sample  = sample;
     stage[g].squares = march->squares;
+    stage[g].placed  = placed[g];
     PetscCall(BeginStage(&arrays, g ? &stage[g - 1] : NULL, &passes[g], step, &stage[g]));
     if (passes[g].drifts) step++;
   }

@@ -166,5 +166,6 @@ PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
   PetscCall(SetRestingCells(particles, grid, part));
   particles->rebased += whole;
   PetscCall(RestoreOrder(particles, grid));
+  PetscCall(MpmParticlesComparePlaces(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

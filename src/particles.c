@@ -163,6 +163,25 @@ PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
+{
+  const PetscInt   n        = particles->count;
+  PetscInt         per_cell = 1, differ = 0;
+  const PetscInt  *cell;
+  const PetscReal *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  while (per_cell < n && xi[per_cell] != xi[0]) per_cell++;
+  for (PetscInt p = per_cell; p < n && !differ; p++)
+    differ = cell[p] != cell[p - per_cell] + 1 || xi[p] != xi[p - per_cell];
+  particles->per_cell = per_cell >= n || per_cell > MPM_BLOCK || differ ? 0 : per_cell;
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
                                   MpmParticles **particles)
 {
@@ -173,6 +192,7 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
   (*particles)->total = scene->particles;
   PetscCall(CreateSwarm(scene, grid, *particles));
   PetscCall(Place(scene, grid, *particles));
+  PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(scene, *particles));
   if (scene->initial == MPM_INITIAL_EIGENMODE)
     PetscCall(MpmModeFileFill(scene, exponent, *particles));

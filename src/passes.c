@@ -7,7 +7,8 @@ typedef struct {
   PetscReal       courant;
   PetscBool       fused, mass_due;
   PetscInt        depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
-  MpmSchedule    *schedule;
+  PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G, as it is now; or MPM_NONE */
+  MpmSchedule *schedule;
 } Compiler;
 
 static PetscBool Sums(const MpmPass *pass, PetscInt node)
@@ -89,6 +90,21 @@ static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
 }
 
+/* What node fields hold once op is done. */
+static void NoteHeld(Compiler *c, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) {
+    const PetscBool moved   = traits.dst == MPM_NOWHERE ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool changed = traits.dst == MPM_ON_PARTICLES && c->holds[n] == op->dst ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool written = traits.dst == MPM_ON_NODES && n == op->dst ? PETSC_TRUE : PETSC_FALSE;
+
+    if (moved || changed || written) c->holds[n] = MPM_NONE;
+  }
+  if (op->kind == MPM_P2G) c->holds[op->dst] = op->src;
+}
+
 static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -107,6 +123,7 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
     PetscCall(AppendMap(c, pass, op, PETSC_FALSE));
   else
     PetscCall(AppendNodeOp(c, pass, op));
+  NoteHeld(c, op);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -189,12 +206,14 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, Pets
 
   PetscFunctionBegin;
   PetscCall(MpmScheduleDestroy(schedule));
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
   for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &t->ops[o]));
   PetscCall(NewPass(schedule, &pass));
   for (PetscInt o = 0; o < t->nops; o++) {
     const MpmOp *op = &t->ops[(head + o) % t->nops];
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
+    if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* musl at rest: the last step's second P2G */
     if (EndsBefore(pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }

@@ -238,7 +238,8 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
-  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes);
+  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes,
+                              loop.march->particles->per_cell ? PETSC_TRUE : PETSC_FALSE);
   if (loop.exchange) {
     r->exchange_first = loop.exchange->first;
     r->exchange_last  = loop.exchange->last;

@@ -35,7 +35,7 @@ static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, Pet
   }
 }
 
-/* The passes from first to the last one joined to it; the masses are read where something is summed. */
+/* The passes from first to the last one joined to it, places aside; masses are read where something is summed. */
 static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, PetscReal *of_particle,
                       PetscReal *of_node)
 {
@@ -53,8 +53,7 @@ static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, P
   } while (first + n < s->npasses && s->pass[first + n].joined);
   particle.reads &= (1 << t->nstate) - 1; /* scratch fields stay in the cache */
   particle.writes &= particle.reads;
-  *of_particle +=
-      sizeof(PetscInt) + sizeof(PetscReal) + Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
+  *of_particle += Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
   *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);
   for (PetscInt f = 0; f < t->nnodes; f++)
     if (s->spare[f] && node.writes & 1 << f) *of_node += Bytes(node.reads & 1 << f); /* into another array */
@@ -68,13 +67,15 @@ static void NodeOps(const MpmPass *pass, PetscReal *of_node)
     if (op->kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal); /* reads one, changes another */
 }
 
-PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node)
+PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
+                           PetscBool alike)
 {
   PetscReal of_particle = 0, of_node = 0;
 
   if (MpmTableHas(table, MPM_SOLVE)) return NAN;
   for (PetscInt p = 0, n; p < schedule->npasses; p += n) {
     n = Group(table, schedule, p, &of_particle, &of_node);
+    if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);
     NodeOps(&schedule->pass[p + n - 1], &of_node);
   }
   return of_particle + of_node / particles_per_node;

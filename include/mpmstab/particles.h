@@ -17,10 +17,11 @@ typedef struct {
   DM              swarm;
   const MpmTable *table;
   MpmFraction     drift;
-  PetscInt        count;   /* on this rank */
-  PetscInt64      total;   /* on all ranks */
-  PetscInt64      step;    /* time level of the places */
-  PetscInt64      rebased; /* whole cells of drift already in the cell field */
+  PetscInt        count;    /* on this rank */
+  PetscInt        per_cell; /* particle p + per_cell rests where p does, one cell on; 0: not so for all */
+  PetscInt64      total;    /* on all ranks */
+  PetscInt64      step;     /* time level of the places */
+  PetscInt64      rebased;  /* whole cells of drift already in the cell field */
   PetscBool       parallel;
 } MpmParticles;
 
@@ -43,6 +44,9 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
 /* Not collective. Gives the particles, by their ids, the properties that vary. */
 PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles);
+
+/* Not collective. Finds per_cell; to be called when places have changed. */
+PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 
 /* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in [0,1) on. */
 PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);

@@ -1,5 +1,28 @@
 /* The hat function: phi = 1 - abs(x - x_i) / h. Source: the classical MPM (Sulsky, Chen and Schreyer 1994). */
-#include <mpmstab/basis.h>
+#define NODES 2
+#define G2P_AFFINE Grad /* phi (x_i - x_p) / D is -1 and 1, though both are 0 on a node */
+#include "nodes.h"
+
+static inline PetscInt First(PetscReal xi)
+{
+  (void)xi;
+  return 0;
+}
+
+static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
+{
+  (void)width;
+  phi[0] = 1 - xi;
+  phi[1] = xi;
+}
+
+static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+{
+  (void)xi;
+  (void)width;
+  slope[0] = -1;
+  slope[1] = 1;
+}
 
 const MpmBasis MpmLinear = {.name        = "linear",
                             .summary     = "hat functions, one cell to either side of a node",
@@ -8,10 +31,4 @@ const MpmBasis MpmLinear = {.name        = "linear",
                             .reach_right = 1,
                             .slope_sum   = 2,
                             .hat         = PETSC_TRUE,
-                            .p2g_mass    = MpmHatP2GMass,
-                            .kernel      = {[MPM_P2G]        = MpmHatP2G,
-                                            [MPM_P2G_AFFINE] = MpmHatP2GAffine,
-                                            [MPM_DIV]        = MpmHatDiv,
-                                            [MPM_G2P]        = MpmHatG2P,
-                                            [MPM_G2P_AFFINE] = MpmHatGrad, /* phi (x_i - x_p) / D is -1 and 1 */
-                                            [MPM_GRAD]       = MpmHatGrad}};
+                            KERNELS};

@@ -6,10 +6,10 @@
      static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES]);
      static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES]);    h dphi/dx
 
-   Particles are taken in chunks. Where all cells of a chunk have as many particles, as in every uniform layout, moving
-   or not, a loop over cells has no branch and no gather, and the compiler makes vectors of it. Elsewhere sums stay in
-   registers while particles see the same nodes, and all but the first are carried on when they see the next ones: a sum
-   in memory would wait for the one before it to be stored.
+   Where all runs of a block are alike, as in every uniform layout, moving or not, a loop over runs of a known length
+   has no branch and no gather, and the compiler makes vectors of it. Elsewhere sums stay in registers while particles
+   see the same nodes, all but the first to be carried on when they see the next ones: a sum in memory would wait for
+   the one before it to be stored.
 */
 #pragma once
 #include <mpmstab/basis.h>
@@ -48,64 +48,56 @@ static inline PetscReal Moment(PetscReal xi, PetscReal width, PetscReal weight[N
   return sum;
 }
 
-#define CHUNK 128
-#define LONGEST 16 /* run that is looked for */
-#define MARGIN (LONGEST * (NODES - 1))
-#define ROOM (CHUNK + 2 * MARGIN)
-
-/* Where the loop over particles must know which weights it takes: a call in it would leave it one by one. */
+/* Where a loop must know which weights it takes, and how long runs are: a call in it would leave it one by one. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* Particles [begin, end) of a chunk come in runs of one length, each of which sees the nodes one further on. */
-typedef struct {
-  PetscInt begin, end, length, count;
-} Runs;
-
-/* None (begin = end = n) if the runs are not alike, or too long. */
-static inline Runs FindRuns(PetscInt n, const PetscInt first[CHUNK])
+/* What the particles of each run give to their nodes, given[d][j] of run j to the d-th; mass: of the nodes, or NULL. */
+INLINE void ScatterRuns(Weights weights, const PetscInt length, const MpmBlock *b, PetscReal a,
+                        const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {
-  const Runs none   = {n, n, 0, 0};
-  PetscInt   unlike = 0, begin = 0, length = 0;
+  const PetscInt count = (b->end - b->begin) / length, at = b->first[b->begin];
+  const PetscReal *restrict q = particle + b->begin, *restrict xi = b->xi + b->begin;
+  PetscReal given[NODES][MPM_BLOCK], given_mass[NODES][MPM_BLOCK];
 
-  while (begin < n && first[begin] == first[0]) begin++;
-  while (begin + length < n && first[begin + length] == first[begin]) length++;
-  if (length == 0 || length > LONGEST) return none;
-  for (PetscInt p = begin; p < n - length; p++) unlike |= first[p + length] - first[p] - 1;
-  if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is a whole one too */
-  return unlike ? none : (Runs){begin, n - (n - begin) % length, length, (n - begin) / length};
-}
+  for (PetscInt j = 0; j < count; j++) {
+    PetscReal sum[NODES] = {0}, sum_mass[NODES] = {0};
 
-/*
-   Adds what the particles of runs give to their nodes, given[d] to the d-th, node by node: the run that sees it first,
-   the one before that, and so on, with nothing beyond the ends. The compiler knows the length.
-*/
-static inline void SumRuns(const PetscInt length, const Runs *runs, PetscInt at, PetscReal given[NODES][ROOM],
-                           PetscReal *restrict node)
-{
-  for (int d = 0; d < NODES; d++) {
-    for (PetscInt i = 0; i < (NODES - 1) * length; i++) {
-      given[d][MARGIN + runs->begin - 1 - i] = 0;
-      given[d][MARGIN + runs->end + i]       = 0;
+    for (PetscInt i = 0; i < length; i++) {
+      PetscReal weight[NODES];
+
+      (void)weights(xi[length * j + i], b->width, weight);
+      for (int d = 0; d < NODES; d++) {
+        sum[d] += weight[d] * (a * q[length * j + i]);
+        sum_mass[d] += weight[d];
+      }
+    }
+    for (int d = 0; d < NODES; d++) {
+      given[d][j] = sum[d];
+      if (mass) given_mass[d][j] = sum_mass[d];
     }
   }
-  for (PetscInt j = 0; j < runs->count + NODES - 1; j++) {
-    PetscReal sum = 0;
-
-    for (int d = 0; d < NODES; d++)
-      for (PetscInt i = 0; i < length; i++) sum += given[d][MARGIN + runs->begin + length * (j - d) + i];
-    node[at + j] += sum;
+  for (int d = 0; d < NODES; d++) {
+    for (PetscInt j = 0; j < count; j++) node[at + j + d] += given[d][j];
+    if (!mass) continue;
+    for (PetscInt j = 0; j < count; j++) mass[at + j + d] += given_mass[d][j];
   }
 }
 
-/* What the particles of runs see of their nodes, seen[d] of the d-th. */
-static inline void SeeRuns(const PetscInt length, PetscInt count, PetscInt at, const PetscReal *restrict node,
-                           PetscInt begin, PetscReal seen[NODES][CHUNK])
+INLINE void GatherRuns(Weights weights, const PetscInt length, const MpmBlock *b, PetscReal a,
+                       PetscReal *restrict particle, const PetscReal *restrict node)
 {
-  for (int d = 0; d < NODES; d++) {
-    PetscReal *restrict s = seen[d] + begin;
+  const PetscInt count = (b->end - b->begin) / length, at = b->first[b->begin];
+  const PetscReal *restrict xi = b->xi + b->begin;
+  PetscReal *restrict q        = particle + b->begin;
 
-    for (PetscInt j = 0; j < count; j++)
-      for (PetscInt i = 0; i < length; i++) s[length * j + i] = node[at + j + d];
+  for (PetscInt j = 0; j < count; j++) {
+    for (PetscInt i = 0; i < length; i++) {
+      PetscReal       weight[NODES], sum = 0;
+      const PetscReal divisor = weights(xi[length * j + i], b->width, weight);
+
+      for (int d = 0; d < NODES; d++) sum += weight[d] * node[at + j + d];
+      q[length * j + i] += a / divisor * sum;
+    }
   }
 }
 
@@ -124,140 +116,118 @@ static inline void Carry(PetscInt at, PetscInt next, PetscReal sum[NODES], Petsc
   }
 }
 
-static inline void SumEach(PetscInt begin, PetscInt end, const PetscInt *restrict first, PetscReal given[NODES][ROOM],
-                           PetscReal *restrict node)
+INLINE void SumEach(PetscInt n, const PetscInt *restrict first, PetscReal given[NODES][MPM_BLOCK],
+                    PetscReal *restrict node)
 {
   PetscReal sum[NODES] = {0};
 
-  for (PetscInt p = begin; p < end; p++) {
-    if (p > begin && first[p] != first[p - 1]) Carry(first[p - 1], first[p], sum, node);
-    for (int d = 0; d < NODES; d++) sum[d] += given[d][MARGIN + p];
+  for (PetscInt p = 0; p < n; p++) {
+    if (p > 0 && first[p] != first[p - 1]) Carry(first[p - 1], first[p], sum, node);
+    for (int d = 0; d < NODES; d++) sum[d] += given[d][p];
   }
-  for (int d = 0; d < NODES && begin < end; d++) node[first[end - 1] + d] += sum[d];
+  for (int d = 0; d < NODES; d++) node[first[n - 1] + d] += sum[d];
 }
 
-static inline void Sum(PetscInt n, const PetscInt first[CHUNK], const Runs *runs, PetscReal given[NODES][ROOM],
-                       PetscReal *restrict node)
+/* Particles [begin, end), of which nothing is known. */
+INLINE void ScatterEach(Weights weights, PetscInt begin, PetscInt end, const MpmBlock *b, PetscReal a,
+                        const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {
-  SumEach(0, runs->begin, first, given, node);
-  SumEach(runs->end, n, first, given, node);
-  if (runs->length == 1) SumRuns(1, runs, first[runs->begin], given, node);
-  if (runs->length == 2) SumRuns(2, runs, first[runs->begin], given, node);
-  if (runs->length == 3) SumRuns(3, runs, first[runs->begin], given, node);
-  if (runs->length == 4) SumRuns(4, runs, first[runs->begin], given, node);
-  if (runs->length > 4) SumRuns(runs->length, runs, first[runs->begin], given, node);
+  PetscReal given[NODES][MPM_BLOCK], given_mass[NODES][MPM_BLOCK];
+
+  if (begin == end) return;
+  for (PetscInt p = begin; p < end; p++) {
+    PetscReal weight[NODES];
+
+    (void)weights(b->xi[p], b->width, weight);
+    for (int d = 0; d < NODES; d++) {
+      given[d][p - begin] = weight[d] * (a * particle[p]);
+      if (mass) given_mass[d][p - begin] = weight[d];
+    }
+  }
+  SumEach(end - begin, b->first + begin, given, node);
+  if (mass) SumEach(end - begin, b->first + begin, given_mass, mass);
 }
 
-static inline void SeeEach(PetscInt begin, PetscInt end, const PetscInt *restrict first, const PetscReal *restrict node,
-                           PetscReal seen[NODES][CHUNK])
+INLINE void GatherEach(Weights weights, PetscInt begin, PetscInt end, const MpmBlock *b, PetscReal a,
+                       PetscReal *restrict particle, const PetscReal *restrict node)
 {
-  for (int d = 0; d < NODES; d++)
-    for (PetscInt p = begin; p < end; p++) seen[d][p] = node[first[p] + d];
+  for (PetscInt p = begin; p < end; p++) {
+    PetscReal       weight[NODES], sum = 0;
+    const PetscReal divisor = weights(b->xi[p], b->width, weight);
+
+    for (int d = 0; d < NODES; d++) sum += weight[d] * node[b->first[p] + d];
+    particle[p] += a / divisor * sum;
+  }
 }
 
-/* The chunk that begins at particle p, its first nodes and its runs. */
-static inline PetscInt Chunk(PetscInt p, PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
-                             PetscInt first[CHUNK], Runs *runs)
+INLINE void Scatter(Weights weights, const MpmBlock *b, PetscReal a, const PetscReal *restrict particle,
+                    PetscReal *restrict node, PetscReal *restrict mass)
 {
-  const PetscInt size = PetscMin(CHUNK, n - p);
-
-  for (PetscInt i = 0; i < size; i++) first[i] = cell[p + i] + First(xi[p + i]);
-  *runs = FindRuns(size, first);
-  return size;
+  ScatterEach(weights, 0, b->begin, b, a, particle, node, mass);
+  if (b->length == 1) ScatterRuns(weights, 1, b, a, particle, node, mass);
+  if (b->length == 2) ScatterRuns(weights, 2, b, a, particle, node, mass);
+  if (b->length == 3) ScatterRuns(weights, 3, b, a, particle, node, mass);
+  if (b->length == 4) ScatterRuns(weights, 4, b, a, particle, node, mass);
+  ScatterEach(weights, b->end, b->n, b, a, particle, node, mass);
 }
 
-/* mass: of the nodes, summed too unless NULL. */
-INLINE void Scatter(Weights weights, PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
-                    PetscReal width, PetscReal a, const PetscReal *restrict particle, PetscReal *restrict node,
+INLINE void Gather(Weights weights, const MpmBlock *b, PetscReal a, PetscReal *restrict particle,
+                   const PetscReal *restrict node)
+{
+  GatherEach(weights, 0, b->begin, b, a, particle, node);
+  if (b->length == 1) GatherRuns(weights, 1, b, a, particle, node);
+  if (b->length == 2) GatherRuns(weights, 2, b, a, particle, node);
+  if (b->length == 3) GatherRuns(weights, 3, b, a, particle, node);
+  if (b->length == 4) GatherRuns(weights, 4, b, a, particle, node);
+  GatherEach(weights, b->end, b->n, b, a, particle, node);
+}
+
+static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
+                       PetscInt *restrict first)
+{
+  for (PetscInt p = 0; p < n; p++) first[p] = cell[p] + First(xi[p]);
+}
+
+static void P2G_(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(Phi, b, a, particle, node, NULL);
+}
+
+static void P2GMass(const MpmBlock *b, const PetscReal *restrict particle, PetscReal *restrict node,
                     PetscReal *restrict mass)
 {
-  for (PetscInt p = 0, size; p < n; p += size) {
-    PetscInt  first[CHUNK];
-    PetscReal given[NODES][ROOM], given_mass[NODES][ROOM];
-    Runs      runs;
-
-    size = Chunk(p, n, cell, xi, first, &runs);
-    for (PetscInt i = 0; i < size; i++) {
-      PetscReal weight[NODES];
-
-      (void)weights(xi[p + i], width, weight);
-      for (int d = 0; d < NODES; d++) {
-        given[d][MARGIN + i] = weight[d] * (a * particle[p + i]);
-        if (mass) given_mass[d][MARGIN + i] = weight[d];
-      }
-    }
-    Sum(size, first, &runs, given, node);
-    if (mass) Sum(size, first, &runs, given_mass, mass);
-  }
+  Scatter(Phi, b, 1, particle, node, mass);
 }
 
-INLINE void Gather(Weights weights, PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
-                   PetscReal width, PetscReal a, PetscReal *restrict particle, const PetscReal *restrict node)
+static void P2GAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  for (PetscInt p = 0, size; p < n; p += size) {
-    PetscInt  first[CHUNK];
-    PetscReal seen[NODES][CHUNK];
-    Runs      runs;
-
-    size = Chunk(p, n, cell, xi, first, &runs);
-    SeeEach(0, runs.begin, first, node, seen);
-    if (runs.length == 1) SeeRuns(1, runs.count, first[runs.begin], node, runs.begin, seen);
-    if (runs.length == 2) SeeRuns(2, runs.count, first[runs.begin], node, runs.begin, seen);
-    if (runs.length == 3) SeeRuns(3, runs.count, first[runs.begin], node, runs.begin, seen);
-    if (runs.length == 4) SeeRuns(4, runs.count, first[runs.begin], node, runs.begin, seen);
-    if (runs.length > 4) SeeRuns(runs.length, runs.count, first[runs.begin], node, runs.begin, seen);
-    SeeEach(runs.end, size, first, node, seen);
-    for (PetscInt i = 0; i < size; i++) {
-      PetscReal       weight[NODES], sum = 0;
-      const PetscReal divisor = weights(xi[p + i], width, weight);
-
-      for (int d = 0; d < NODES; d++) sum += weight[d] * seen[d][i];
-      particle[p + i] += a / divisor * sum;
-    }
-  }
+  Scatter(Moment, b, a, particle, node, NULL);
 }
 
-static void P2G_(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                 PetscReal *restrict particle, PetscReal *restrict node)
+static void Div(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  Scatter(Phi, n, cell, xi, width, a, particle, node, NULL);
+  Scatter(Gradient, b, a, particle, node, NULL);
 }
 
-static void P2GAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+static void G2P_(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  Scatter(Moment, n, cell, xi, width, a, particle, node, NULL);
+  Gather(Phi, b, a, particle, node);
 }
 
-static void Div(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                PetscReal *restrict particle, PetscReal *restrict node)
+static void Grad(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  Scatter(Gradient, n, cell, xi, width, a, particle, node, NULL);
+  Gather(Gradient, b, a, particle, node);
 }
 
-static void G2P_(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                 PetscReal *restrict particle, PetscReal *restrict node)
+#ifndef G2P_AFFINE
+#define G2P_AFFINE G2PAffine
+static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  Gather(Phi, n, cell, xi, width, a, particle, node);
+  Gather(Moment, b, a, particle, node);
 }
-
-static void Grad(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width, PetscReal a,
-                 PetscReal *restrict particle, PetscReal *restrict node)
-{
-  Gather(Gradient, n, cell, xi, width, a, particle, node);
-}
-
-static void G2PAffine(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                      PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
-{
-  Gather(Moment, n, cell, xi, width, a, particle, node);
-}
-static void P2GMass(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi, PetscReal width,
-                    const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
-{
-  Scatter(Phi, n, cell, xi, width, 1, particle, node, mass);
-}
+#endif
 
 #define KERNELS                                                                                                        \
-  .p2g_mass = P2GMass, .kernel = {[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine, [MPM_DIV] = Div,                     \
-                                  [MPM_G2P] = G2P_, [MPM_G2P_AFFINE] = G2PAffine, [MPM_GRAD] = Grad}
+  .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                                                      \
+  .kernel = {[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,                                         \
+             [MPM_G2P] = G2P_, [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad}
