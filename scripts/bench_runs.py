@@ -52,6 +52,9 @@ def at_least(least, kind=int):
 def begin(part, args):
     """What a run of the benchmark keeps, to which its part adds; says on what machine it is."""
     program.require_program()
+    if not args.no_history:
+        with open(args.history, "a", encoding="utf-8"):  # refused now, not when all is done
+            pass
     result = {"part": part, "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
               **machine(), "repeats": args.repeats}
     print(f"{result['processor']}, {result['cores']} cores, load {result['load']}; {result['compiler']}; "

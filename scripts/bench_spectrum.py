@@ -86,6 +86,8 @@ def compare_near(order, args, folder):
     assembly, solve, arpack, theirs = [], [], [], {}
     for _ in range(args.repeats):
         own = own_spectrum(order, folder)
+        if "target" not in own:
+            program.refuse(f"mpmstab names no target at order {order}: solver {own['solver']}")
         assembly.append(own["assemble_s"])
         solve.append(own["solve_s"])
         if "why" not in theirs:

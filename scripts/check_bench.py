@@ -21,7 +21,7 @@ import bench_spectrum
 import program
 
 sys.path.insert(0, bench_runs.SOURCES)
-import scipy_spectrum  # pylint: disable=wrong-import-position # of scripts/bench
+import scipy_spectrum  # of scripts/bench
 
 K = 0.5  # the Courant number of bench_spectrum's scenes
 CSV = """Stage Name,Event Name,Rank,Count,Time,Num Messages,Message Length,Num Reductions,FLOP
