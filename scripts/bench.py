@@ -5,18 +5,13 @@ The machine's speed drifts by tens of per cent within minutes: only ratios of ru
 programs end with the same energy (checked to 1e-9), so they do the same work. A line of scripts/bench/history.jsonl
 keeps what came out.
 """
-import argparse
-import datetime
 import itertools
-import json
-import os
 import statistics
 import sys
 
 import bench_runs
-import program
+from bench_runs import listed
 
-HISTORY = os.path.join(bench_runs.SOURCES, "history.jsonl")
 PARTICLES, DRIFTS = (10_000, 1_000_000, 8_000_000), ("0", "0.01", "0.3")
 WORK, MOST_STEPS, LEAST_STEPS = 4e7, 1000, 20  # particles x steps of a run
 SAME = 1e-9
@@ -24,31 +19,20 @@ COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>
           f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
 
 
-def listed(allowed, kind=str):
-    def parse(text):
-        values = tuple(kind(word) for word in text.split(","))
-        if allowed and set(values) - set(allowed):
-            raise argparse.ArgumentTypeError(f"{text}; allowed: some of {','.join(allowed)}")
-        return values
-    return parse
-
-
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = bench_runs.parser(__doc__, 5)
     parser.add_argument("--schemes", type=listed(bench_runs.SCHEMES), default=bench_runs.SCHEMES)
     parser.add_argument("--bases", type=listed(bench_runs.BASES), default=bench_runs.BASES)
     parser.add_argument("--particles", type=listed((), int), default=(1_000_000,), help="two a cell")
     parser.add_argument("--drifts", type=listed(DRIFTS), default=("0", "0.3"), help=f"some of {','.join(DRIFTS)}")
-    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--all", action="store_true", help="every row: particles and drifts too; half an hour")
     parser.add_argument("--no-memory", action="store_true", help="leave out gas2 with 8e6 particles, for its memory")
     parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
-    parser.add_argument("--no-history", action="store_true", help="keep no line of this run")
     args = parser.parse_args()
     if args.all:
         args.particles, args.drifts = PARTICLES, DRIFTS
-    if args.repeats < 1 or min(args.particles) < 1000:
-        parser.error("--repeats: at least 1; --particles: at least 1000")
+    if min(args.particles) < 1000:
+        parser.error("--particles: less than 1000")
     return args
 
 
@@ -105,18 +89,14 @@ def memory(ranks):
 
 def main():
     args = arguments()
-    program.require_program()
+    result = bench_runs.begin("march", args)
     bench_runs.compile_all()
     python, why = (None, "not asked") if args.no_numba else bench_runs.numba_python()
     if not python:
         print(f"no numba: {why}")
-    result = {"date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
-              **bench_runs.machine(), "repeats": args.repeats,
-              "triad_gb_per_s": [max(bench_runs.triad(n) for _ in range(3)) for n in (1, 2)], "rows": []}
-    print(f"{result['processor']}, {result['cores']} cores, load {result['load']}; {result['compiler']}; "
-          f"revision {result['revision']}")
+    result |= {"triad_gb_per_s": [max(bench_runs.triad(n) for _ in range(3)) for n in (1, 2)], "rows": []}
     print("triad: {:.1f} GB/s for one process, {:.1f} for two together".format(*result["triad_gb_per_s"]))
-    print(f"ns per particle and step, best (median) of {args.repeats}; ratio to plain C of the best (of pairs, median)\n"
+    print(f"ns per particle and step, best (median) of {args.repeats}; ratio to plain C of best (of pairs, median)\n"
           "speed-up of 2 ranks; bytes that a step moves per particle, and their rate on 1 rank over the triad's\n")
     print(COLUMNS)
     for particles, scheme, basis, drift in itertools.product(args.particles, args.schemes, args.bases, args.drifts):
@@ -127,9 +107,7 @@ def main():
     print()
     if not args.no_memory:
         result["memory"] = [memory(ranks) for ranks in (1, 2)]
-    if not args.no_history:
-        with open(HISTORY, "a", encoding="utf-8") as file:
-            file.write(json.dumps(result) + "\n")
+    bench_runs.keep(result, args)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,37 @@
 #!/bin/sh
-# Time of a step beside plain C loops of the same schemes, on 1 and 2 ranks. Options go to bench.py (--help).
+# bench.sh [march|spectrum|startup|growth|scaling] [option...]: how fast the program is, beside others; --help after a
+# part says what can be chosen. Options without a part are the march's; nothing at all: the first four in brief.
 set -eu
 cd "$(dirname "$0")/.."
 ./scripts/setup.sh
+. ./scripts/install.sh
 . ./scripts/mpi-env.sh
 unset OMPI_MCA_mpi_yield_when_idle # there is a core for each rank
-python3 scripts/bench.py "$@"
+unset OMP_NUM_THREADS              # solvers take the threads that they would anywhere
+
+case ${1:-} in
+spectrum | startup | growth | scaling)
+  part=$1
+  shift
+  [ "$part" != spectrum ] || install_missing python3-scipy
+  exec "./scripts/bench_$part.py" "$@"
+  ;;
+march)
+  shift
+  exec ./scripts/bench.py "$@"
+  ;;
+-*) exec ./scripts/bench.py "$@" ;;
+'') ;;
+*)
+  echo "bench.sh: unknown part '$1'; allowed: march, spectrum, startup, growth, scaling" >&2
+  exit 2
+  ;;
+esac
+install_missing python3-scipy
+./scripts/bench.py --repeats 2 --no-memory
+echo
+./scripts/bench_spectrum.py
+echo
+./scripts/bench_startup.py
+echo
+./scripts/bench_growth.py

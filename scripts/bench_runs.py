@@ -1,7 +1,10 @@
-"""The programs that bench.py runs: mpmstab, plain C, numba, triad; and what there is to say of the machine."""
+"""What the parts of the benchmark share: programs that they run, options, the machine, the history."""
+import argparse
+import datetime
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -14,6 +17,91 @@ SOURCES = os.path.join(program.ROOT, "scripts", "bench")
 FLAGS = ["-O3", "-march=native"]
 SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl"), ("linear", "quadratic")
 PPC = 2
+HISTORY = os.path.join(SOURCES, "history.jsonl")
+
+
+def listed(allowed, kind=str):
+    def parse(text):
+        values = tuple(kind(word) for word in text.split(","))
+        if allowed and set(values) - set(allowed):
+            raise argparse.ArgumentTypeError(f"{text} is not some of {','.join(allowed)}")
+        return values
+    parse.__name__ = f"list of {kind.__name__}"  # argparse names it when it refuses
+    return parse
+
+
+def parser(description, repeats):
+    """The options that every part has."""
+    result = program.Parser(description)
+    result.add_argument("--repeats", type=at_least(1), default=repeats, help=f"runs of each row ({repeats})")
+    result.add_argument("--history", default=HISTORY, metavar="FILE", help="where a line of JSON is added")
+    result.add_argument("--no-history", action="store_true", help="keep no line of this run")
+    return result
+
+
+def at_least(least, kind=int):
+    def number(text):
+        value = kind(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text} is less than {least}")
+        return value
+    number.__name__ = kind.__name__
+    return number
+
+
+def begin(part, args):
+    """What a run of the benchmark keeps, to which its part adds; says on what machine it is."""
+    program.require_program()
+    if not args.no_history:
+        with open(args.history, "a", encoding="utf-8"):  # refused now, not when all is done
+            pass
+    result = {"part": part, "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+              **machine(), "repeats": args.repeats}
+    print(f"{result['processor']}, {result['cores']} cores, load {result['load']}; {result['compiler']}; "
+          f"revision {result['revision']}", flush=True)
+    return result
+
+
+def keep(result, args):
+    if not args.no_history:
+        with open(args.history, "a", encoding="utf-8") as file:
+            file.write(json.dumps(result) + "\n")
+
+
+def best_and_median(seconds):
+    return {"best": min(seconds), "median": statistics.median(seconds)}
+
+
+def told(seconds):
+    """Best (median), in units that fit."""
+    units = ((1, "s"), (1e-3, "ms"), (1e-6, "us"))
+    unit, name = next((one for one in units if seconds["best"] >= one[0]), (1e-9, "ns"))
+    return f"{seconds['best'] / unit:.3g} ({seconds['median'] / unit:.3g}) {name}"
+
+
+def met(is_met):
+    return "met" if is_met else "not met"
+
+
+def compiled(name):
+    """A program that the build has made for the benchmark."""
+    path = os.path.join(FOLDER, name)
+    if not os.path.exists(path):
+        program.refuse(f"there is no {path}; ./scripts/setup.sh builds it beside mpmstab (MPMSTAB names that)")
+    return path
+
+
+def memory_available():
+    with open("/proc/meminfo", encoding="utf-8") as file:
+        return 1024 * int(re.search(r"MemAvailable:\s*(\d+)", file.read()).group(1))
+
+
+def result_of_run(task, options, ranks=1):
+    """The JSON of a run of mpmstab that was done."""
+    status, found, error = program.launch(task, options=options, ranks=ranks)
+    if status:
+        program.refuse(f"mpmstab {task} ended with status {status}: {error}")
+    return found
 
 
 def said(command, **more):
@@ -60,10 +148,7 @@ def options(row):
 
 def run_mpmstab(row, ranks):
     """ns per particle and step, the energy at the end, bytes moved per particle and step."""
-    status, found, error = program.launch("run", options=options(row), ranks=ranks)
-    if status:
-        program.refuse(f"mpmstab ended with status {status}: {error}")
-    run = found["run"]
+    run = result_of_run("run", options(row), ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"], run["bytes_per_particle_step"]
 
 

@@ -1,0 +1,174 @@
+#!/usr/bin/python3
+"""Checks a part of the benchmark on tiny sizes: spectrum, startup, growth or scaling (MPMSTAB names the program).
+
+What the parts find and their formulas, never how long something takes. Silent when all is well.
+"""
+import contextlib
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+import bench_growth
+import bench_runs
+import bench_scaling
+import bench_spectrum
+import program
+
+sys.path.insert(0, bench_runs.SOURCES)
+import scipy_spectrum  # of scripts/bench
+
+K = 0.5  # the Courant number of bench_spectrum's scenes
+CSV = """Stage Name,Event Name,Rank,Count,Time,Num Messages,Message Length,Num Reductions,FLOP
+Main Stage,summary,0,1,0.1,{},{},{},5.
+Main Stage,MpmMigrate,0,{},0.1,{},{},{},0.
+Main Stage,summary,1,1,0.1,1.,8.,1.,5.
+Main Stage,MpmMigrate,1,0,0.1,0.,0.,0.,0.
+"""
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_bench: {message}")
+
+
+def near(a, b, within=1e-12):
+    return abs(a - b) <= within * max(abs(a), abs(b))
+
+
+def run(part, *options):
+    """The line of JSON that a part adds to a history of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "history.jsonl")
+        script = os.path.join(program.ROOT, "scripts", f"bench_{part}.py")
+        done = subprocess.run([sys.executable, script, "--history", path, *options], capture_output=True, text=True,
+                              check=False)
+        check(done.returncode == 0 and done.stderr == "", f"{part}: status {done.returncode}: {done.stderr}")
+        with open(path, encoding="utf-8") as file:
+            lines = [json.loads(line) for line in file]
+    check(len(lines) == 1, f"{part}: {len(lines)} lines of history")
+    found = lines[0]
+    check(found["part"] == part and all(found[name] for name in ("date", "processor", "compiler", "revision")),
+          f"{part}: does not say what was run where: {found}")
+    return found
+
+
+def check_matrix():
+    """The matrix that others are given is gas2's operator: G + 1/G = 2 - k^2 sin^2 beta, particles centred."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "A")
+        bench_spectrum.write_matrix(96, path)
+        values = numpy.linalg.eigvals(scipy_spectrum.read(path).toarray())
+    for m in range(24):
+        real = 1 - (K * math.sin(2 * math.pi * m / 24)) ** 2 / 2
+        distance = min(abs(values - complex(real, math.sqrt(1 - real**2))))
+        check(distance < 1e-6, f"matrix: no eigenvalue at phase {m}, the nearest is {distance:.3g} away")
+
+
+def check_spectrum():
+    check_matrix()
+    found = run("spectrum", "--orders", "8000", "--dense", "200", "--restarts", "3", "--symbol", "1000", "--map", "8",
+                "--repeats", "1")
+    row = found["near"][0]
+    expected = complex(1 - K**2 / 2, math.sqrt(1 - (1 - K**2 / 2) ** 2))  # at beta = pi / 2, 8000 / 4 cells have it
+    theirs = row["arpack_found"]
+    check(abs(complex(*row["target"]) - expected) < 1e-8, f"target {row['target']}, not {expected}")
+    check(abs(complex(*row["mpmstab_found"]) - expected) < 1e-8, f"mpmstab: {row['mpmstab_found']}, not {expected}")
+    check("why" not in theirs, f"ARPACK gave no answer: {theirs.get('why')}")
+    check(abs(complex(theirs["re"], theirs["im"]) - expected) < 1e-8, f"ARPACK: {theirs}, not {expected}")
+    check(row["same"] and row["nonzeros"] == 92000, f"spectrum: {row}")
+    check(near(row["ratio"], row["arpack"]["best"] / row["mpmstab"]["best"]), f"ratio: {row}")
+    check(row["arpack_alone"]["restarts"] == 3 and row["arpack_alone"]["converged"] in (0, 1), f"ARPACK alone: {row}")
+    dense = found["all"][0]
+    check(dense["same"] and dense["listed"] == 200 and abs(dense["numpy_radius"] - 1) < 1e-6, f"all: {dense}")
+    check([sum(row["task"] == task for row in found["tasks"]) for task in ("symbol", "critical", "map")] == [3, 12, 1],
+          f"tasks: {found['tasks']}")
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        bench_spectrum.show_near(row | {"same": False, "difference": 0.25})
+    check("another eigenvalue, 0.25 away: not compared" in said.getvalue() and "times as fast" not in said.getvalue(),
+          f"two eigenvalues are compared: {said.getvalue()}")
+
+
+def check_startup():
+    rows = run("startup", "--repeats", "2")["rows"]
+    check([row["launcher"] for row in rows] == ["without mpirun", "mpirun -n 1", "mpirun -n 2"], f"startup: {rows}")
+    for row in rows:
+        for task in ("list", "symbol"):
+            beyond = row["seconds"][task]["best"] - row["seconds"]["SLEPc alone"]["best"]
+            check(near(row["beyond"][task], beyond) and row["seconds"][task]["best"] > 0, f"startup: {row}")
+
+
+def check_growth():
+    sizes = [10, 1000, 2000, 5000, 10_000]
+    seconds = [7.0] + [3e-9 * n**1.5 for n in sizes[1:]]
+    check(near(bench_growth.exponent(sizes, seconds, 1000), 1.5), "exponent: not 1.5 of n^1.5 beyond the start")
+    check(bench_growth.exponent(sizes, seconds, 1) < 0, "exponent: all sizes are not fitted when asked for")
+    check(bench_growth.exponent(sizes, seconds, 10_000) is None, "exponent: of a single size")
+    found = run("growth", "--particles", "1000,2000,8000", "--orders", "1000,8000,12000", "--from", "2000,8000",
+                "--per-rank", "1000", "--repeats", "1")
+    rows = found["march"]["rows"]
+    check([row["particles"] for row in rows] == [1000, 2000, 8000], f"march: {rows}")
+    slope = numpy.polyfit(numpy.log([2000, 8000]), numpy.log([row["best"] for row in rows[1:]]), 1)[0]
+    check(near(found["march"]["fit"]["exponent"], slope, 1e-8), f"march: {found['march']}, not {slope}")
+    rows = found["spectrum"]["rows"]
+    check([(row["unknowns"], row["what"]) for row in rows] ==
+          [(1000, "all"), (8000, "near a target"), (12000, "near a target")], f"spectrum: {rows}")
+    slope = numpy.polyfit(numpy.log([8000, 12000]), numpy.log([row["solve"]["best"] for row in rows[1:]]), 1)[0]
+    check(near(found["spectrum"]["fit"]["solve"]["exponent"], slope, 1e-8), f"solve: {found['spectrum']}, not {slope}")
+    weak = found["weak"]
+    check(weak["per_rank"] == 1000 and near(weak["efficiency"], weak["one"]["best"] / weak["two"]["best"]), f"{weak}")
+
+
+def check_formulas():
+    """Counts and the model from made-up numbers."""
+    few, many = (bench_scaling.read_counts(CSV.format(*counts).splitlines()) for counts in
+                 ((30, 1000, 22, 0, 0, 0, 0), (30 + 1600 + 24, 1000 + 192_000 + 5760, 22 + 50 + 24, 2, 24, 5760, 24)))
+    counts = bench_scaling.per_step(few, many, 100)
+    check(counts == {"messages": 8, "bytes": 120, "reductions": 0.5, "migrations": 0.02,
+                     "migration": {"messages": 6, "bytes": 240, "reductions": 12}}, f"counts: {counts}")
+    network = {"latency": 1e-6, "bandwidth": 1e9}
+    model = {"t0": 1e-6, "tp": 1e-9, "counts": {"3": counts, "2": counts | {"messages": 4}}}
+    expected = 1e-6 + 1e-3 / 1024 + 8 * 1.12e-6 + 0.5 * 10e-6 + 0.02 * (6 * 1.24e-6 + 12 * 10e-6)
+    time = bench_scaling.step_time(model, 1e6, 1024, network)
+    check(near(time, expected), f"model: {time} on 1024 ranks, not {expected}")
+    check(near(bench_scaling.step_time(model, 1e6, 1, network), 1e-6 + 1e-3), "model: messages on one rank")
+    check(near(bench_scaling.messages_time(model, 2, network),
+               4 * 1.12e-6 + 0.5e-6 + 0.02 * (6 * 1.24e-6 + 12e-6)), "model: not the counts of 2 ranks")
+    check(near(bench_scaling.efficiency(model, 1e6, 1024, network), (1e-6 + 1e-3) / 1024 / expected), "efficiency")
+    half = bench_scaling.half_messages(model, 1e6, network)
+    shares = [bench_scaling.messages_time(model, p, network) / bench_scaling.step_time(model, 1e6, p, network)
+              for p in (half - 1, half)]
+    check(shares[0] < 0.5 <= shares[1], f"half of the time is messages from {half} ranks on, with shares {shares}")
+    check(bench_scaling.half_messages(model | {"t0": 1.0}, 1e6, network) is None, "messages are never half of a second")
+
+
+def check_scaling():
+    check_formulas()
+    check([bench_scaling.cells_needed(*scheme) for scheme in (("gas2", "linear"), ("elastic", "quadratic"))] == [1, 3],
+          "cells that a rank needs")
+    found = run("scaling", "--particles", "10000", "--count-steps", "256", "--repeats", "1")
+    rest, drifting = found["models"]
+    for model in (rest, drifting):
+        two, three = model["counts"]["2"], model["counts"]["3"]
+        check(three["messages"] == 2 * two["messages"] >= 4, f"both neighbours are one on 2 ranks: {model['counts']}")
+        check(near(three["messages"] * three["bytes"], two["messages"] * two["bytes"]), f"bytes: {model['counts']}")
+        check(0 <= three["reductions"] <= 1 and model["tp"] > 0, f"model: {model}")
+        check([(row["particles"], row["ranks"]) for row in model["check"]] ==
+              [(n, p) for n in (1000, 10_000) for p in (1, 2)], f"check: {model['check']}")
+        strong = model["rows"][0]["ranks"]["1000"]["seconds"]
+        check(near(strong, bench_scaling.step_time(model, 8e6, 1000, found["network"])), f"rows: {model['rows']}")
+    still = rest["counts"]["3"]
+    check(still["migrations"] == 0 and still["bytes"] % 8 == 0, f"at rest: {still}")
+    migrations = drifting["counts"]["3"]["migrations"]
+    check(0.3 / 17 <= migrations <= 1 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
+
+
+if __name__ == "__main__":
+    parts = {"spectrum": check_spectrum, "startup": check_startup, "growth": check_growth, "scaling": check_scaling}
+    parts[sys.argv[1]]()
