@@ -166,7 +166,7 @@ def check_scaling():
     still = rest["counts"]["3"]
     check(still["migrations"] == 0 and still["bytes"] % 8 == 0, f"at rest: {still}")
     migrations = drifting["counts"]["3"]["migrations"]
-    check(0.3 / 17 <= migrations <= 1 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
+    check(0.3 / 65 <= migrations <= 1 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more ghosts. */
-#define MOST_SLACK 16
+#define MOST_SLACK 64
 
 /*
    A particle in local cell c sees the nodes c - reach_left to c + reach_right, node operations use up halo
