@@ -2,13 +2,13 @@
    The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
 */
 #include <mpmstab/eigen.h>
+#include <mpmstab/eigen_target.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/ritz.h>
 #include <math.h>
 
 #define DENSE_ORDER 4096
 #define ACCEPTED 1e-7 /* residual of what is listed */
-#define NEAR 1        /* eigenvalues sought near a target */
 #define LARGEST 2     /* eigenvalues sought of largest magnitude */
 #define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
 #define RESTARTS 200
@@ -20,45 +20,6 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
   return has_symbol ? MPM_EIGEN_TARGET : MPM_EIGEN_LARGEST;
 }
 
-/* Relative to the eigenvalue 1/theta of the inverse, not to theta, which is next to 0. */
-static PetscErrorCode InverseConverged(EPS eps, PetscScalar re, PetscScalar im, PetscReal residual, PetscReal *error,
-                                       void *context)
-{
-  (void)eps;
-  (void)context;
-  *error = residual * hypot(re, im);
-  return PETSC_SUCCESS;
-}
-
-static PetscErrorCode SetTarget(EPS eps)
-{
-  ST  st;
-  KSP ksp;
-  PC  pc;
-  Mat T, factor;
-
-  PetscFunctionBegin;
-  PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
-  PetscCall(EPSSetTarget(eps, 0));
-  PetscCall(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-  PetscCall(EPSSetDimensions(eps, NEAR, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
-  PetscCall(EPSSetConvergenceTestFunction(eps, InverseConverged, NULL, NULL));
-  PetscCall(EPSGetST(eps, &st));
-  PetscCall(STSetType(st, STSINVERT));
-  PetscCall(STGetKSP(st, &ksp));
-  PetscCall(KSPSetType(ksp, KSPPREONLY));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PetscCall(EPSGetOperators(eps, &T, NULL));
-  PetscCall(PCSetOperators(pc, T, T));
-  PetscCall(PCFactorSetUpMatSolverType(pc));
-  PetscCall(PCFactorGetMatrix(pc, &factor));
-  PetscCall(MatMumpsSetIcntl(factor, 14, 100)); /* room for pivots that are put off: T is nearly singular */
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
 {
   PetscErrorCode error;
@@ -66,7 +27,7 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscFunctionBegin;
   PetscCall(EPSSetProblemType(eps, EPS_NHEP));
   if (method == MPM_EIGEN_TARGET) {
-    PetscCall(SetTarget(eps));
+    PetscCall(MpmEigenTargetSet(eps, RESTARTS));
   } else if (method == MPM_EIGEN_DENSE) {
     PetscCall(EPSSetType(eps, EPSLAPACK));
     PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
@@ -80,6 +41,23 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   error = EPSSetFromOptions(eps);
   PetscCall(PetscPopErrorHandler());
   MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them; allowed: see its manual pages");
+  if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* " (LU: band)", or nothing where no LU is. */
+static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
+{
+  KSP           ksp;
+  PC            pc;
+  MatSolverType lu;
+
+  PetscFunctionBegin;
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCFactorGetMatSolverType(pc, &lu));
+  factors[0] = '\0';
+  if (lu) PetscCall(PetscSNPrintf(factors, room, " (LU: %s)", lu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,18 +67,23 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   EPSType type;
   STType  transform;
   ST      st;
-  char    near[64] = "";
+  char    near[64] = "", factors[32];
 
   PetscFunctionBegin;
   PetscCall(EPSGetType(e->eps, &type));
   PetscCall(EPSGetST(e->eps, &st));
   PetscCall(STGetType(st, &transform));
+  PetscCall(DescribeFactors(st, sizeof factors, factors));
   if (method == MPM_EIGEN_TARGET)
     PetscCall(
         PetscSNPrintf(near, sizeof near, " near %.9g %s %.9gi", target[0], target[1] < 0 ? "-" : "+", fabs(target[1])));
-  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s, %" PetscInt_FMT " found%s", type,
-                          strcmp(transform, STSHIFT) ? " with " : "", strcmp(transform, STSHIFT) ? transform : "", near,
-                          found, e->failed ? ", the solver failed" : ""));
+  if (!strcmp(transform, STSHIFT)) {
+    transform  = NULL;
+    factors[0] = '\0';
+  }
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s%s, %" PetscInt_FMT " found%s", type,
+                          transform ? " with " : "", transform ? transform : "", factors, near, found,
+                          e->failed ? ", the solver failed" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,7 +8,7 @@
    MpmEigenMethod - how eigenvalues are found.
 
    MPM_EIGEN_DENSE   - all of them (LAPACK)
-   MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert, MUMPS)
+   MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert; LU of a band, or MUMPS where there is none)
    MPM_EIGEN_LARGEST - those of largest magnitude (Krylov-Schur); converges where modes are localised
 E*/
 typedef enum { MPM_EIGEN_DENSE, MPM_EIGEN_TARGET, MPM_EIGEN_LARGEST } MpmEigenMethod;
