@@ -2,6 +2,7 @@
    The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
 */
 #include <mpmstab/eigen.h>
+#include <mpmstab/eigen_dense.h>
 #include <mpmstab/eigen_target.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/ritz.h>
@@ -30,6 +31,7 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(MpmEigenTargetSet(eps, RESTARTS));
   } else if (method == MPM_EIGEN_DENSE) {
     PetscCall(EPSSetType(eps, EPSLAPACK));
+    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
     PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
@@ -114,6 +116,8 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
     PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
     PetscCall(BVMultVec(e->ritz, 1, 0, re, e->coefficients + 2 * n * e->place[j]));
     PetscCall(BVMultVec(e->ritz, 1, 0, im, e->coefficients + 2 * n * e->place[j] + n));
+  } else if (e->dense) {
+    PetscCall(MpmEigenDenseVector(e->dense, e->dense_im, e->place[j], re, im));
   } else
     PetscCall(EPSGetEigenpair(e->eps, e->place[j], NULL, NULL, re, im));
   PetscCall(VecNorm(re, NORM_2, &norm[0]));
@@ -190,10 +194,26 @@ static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found
     PetscCall(PetscFree2(re, im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (e->dense) {
+    PetscCall(List(e, found, e->dense_re, e->dense_im));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscMalloc2(found, &re, found, &im));
   for (PetscInt i = 0; i < found; i++) PetscCall(EPSGetEigenvalue(e->eps, i, &re[i], &im[i]));
   PetscCall(List(e, found, re, im));
   PetscCall(PetscFree2(re, im));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveDense(MpmEigen *e, PetscInt *found)
+{
+  PetscFunctionBegin;
+  *found    = 0;
+  e->failed = PETSC_TRUE;
+  if (!isfinite(e->norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(e->order, &e->dense_re, e->order, &e->dense_im));
+  PetscCall(MpmEigenDenseSolve(e->A, e->dense_re, e->dense_im, &e->dense, &e->failed));
+  *found = e->failed ? 0 : e->order;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,7 +255,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   const PetscReal begin = MPI_Wtime();
   Mat             T     = A;
   PetscInt        found, wanted;
-  PetscBool       largest = PETSC_FALSE;
+  PetscBool       largest = PETSC_FALSE, dense = PETSC_FALSE;
   MpmEigen       *e;
 
   PetscFunctionBegin;
@@ -249,7 +269,8 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   PetscCall(EPSSetOperators(e->eps, T, NULL));
   PetscCall(EPSSetOptionsPrefix(e->eps, prefix));
   PetscCall(SetMethod(e->eps, method, e->order));
-  PetscCall(SolveOrFail(e, &found));
+  if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
+  PetscCall(dense ? SolveDense(e, &found) : SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
   e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Describe(e, method, target, found));
@@ -268,6 +289,8 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
   if (!*eigen) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree4((*eigen)->re, (*eigen)->im, (*eigen)->residual, (*eigen)->place));
   PetscCall(PetscFree((*eigen)->coefficients));
+  PetscCall(PetscFree2((*eigen)->dense_re, (*eigen)->dense_im));
+  PetscCall(PetscFree((*eigen)->dense));
   PetscCall(BVDestroy(&(*eigen)->ritz));
   PetscCall(EPSDestroy(&(*eigen)->eps));
   PetscCall(PetscFree(*eigen));
