@@ -40,6 +40,8 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
   PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
   PetscCall(PetscMalloc3(scene->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
                          KINDS * ppc, &b->tie));
+  PetscCall(PetscMalloc2(scene->table->nops, &b->traits, scene->table->nops, &b->values));
+  for (PetscInt o = 0; o < scene->table->nops; o++) b->traits[o] = MpmOpTraitsOf(scene->table->ops[o].kind);
   for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scene, (MpmOpKind)kind);
   for (PetscInt step = 0; step < period; step++) {
     b->masses[step] = 0;
@@ -68,6 +70,7 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
   PetscFunctionBegin;
   PetscCall(PetscFree3(b->node, b->rows, b->masses));
   PetscCall(PetscFree3(b->particle, b->nodes, b->tie));
+  PetscCall(PetscFree2(b->traits, b->values));
   PetscCall(PetscFree(b->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -134,10 +137,11 @@ static PetscReal Inverse(const MpmBloch *b, PetscInt step)
   return alpha > SINGULAR ? 1 / alpha : 0;
 }
 
-static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
+static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscReal   a      = MpmOpValue(op, b->scene->courant);
+  const MpmOp      *op     = &b->scene->table->ops[o];
+  const MpmOpTraits traits = b->traits[o];
+  const PetscReal   a      = b->values[o];
   const PetscInt    ppc = b->scene->ppc, n = b->size;
   double complex   *dst;
 
@@ -155,8 +159,10 @@ static void ApplyOp(MpmBloch *b, const MpmOp *op, PetscInt step, PetscReal beta)
   if (!traits.accumulates)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
+    const PetscReal share = a / b->masses[step];
+
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, a * conj(Tie(b, op->kind, j)) / b->masses[step], b->particle + (op->src * ppc + j) * n, dst);
+      AddRow(n, share * conj(Tie(b, op->kind, j)), b->particle + (op->src * ppc + j) * n, dst);
   } else
     AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b, step) : Stencil(&traits, beta)), b->nodes + op->src * n, dst);
 }
@@ -197,12 +203,13 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, PetscBool noisy, doub
   PetscFunctionBegin;
   *exponent = 0;
   SetPhase(b, beta);
+  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], b->scene->courant);
   PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
     SetTies(b, step);
-    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, &t->ops[o], step, beta);
+    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, o, step, beta);
     if (noisy) Disturb(b, &random);
     *exponent += Rescale(b);
   }

@@ -2,13 +2,14 @@
    The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
 */
 #include <mpmstab/eigen.h>
+#include <mpmstab/eigen_dense.h>
+#include <mpmstab/eigen_target.h>
 #include <mpmstab/errors.h>
 #include <mpmstab/ritz.h>
 #include <math.h>
 
 #define DENSE_ORDER 4096
 #define ACCEPTED 1e-7 /* residual of what is listed */
-#define NEAR 1        /* eigenvalues sought near a target */
 #define LARGEST 2     /* eigenvalues sought of largest magnitude */
 #define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
 #define RESTARTS 200
@@ -20,45 +21,6 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
   return has_symbol ? MPM_EIGEN_TARGET : MPM_EIGEN_LARGEST;
 }
 
-/* Relative to the eigenvalue 1/theta of the inverse, not to theta, which is next to 0. */
-static PetscErrorCode InverseConverged(EPS eps, PetscScalar re, PetscScalar im, PetscReal residual, PetscReal *error,
-                                       void *context)
-{
-  (void)eps;
-  (void)context;
-  *error = residual * hypot(re, im);
-  return PETSC_SUCCESS;
-}
-
-static PetscErrorCode SetTarget(EPS eps)
-{
-  ST  st;
-  KSP ksp;
-  PC  pc;
-  Mat T, factor;
-
-  PetscFunctionBegin;
-  PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
-  PetscCall(EPSSetTarget(eps, 0));
-  PetscCall(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-  PetscCall(EPSSetDimensions(eps, NEAR, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(EPSSetTolerances(eps, 1e-10, RESTARTS));
-  PetscCall(EPSSetConvergenceTestFunction(eps, InverseConverged, NULL, NULL));
-  PetscCall(EPSGetST(eps, &st));
-  PetscCall(STSetType(st, STSINVERT));
-  PetscCall(STGetKSP(st, &ksp));
-  PetscCall(KSPSetType(ksp, KSPPREONLY));
-  PetscCall(KSPGetPC(ksp, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PetscCall(EPSGetOperators(eps, &T, NULL));
-  PetscCall(PCSetOperators(pc, T, T));
-  PetscCall(PCFactorSetUpMatSolverType(pc));
-  PetscCall(PCFactorGetMatrix(pc, &factor));
-  PetscCall(MatMumpsSetIcntl(factor, 14, 100)); /* room for pivots that are put off: T is nearly singular */
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
 {
   PetscErrorCode error;
@@ -66,9 +28,10 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscFunctionBegin;
   PetscCall(EPSSetProblemType(eps, EPS_NHEP));
   if (method == MPM_EIGEN_TARGET) {
-    PetscCall(SetTarget(eps));
+    PetscCall(MpmEigenTargetSet(eps, RESTARTS));
   } else if (method == MPM_EIGEN_DENSE) {
     PetscCall(EPSSetType(eps, EPSLAPACK));
+    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
     PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
@@ -80,6 +43,23 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   error = EPSSetFromOptions(eps);
   PetscCall(PetscPopErrorHandler());
   MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them; allowed: see its manual pages");
+  if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* " (LU: band)", or nothing where no LU is. */
+static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
+{
+  KSP           ksp;
+  PC            pc;
+  MatSolverType lu;
+
+  PetscFunctionBegin;
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCFactorGetMatSolverType(pc, &lu));
+  factors[0] = '\0';
+  if (lu) PetscCall(PetscSNPrintf(factors, room, " (LU: %s)", lu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,18 +69,23 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   EPSType type;
   STType  transform;
   ST      st;
-  char    near[64] = "";
+  char    near[64] = "", factors[32];
 
   PetscFunctionBegin;
   PetscCall(EPSGetType(e->eps, &type));
   PetscCall(EPSGetST(e->eps, &st));
   PetscCall(STGetType(st, &transform));
+  PetscCall(DescribeFactors(st, sizeof factors, factors));
   if (method == MPM_EIGEN_TARGET)
     PetscCall(
         PetscSNPrintf(near, sizeof near, " near %.9g %s %.9gi", target[0], target[1] < 0 ? "-" : "+", fabs(target[1])));
-  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s, %" PetscInt_FMT " found%s", type,
-                          strcmp(transform, STSHIFT) ? " with " : "", strcmp(transform, STSHIFT) ? transform : "", near,
-                          found, e->failed ? ", the solver failed" : ""));
+  if (!strcmp(transform, STSHIFT)) {
+    transform  = NULL;
+    factors[0] = '\0';
+  }
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s%s, %" PetscInt_FMT " found%s", type,
+                          transform ? " with " : "", transform ? transform : "", factors, near, found,
+                          e->failed ? ", the solver failed" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,6 +116,8 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
     PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
     PetscCall(BVMultVec(e->ritz, 1, 0, re, e->coefficients + 2 * n * e->place[j]));
     PetscCall(BVMultVec(e->ritz, 1, 0, im, e->coefficients + 2 * n * e->place[j] + n));
+  } else if (e->dense) {
+    PetscCall(MpmEigenDenseVector(e->dense, e->dense_im, e->place[j], re, im));
   } else
     PetscCall(EPSGetEigenpair(e->eps, e->place[j], NULL, NULL, re, im));
   PetscCall(VecNorm(re, NORM_2, &norm[0]));
@@ -207,10 +194,26 @@ static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found
     PetscCall(PetscFree2(re, im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (e->dense) {
+    PetscCall(List(e, found, e->dense_re, e->dense_im));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscMalloc2(found, &re, found, &im));
   for (PetscInt i = 0; i < found; i++) PetscCall(EPSGetEigenvalue(e->eps, i, &re[i], &im[i]));
   PetscCall(List(e, found, re, im));
   PetscCall(PetscFree2(re, im));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveDense(MpmEigen *e, PetscInt *found)
+{
+  PetscFunctionBegin;
+  *found    = 0;
+  e->failed = PETSC_TRUE;
+  if (!isfinite(e->norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(e->order, &e->dense_re, e->order, &e->dense_im));
+  PetscCall(MpmEigenDenseSolve(e->A, e->dense_re, e->dense_im, &e->dense, &e->failed));
+  *found = e->failed ? 0 : e->order;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,7 +255,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   const PetscReal begin = MPI_Wtime();
   Mat             T     = A;
   PetscInt        found, wanted;
-  PetscBool       largest = PETSC_FALSE;
+  PetscBool       largest = PETSC_FALSE, dense = PETSC_FALSE;
   MpmEigen       *e;
 
   PetscFunctionBegin;
@@ -266,7 +269,8 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   PetscCall(EPSSetOperators(e->eps, T, NULL));
   PetscCall(EPSSetOptionsPrefix(e->eps, prefix));
   PetscCall(SetMethod(e->eps, method, e->order));
-  PetscCall(SolveOrFail(e, &found));
+  if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
+  PetscCall(dense ? SolveDense(e, &found) : SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
   e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Describe(e, method, target, found));
@@ -285,6 +289,8 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
   if (!*eigen) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree4((*eigen)->re, (*eigen)->im, (*eigen)->residual, (*eigen)->place));
   PetscCall(PetscFree((*eigen)->coefficients));
+  PetscCall(PetscFree2((*eigen)->dense_re, (*eigen)->dense_im));
+  PetscCall(PetscFree((*eigen)->dense));
   PetscCall(BVDestroy(&(*eigen)->ritz));
   PetscCall(EPSDestroy(&(*eigen)->eps));
   PetscCall(PetscFree(*eigen));

@@ -11,6 +11,7 @@
    particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
    node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass. At a phase wave[i]
    is that of node lowest + i, of the seen nodes; at a step tie[kind x ppc + j] is the map's symbol, for maps in use.
+   traits and values are those of the table's operations, values at the scene's Courant number of the last matrix.
 */
 typedef struct {
   const MpmScene *scene;
@@ -19,6 +20,8 @@ typedef struct {
   PetscInt       *node;
   PetscReal      *rows, *masses;
   double complex *particle, *nodes, *wave, *tie;
+  MpmOpTraits    *traits;
+  PetscReal      *values;
 } MpmBloch;
 
 /* Not collective. Computes the maps' numbers once for all phases. */

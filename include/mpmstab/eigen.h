@@ -8,7 +8,7 @@
    MpmEigenMethod - how eigenvalues are found.
 
    MPM_EIGEN_DENSE   - all of them (LAPACK)
-   MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert, MUMPS)
+   MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert; LU of a band, or MUMPS where there is none)
    MPM_EIGEN_LARGEST - those of largest magnitude (Krylov-Schur); converges where modes are localised
 E*/
 typedef enum { MPM_EIGEN_DENSE, MPM_EIGEN_TARGET, MPM_EIGEN_LARGEST } MpmEigenMethod;
@@ -34,12 +34,13 @@ typedef struct {
   /* where the vectors are */
   EPS        eps;
   BV         ritz;
-  PetscInt  *place; /* of the listed pair in eps, or of its Ritz vector */
-  PetscReal *coefficients;
+  PetscInt  *place; /* of the listed pair in eps, in dense, or of its Ritz vector */
+  PetscReal *coefficients, *dense_re, *dense_im, *dense; /* dense: see MpmEigenDenseSolve */
 } MpmEigen;
 
 /*
-   MpmEigenSolve - solves with SLEPc; -eps_*, -st_*, -bv_* and -ds_* override what the method sets.
+   MpmEigenSolve - solves with SLEPc; -eps_*, -st_*, -bv_* and -ds_* override what the method sets;
+   all eigenvalues by LAPACK itself, unless -eps_type lapack asks for SLEPc's way.
 
    Collective. prefix: of the options. Refuses options that SLEPc refuses. target (re, im) for MPM_EIGEN_TARGET; not
    an eigenvalue itself, least of all 1.
