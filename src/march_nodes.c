@@ -31,27 +31,50 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
   if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }
 
+/* One of those that are local, on the nodes [lo, hi). */
+static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
+{
+  if (op->kind == MPM_LAP)
+    MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
+  else if (op->kind == MPM_ADD)
+    MpmNodeAdd(lo, hi, op->a, field[op->src], field[op->dst]);
+  else
+    MpmNodeCopy(lo, hi, op->a, field[op->src], field[op->dst]);
+}
+
+void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt lo, PetscInt hi, MpmNodesDone done[])
+{
+  PetscInt reach  = 0,
+           margin = 0; /* how far operations so far look, and how far behind [lo, hi) the present one stays */
+
+  for (PetscInt o = 0; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
+    reach = PetscMax(reach, MpmOpTraitsOf(pass->node_op[o].kind).halo);
+    margin += reach;
+    if (hi - margin <= PetscMax(done[o].hi, lo + margin)) return;
+    if (done[o].lo == done[o].hi) done[o].lo = done[o].hi = lo + margin;
+    RunLocal(&pass->node_op[o], field, done[o].hi, hi - margin);
+    done[o].hi = hi - margin;
+  }
+}
+
 PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const MpmPlaces *places)
+                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[])
 {
   const MpmGrid *grid = march->grid;
 
   PetscFunctionBegin;
-  for (const MpmNodeOp *op = pass->node_op; op < pass->node_op + pass->nnode_ops; op++) {
-    const PetscInt beyond = grid->ghost - op->depth, lo = -beyond, hi = grid->nodes + beyond;
-    PetscReal     *src = field[op->src], *dst = field[op->dst];
+  for (PetscInt o = 0; o < pass->nnode_ops; o++) {
+    const MpmNodeOp *op     = &pass->node_op[o];
+    const PetscInt   beyond = grid->ghost - op->depth;
 
-    if (op->kind == MPM_LAP)
-      MpmNodeLaplacian(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_ADD)
-      MpmNodeAdd(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_COPY)
-      MpmNodeCopy(lo, hi, op->a, src, dst);
-    else if (op->kind == MPM_WALL)
-      SetWall(grid, op, src, dst);
+    if (MpmNodeOpIsLocal(op->kind)) {
+      RunLocal(op, field, -beyond, done[o].lo);
+      RunLocal(op, field, done[o].hi, grid->nodes + beyond);
+    } else if (op->kind == MPM_WALL)
+      SetWall(grid, op, field[op->src], field[op->dst]);
     else
       PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places, march->scene->table->odd[op->dst],
-                                   inverse_mass, src, dst));
+                                   inverse_mass, field[op->src], field[op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,6 @@
    the nodes that a block sees are complete, while its particles are in the second-level cache. Only the
    blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
 */
-#include <mpmstab/march_nodes.h>
 #include <mpmstab/march_stage.h>
 
 static PetscErrorCode GetArrays(const MpmMarch *march, MpmMarchArrays *a)
@@ -43,7 +42,7 @@ static PetscErrorCode RestoreArrays(MpmMarch *march, MpmMarchArrays *a, const Mp
 {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < march->nnodes; f++) {
-    const PetscBool swap = last->node[f] != a->node[f] ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool swap = last->after[f] != a->node[f] ? PETSC_TRUE : PETSC_FALSE;
 
     PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
     if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &a->spare[f]));
@@ -74,13 +73,13 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
     PetscCall(MpmParticlesWhere(march->particles, step, &s->whole[0], &s->part[0]));
     PetscCall(MpmParticlesWhere(march->particles, step + 1, &s->whole[1], &s->part[1]));
   }
-  for (PetscInt f = 0; f < march->nnodes; f++)
-    s->node[f] = !before ? a->node[f] : before->sum[f] ? before->sum[f] : before->node[f];
+  for (PetscInt f = 0; f < march->nnodes; f++) s->node[f] = before ? before->after[f] : a->node[f];
   for (PetscInt i = 0; i < pass->nsums; i++) {
     const PetscInt f = pass->sum[i];
 
     s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
   }
+  for (PetscInt f = 0; f < march->nnodes; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
   MpmStagePlace(s);
@@ -124,6 +123,7 @@ static PetscErrorCode Advance(MpmStage *s)
   Complete(s, s->hi, left);
   s->hi = PetscMax(s->hi, left);
   s->next += n;
+  MpmMarchFollowNodes(s->pass, s->after, s->lo, s->hi, s->done);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,10 +207,8 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
   march->particles->step = step;
-  for (PetscInt f = 0; f < march->nnodes; f++)
-    if (stage[n - 1].sum[f]) stage[n - 1].node[f] = stage[n - 1].sum[f];
-  places = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
-  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].node, arrays.mass, &places));
+  places                 = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
+  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
   PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

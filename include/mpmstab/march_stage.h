@@ -1,6 +1,6 @@
 /* A pass on its way through the particles: what march_pass.c, which orders the blocks, and march_block.c share. */
 #pragma once
-#include <mpmstab/march.h>
+#include <mpmstab/march_nodes.h>
 
 /* What the passes of a group share: the arrays of particles and nodes, and how many particles a block has. */
 typedef struct {
@@ -20,7 +20,8 @@ typedef struct {
    MpmStage - one pass of a group, its arrays resolved so that the block loop follows pointers only.
 
    Particles [first, next) have been through it, nodes [lo, hi) are complete, and nodes [zeroed[0], zeroed[1]) are ready
-   to be summed to. Index 0 of whole, part and placed: before DRIFT, 1: after it.
+   to be summed to. It reads node[], writes sum[] and leaves behind after[], by node field. Index 0 of whole, part and
+   placed: before DRIFT, 1: after it.
 S*/
 typedef struct {
   const MpmPass        *pass;
@@ -28,9 +29,10 @@ typedef struct {
   PetscBool             moving, sample;
   PetscInt              whole[2];
   PetscReal             part[2];
-  PetscReal            *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *squares;
+  PetscReal            *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *after[MPM_MAX_FIELDS], *squares;
   PetscInt              first, next, lo, hi, zeroed[2];
   MpmPlaced            *placed;
+  MpmNodesDone          done[MPM_MAX_PASS_OPS];
 } MpmStage;
 
 /* Not collective. How many particles a block has: where cells are alike, those of whole cells. */

@@ -45,6 +45,12 @@ typedef struct {
   PetscInt  dst, src, depth, end;
 } MpmNodeOp;
 
+/* Not collective. Whether a node's new value depends on it and its neighbours alone, of any rank and of no wall. */
+static inline PetscBool MpmNodeOpIsLocal(MpmOpKind kind)
+{
+  return kind == MPM_LAP || kind == MPM_ADD || kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then migrate. */
 typedef struct {
   PetscInt  nops, nsums, nnode_ops;

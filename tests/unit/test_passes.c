@@ -113,10 +113,12 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Moves("-formulation gas2 -drift 1/8", PETSC_TRUE, 32 + (32 + 16) / 2));
   /* old node fields beside the new */
   PetscCall(Moves("-formulation gas1", PETSC_TRUE, 32 + (48 + 8) / 2));
-  /* u, w and its old; a; LAP, ADD */
-  PetscCall(Moves("-formulation elastic", PETSC_TRUE, 32 + (16 + 24 + 8 + 8 + 24 + 24) / 2));
+  /* u, w and its old, a, mass: LAP and ADD follow the particles */
+  PetscCall(Moves("-formulation elastic", PETSC_TRUE, 32 + (16 + 24 + 16 + 8) / 2));
   PetscCall(Moves("-formulation usl -material two -density_ratio 4 -stiffness_ratio 2", PETSC_FALSE,
-                  12 + 32 + 16 + (48 + 8 + 24) / 2));
+                  12 + 32 + 16 + (48 + 8) / 2));
+  /* two passes: v, s, v_i and its old, a_i, mass; s again, a_i, mass; ADD comes after a wall, so it is a sweep */
+  PetscCall(Moves("-formulation usl -boundary fixed", PETSC_TRUE, 32 + 8 + (16 + 8 + 8 + 8 + 16 + 8 + 24) / 2));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
