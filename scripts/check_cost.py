@@ -6,9 +6,11 @@ nothing to compare with (status 77). --record writes new numbers; say in the com
 """
 import argparse
 import json
+import os
 import re
 import subprocess
 import sys
+import tempfile
 
 import program
 
@@ -19,15 +21,16 @@ MARCHES = ("gas2 linear 0", "usl quadratic 0.3", "musl linear 0")
 
 def instructions(mpmstab, march):
     formulation, basis, drift = march.split()
-    out = f"callgrind.{formulation}"
-    done = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=MpmMarchStep",
-                           f"--callgrind-out-file={out}", mpmstab, "run", "-formulation", formulation, "-basis", basis,
-                           "-drift", drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS), "-courant",
-                           "0.1"], capture_output=True, text=True, check=False)
-    if done.returncode:
-        sys.exit(f"check_cost: {march}: status {done.returncode}: {done.stderr}")
-    with open(out, encoding="utf-8") as file:
-        counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "callgrind")
+        done = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=MpmMarchStep",
+                               f"--callgrind-out-file={out}", mpmstab, "run", "-formulation", formulation, "-basis",
+                               basis, "-drift", drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS),
+                               "-courant", "0.1"], capture_output=True, text=True, check=False)
+        if done.returncode:
+            sys.exit(f"check_cost: {march}: status {done.returncode}: {done.stderr}")
+        with open(out, encoding="utf-8") as file:
+            counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
     if not counted:
         sys.exit(f"check_cost: {march}: no instruction was counted in MpmMarchStep")
     return counted / (CELLS * PPC * STEPS)
