@@ -91,9 +91,11 @@ static PetscErrorCode Release(Band *b)
 
 static PetscErrorCode FactorSymbolic(Mat factor, Mat matrix, IS rows, IS columns, const MatFactorInfo *info)
 {
-  PetscMPIInt rank;
-  Band       *b;
-  Vec         x;
+  const MPI_Comm comm = PetscObjectComm((PetscObject)matrix);
+  PetscMPIInt    rank;
+  Band          *b;
+  Vec            x;
+  int            failed = 0;
 
   PetscFunctionBegin;
   (void)rows;
@@ -102,14 +104,16 @@ static PetscErrorCode FactorSymbolic(Mat factor, Mat matrix, IS rows, IS columns
   PetscCall(MatShellGetContext(factor, &b));
   PetscCall(Release(b));
   PetscCall(Measure(matrix, b));
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)matrix), &rank));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   b->first_rank = rank ? PETSC_FALSE : PETSC_TRUE;
   PetscCall(MatCreateVecs(matrix, &x, NULL));
   PetscCall(VecScatterCreateToZero(x, &b->gather, &b->whole));
   PetscCall(VecDestroy(&x));
-  if (rank) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((size_t)RowLength(b) * (size_t)b->n, &b->column));
-  PetscCall(PetscMalloc3(b->n, &b->pivot, b->n, &b->first, b->n, &b->x));
+  if (rank == 0)
+    failed = PetscMalloc1((size_t)RowLength(b) * (size_t)b->n, &b->column) ||
+             PetscMalloc3(b->n, &b->pivot, b->n, &b->first, b->n, &b->x);
+  PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, comm)); /* else the others would wait for the first rank */
+  PetscCheck(!failed, comm, PETSC_ERR_MEM, "no memory for the factors of a band");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -196,7 +196,7 @@ static PetscErrorCode ReadParticles(MpmSlabs *s, const Share *share, MpmMarch *m
 
   PetscFunctionBegin;
   particles->count = (PetscInt)share->n;
-  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, 0));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
   PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
   PetscCall(ReadField(s, share, particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
   PetscCall(ReadCells(s, share, march));
@@ -267,8 +267,10 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
   PetscCall(MpmSlabsClose(&slabs, &failed));
   PetscCall(ierr);
   PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
-  if (!share.same) PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  PetscCall(MpmParticlesComparePlaces(march->particles));
+  if (share.same)
+    PetscCall(MpmParticlesComparePlaces(march->particles));
+  else
+    PetscCall(MpmParticlesRebase(march->particles, march->grid));
   PetscCall(MpmParticlesWeigh(march->scene, march->particles));
   if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);

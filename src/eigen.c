@@ -31,7 +31,6 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(MpmEigenTargetSet(eps, RESTARTS));
   } else if (method == MPM_EIGEN_DENSE) {
     PetscCall(EPSSetType(eps, EPSLAPACK));
-    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
     PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
@@ -53,13 +52,15 @@ static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
   KSP           ksp;
   PC            pc;
   MatSolverType lu;
+  PetscBool     is_lu;
 
   PetscFunctionBegin;
   PetscCall(STGetKSP(st, &ksp));
   PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCLU, &is_lu));
   PetscCall(PCFactorGetMatSolverType(pc, &lu));
   factors[0] = '\0';
-  if (lu) PetscCall(PetscSNPrintf(factors, room, " (LU: %s)", lu));
+  if (is_lu && lu) PetscCall(PetscSNPrintf(factors, room, " (LU: %s)", lu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

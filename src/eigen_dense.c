@@ -26,12 +26,17 @@ static PetscErrorCode Solve(PetscInt n, PetscReal a[], PetscReal re[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Options that only SLEPc's solver can follow. */
+static const char *const slepcs[] = {
+    "-eps_type",           "-eps_view",           "-eps_view_values",    "-eps_view_vectors",
+    "-eps_error_absolute", "-eps_error_relative", "-eps_error_backward", "-eps_converged_reason"};
+
 PetscErrorCode MpmEigenDenseIsPlain(EPS eps, PetscBool *plain)
 {
   ST          st;
   STType      transform;
   PetscScalar shift;
-  PetscBool   lapack, asked;
+  PetscBool   lapack, asked = PETSC_FALSE;
   const char *prefix;
 
   PetscFunctionBegin;
@@ -40,7 +45,8 @@ PetscErrorCode MpmEigenDenseIsPlain(EPS eps, PetscBool *plain)
   PetscCall(STGetType(st, &transform));
   PetscCall(PetscObjectTypeCompare((PetscObject)eps, EPSLAPACK, &lapack));
   PetscCall(EPSGetOptionsPrefix(eps, &prefix));
-  PetscCall(PetscOptionsHasName(NULL, prefix, "-eps_type", &asked));
+  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(slepcs) && !asked; o++)
+    PetscCall(PetscOptionsHasName(NULL, prefix, slepcs[o], &asked));
   *plain = lapack && !asked && shift == 0 && (!transform || !strcmp(transform, STSHIFT)) ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

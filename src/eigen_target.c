@@ -1,18 +1,22 @@
 /* Shift-and-invert near a target: the solver for T of ritz.h, and how T is factored. */
 #include <mpmstab/band_lu.h>
 #include <mpmstab/eigen_target.h>
+#include <mpmstab/memory.h>
 
 #define NEAR 1       /* eigenvalues sought near a target */
 #define NEAR_BASIS 8 /* vectors of the Krylov space near a target: the inverse has one eigenvalue far beyond others */
 #define BAND_FILL 16 /* numbers in a band's factors per nonzero, above which it is no band */
-#define GATHERED 8e9 /* bytes of factors that one of several ranks may hold */
 
-/* Band LU where T is a band, MUMPS for what is none and for what is too large for one of several ranks. */
-static PetscErrorCode SetFactorization(Mat T, PC pc)
+/*
+   Band LU where T is a band, MUMPS for what is none, for what is too large for one of several ranks, and for solves with
+   the transposed, which two-sided solvers take.
+*/
+static PetscErrorCode SetFactorization(Mat T, const char prefix[], PC pc)
 {
   MatInfo     info;
-  PetscReal   bytes;
+  PetscReal   bytes, available;
   PetscMPIInt ranks;
+  PetscBool   two_sided;
   Mat         factor;
 
   PetscFunctionBegin;
@@ -21,7 +25,9 @@ static PetscErrorCode SetFactorization(Mat T, PC pc)
   PetscCall(MpmBandLUBytes(T, &bytes));
   PetscCall(MatGetInfo(T, MAT_GLOBAL_SUM, &info));
   PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)T), &ranks));
-  if (bytes <= BAND_FILL * info.nz_used * sizeof(PetscScalar) && (ranks == 1 || bytes <= GATHERED)) {
+  PetscCall(MpmMemoryOfRank(PetscObjectComm((PetscObject)T), &available));
+  PetscCall(PetscOptionsHasName(NULL, prefix, "-eps_two_sided", &two_sided));
+  if (!two_sided && bytes <= BAND_FILL * info.nz_used * sizeof(PetscScalar) && (ranks == 1 || bytes <= available)) {
     PetscCall(PCFactorSetMatSolverType(pc, MPM_SOLVER_BAND));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -35,10 +41,11 @@ static PetscErrorCode SetFactorization(Mat T, PC pc)
 /* The convergence test is SLEPc's own: relative to the eigenvalue of the inverse, not to that of T, which is near 0. */
 PetscErrorCode MpmEigenTargetSet(EPS eps, PetscInt restarts)
 {
-  ST  st;
-  KSP ksp;
-  PC  pc;
-  Mat T;
+  ST          st;
+  KSP         ksp;
+  PC          pc;
+  Mat         T;
+  const char *prefix;
 
   PetscFunctionBegin;
   PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
@@ -53,17 +60,19 @@ PetscErrorCode MpmEigenTargetSet(EPS eps, PetscInt restarts)
   PetscCall(KSPGetPC(ksp, &pc));
   PetscCall(PCSetType(pc, PCLU));
   PetscCall(EPSGetOperators(eps, &T, NULL));
-  PetscCall(SetFactorization(T, pc));
+  PetscCall(EPSGetOptionsPrefix(eps, &prefix));
+  PetscCall(SetFactorization(T, prefix, pc));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A small Krylov space where options have not asked for more eigenvalues or another one. */
 PetscErrorCode MpmEigenTargetBasis(EPS eps)
 {
-  PetscInt wanted, vectors;
+  PetscInt wanted, vectors, projected;
 
   PetscFunctionBegin;
-  PetscCall(EPSGetDimensions(eps, &wanted, &vectors, NULL));
-  if (wanted == NEAR && vectors <= 0) PetscCall(EPSSetDimensions(eps, wanted, NEAR_BASIS, PETSC_DETERMINE));
+  PetscCall(EPSGetDimensions(eps, &wanted, &vectors, &projected));
+  if (wanted == NEAR && vectors <= 0 && projected <= 0)
+    PetscCall(EPSSetDimensions(eps, wanted, NEAR_BASIS, PETSC_DETERMINE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

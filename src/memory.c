@@ -47,20 +47,29 @@ PetscReal MpmMemoryOfMarch(const MpmScene *scene)
          (PetscReal)scene->nodes * (OF_NODE + OF_NUMBER * scene->table->nnodes);
 }
 
+PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
+{
+  PetscMPIInt here;
+  MPI_Comm    machine;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  PetscCallMPI(MPI_Comm_size(machine, &here));
+  PetscCallMPI(MPI_Comm_free(&machine));
+  *bytes = Available(here) / here;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_MIN, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[])
 {
-  PetscMPIInt size, here;
-  PetscReal   least; /* available to a rank */
-  MPI_Comm    machine;
+  PetscMPIInt size;
+  PetscReal   least;
 
   PetscFunctionBegin;
   if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  PetscCallMPI(MPI_Comm_size(machine, &here));
-  PetscCallMPI(MPI_Comm_free(&machine));
-  least = Available(here) / here;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPI_MIN, comm));
+  PetscCall(MpmMemoryOfRank(comm, &least));
   MpmCheckInput(bytes / size <= least,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": %s needs about %.2g GB, %.2g GB on each of %d "
                 "ranks; allowed: %.2g GB a rank, so fewer cells or particles, or more machines",

@@ -4,6 +4,7 @@
    particles, so the order of places, on which the passes' speed rests, is restored after.
 */
 #include <mpmstab/particles.h>
+#include <stdint.h>
 
 /* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived. */
 static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt whole, PetscReal part,
@@ -96,43 +97,37 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Applies the order to one field of 8 or 4 bytes a particle, through a buffer of 8 bytes a particle. */
+/* Applies the order to one field, word by word of its numbers: so the buffer takes four bytes a particle, not eight. */
 static PetscErrorCode Reorder(const MpmParticles *particles, const char name[], const PetscInt order[],
-                              PetscInt64 buffer[])
+                              uint32_t buffer[])
 {
   const PetscInt n = particles->count;
   PetscDataType  type;
-  size_t         bytes;
-  void          *field;
+  size_t         bytes, words;
+  uint32_t      *field;
 
   PetscFunctionBegin;
-  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, &type, &field));
+  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, &type, (void **)&field));
   PetscCall(PetscDataTypeGetSize(type, &bytes));
-  if (bytes == sizeof(PetscInt64)) {
-    const PetscInt64 *from = (const PetscInt64 *)field;
-
-    for (PetscInt i = 0; i < n; i++) buffer[i] = from[order[i]];
-  } else {
-    const int *from = (const int *)field;
-    int       *to   = (int *)buffer;
-
-    PetscCheck(bytes == sizeof(int), PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s of another size", name);
-    for (PetscInt i = 0; i < n; i++) to[i] = from[order[i]];
+  words = bytes / sizeof *field;
+  PetscCheck(bytes % sizeof *field == 0, PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s has no whole words", name);
+  for (size_t w = 0; w < words; w++) {
+    for (PetscInt i = 0; i < n; i++) buffer[i] = field[words * (size_t)order[i] + w];
+    for (PetscInt i = 0; i < n; i++) field[words * (size_t)i + w] = buffer[i];
   }
-  PetscCall(PetscMemcpy(field, buffer, bytes * (size_t)n));
-  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, &type, &field));
+  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, &type, (void **)&field));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
 {
-  PetscInt   *order;
-  PetscInt64 *buffer;
+  PetscInt *order;
+  uint32_t *buffer;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(particles->count, &order));
-  PetscCall(PetscMalloc1(particles->count, &buffer));
   PetscCall(FindOrder(particles, grid, order));
+  PetscCall(PetscMalloc1(particles->count, &buffer));
   PetscCall(Reorder(particles, DMSwarmField_pid, order, buffer));
   PetscCall(Reorder(particles, MpmFieldCell, order, buffer));
   PetscCall(Reorder(particles, MpmFieldXi, order, buffer));

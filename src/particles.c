@@ -84,6 +84,11 @@ static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 
   return n;
 }
 
+PetscInt MpmParticlesRoom(const MpmParticles *particles)
+{
+  return particles->parallel ? particles->count / 64 + 256 : 0;
+}
+
 static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
 {
   PetscInt64 *id;
@@ -92,7 +97,7 @@ static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParti
 
   PetscFunctionBegin;
   particles->count = VisitOwn(scene, grid, NULL, NULL, NULL);
-  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, 0));
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
   PetscCall(DMSwarmGetSize(particles->swarm, &size));
   PetscCheck(size == particles->total, PetscObjectComm((PetscObject)particles->swarm), PETSC_ERR_PLIB,
              "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, particles->total);

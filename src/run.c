@@ -217,8 +217,9 @@ static PetscErrorCode Check(Loop *loop)
 
 PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
 {
-  Loop    loop = {.gap = SampleGap(scene)};
-  MpmRun *r;
+  Loop      loop = {.gap = SampleGap(scene)};
+  MpmRun   *r;
+  PetscBool alike; /* on all ranks */
 
   PetscFunctionBegin;
   PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, scene, MpmMemoryOfMarch(scene), "the march"));
@@ -238,8 +239,9 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(CloseFiles(&loop));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
-  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes,
-                              loop.march->particles->per_cell ? PETSC_TRUE : PETSC_FALSE);
+  alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
+  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes, alike);
   if (loop.exchange) {
     r->exchange_first = loop.exchange->first;
     r->exchange_last  = loop.exchange->last;

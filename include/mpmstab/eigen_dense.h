@@ -3,7 +3,7 @@
 #include <mpmstab/compat.h>
 #include <slepceps.h>
 
-/* Not collective. Whether an eps' options leave LAPACK's eigenvalues as they are, and do not ask for -eps_type. */
+/* Not collective. Whether an eps' options leave LAPACK's eigenvalues as they are, and ask for nothing that SLEPc does. */
 PetscErrorCode MpmEigenDenseIsPlain(EPS eps, PetscBool *plain);
 
 /*

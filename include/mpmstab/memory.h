@@ -9,5 +9,8 @@
 */
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[]);
 
+/* Collective. The least that a rank may have, if those of a machine share it evenly; INFINITY: not known. */
+PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
+
 /* Not collective. Least that particles, nodes and output of a march take, on all ranks. */
 PetscReal MpmMemoryOfMarch(const MpmScene *scene);

@@ -45,6 +45,12 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 /* Not collective. Gives the particles, by their ids, the properties that vary. */
 PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles);
 
+/*
+   Not collective. How many more particles than it has a rank's arrays have room for: without, the swarm would give back
+   and ask again for the memory of all arrays with each particle that leaves.
+*/
+PetscInt MpmParticlesRoom(const MpmParticles *particles);
+
 /* Not collective. Finds per_cell; to be called when places have changed. */
 PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 

@@ -215,6 +215,8 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckAlike("-formulation musl -ppc 5 -steps 50 -drift -1/7 -basis cubic -transfer apic", 5));
   PetscCall(CheckAlike("-formulation elastic -ppc 1 -steps 400 -drift -5/7 -basis gimp", 1));
   PetscCall(CheckAlike("-formulation usl -ppc 4 -steps 50 -material two -density_ratio 4 -stiffness_ratio 2", 4));
+  PetscCall(CheckAlike("-formulation musl -ppc 129 -cells 40 -steps 20", 129));
+  PetscCall(CheckAlike("-formulation usl -ppc 2 -steps 20 -boundary fixed,free -basis quadratic", 2));
   PetscCall(CheckAlike("-formulation usl -ppc 4 -steps 50 -jitter 0.1", 0));
   PetscCall(CheckAlike("-formulation gas2 -counts 2,2,2,3 -steps 50", 0));
   PetscCall(CheckRescale());

@@ -318,6 +318,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckMethods("-cells 40 -courant 0.5 -jitter 0.4", MPM_EIGEN_LARGEST));
   PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "", "(LU: band)"));
   PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "-st_pc_factor_mat_solver_type mumps", "(LU: mumps)"));
+  PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "-eps_two_sided", "(LU: mumps)")); /* solves with the transposed */
   PetscCall(CheckFactors("-cells 1500", PETSC_TRUE, "", "(LU: mumps)"));
   PetscCall(CheckFactors("-cells 1501 -ppc 1 -basis quadratic -courant 2.5", PETSC_FALSE, "", "(LU: band)"));
   PetscCall(CheckFactors("-cells 700 -formulation musl -drift 1/8", PETSC_FALSE, "", "(LU: band)"));
