@@ -117,7 +117,7 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
     PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
     PetscCall(BVMultVec(e->ritz, 1, 0, re, e->coefficients + 2 * n * e->place[j]));
     PetscCall(BVMultVec(e->ritz, 1, 0, im, e->coefficients + 2 * n * e->place[j] + n));
-  } else if (e->dense) {
+  } else if (e->dense_re) {
     PetscCall(MpmEigenDenseVector(e->dense, e->dense_im, e->place[j], re, im));
   } else
     PetscCall(EPSGetEigenpair(e->eps, e->place[j], NULL, NULL, re, im));
@@ -195,7 +195,7 @@ static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found
     PetscCall(PetscFree2(re, im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (e->dense) {
+  if (e->dense_re) { /* dense is NULL on a rank without rows */
     PetscCall(List(e, found, e->dense_re, e->dense_im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
