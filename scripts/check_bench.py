@@ -157,7 +157,8 @@ def check_scaling():
     for model in (rest, drifting):
         two, three = model["counts"]["2"], model["counts"]["3"]
         check(three["messages"] == 2 * two["messages"] >= 4, f"both neighbours are one on 2 ranks: {model['counts']}")
-        check(near(three["messages"] * three["bytes"], two["messages"] * two["bytes"]), f"bytes: {model['counts']}")
+        both = [counts["messages"] * counts["bytes"] for counts in (two, three)]  # migrations tell apart to 1e-5
+        check(abs(both[0] - both[1]) <= 1e-4 * both[0], f"bytes: {model['counts']}")
         check(0 <= three["reductions"] <= 1 and model["tp"] > 0, f"model: {model}")
         check([(row["particles"], row["ranks"]) for row in model["check"]] ==
               [(n, p) for n in (1000, 10_000) for p in (1, 2)], f"check: {model['check']}")
@@ -166,7 +167,7 @@ def check_scaling():
     still = rest["counts"]["3"]
     check(still["migrations"] == 0 and still["bytes"] % 8 == 0, f"at rest: {still}")
     migrations = drifting["counts"]["3"]["migrations"]
-    check(0.3 / 65 <= migrations <= 1 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
+    check(0.5 * 0.3 / 64 <= migrations <= 2 * 0.3 / 64 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
 
 
 if __name__ == "__main__":
