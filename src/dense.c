@@ -37,30 +37,43 @@ static PetscBool IsFinite(size_t n, const PetscReal a[])
   return PETSC_TRUE;
 }
 
+PetscErrorCode MpmDenseEigen(PetscInt n, PetscReal a[], PetscReal re[], PetscReal im[], PetscReal vectors[],
+                             int *failed)
+{
+  const char  *job = vectors ? "V" : "N";
+  PetscBLASInt order, one = 1, room = -1, info;
+  PetscReal   *work, query;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCallBLAS("LAPACKgeev",
+                LAPACKgeev_("N", job, &order, a, &order, re, im, NULL, &one, vectors, &order, &query, &room, &info));
+  room = (PetscBLASInt)query;
+  PetscCall(PetscMalloc1(room, &work));
+  PetscCallBLAS("LAPACKgeev",
+                LAPACKgeev_("N", job, &order, a, &order, re, im, NULL, &one, vectors, &order, work, &room, &info));
+  PetscCall(PetscFree(work));
+  PetscCheck(info >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev failed: %d", (int)info);
+  *failed = (int)info;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2])
 {
-  PetscInt     n;
-  PetscBLASInt order, one = 1, room = -1, info;
-  PetscReal   *a, *re, *im, *work, query;
+  PetscInt   n;
+  int        failed;
+  PetscReal *a, *re, *im;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(matrix, &n, NULL));
-  PetscCall(PetscBLASIntCast(n, &order));
   PetscCall(PetscMalloc3((size_t)n * n, &a, n, &re, n, &im));
   PetscCall(MpmDenseCopy(matrix, a));
   value[0] = INFINITY;
   value[1] = 0;
   if (IsFinite((size_t)n * n, a)) {
-    PetscCallBLAS("LAPACKgeev",
-                  LAPACKgeev_("N", "N", &order, a, &order, re, im, NULL, &one, NULL, &one, &query, &room, &info));
-    room = (PetscBLASInt)query;
-    PetscCall(PetscMalloc1(room, &work));
-    PetscCallBLAS("LAPACKgeev",
-                  LAPACKgeev_("N", "N", &order, a, &order, re, im, NULL, &one, NULL, &one, work, &room, &info));
-    PetscCheck(info >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev failed: %d", (int)info);
-    PetscCall(PetscFree(work));
-    value[0] = info ? NAN : 0;
-    for (PetscInt i = 0; i < n && !info; i++) {
+    PetscCall(MpmDenseEigen(n, a, re, im, NULL, &failed));
+    value[0] = failed ? NAN : 0;
+    for (PetscInt i = 0; i < n && !failed; i++) {
       if (hypot(re[i], im[i]) <= hypot(value[0], value[1])) continue;
       value[0] = re[i];
       value[1] = im[i];

@@ -4,27 +4,6 @@
 */
 #include <mpmstab/dense.h>
 #include <mpmstab/eigen_dense.h>
-#include <petscblaslapack.h>
-
-/* Overwrites a; the vectors of a pair are columns j and j + 1, re and im. */
-static PetscErrorCode Solve(PetscInt n, PetscReal a[], PetscReal re[], PetscReal im[], PetscReal vectors[], int *failed)
-{
-  PetscBLASInt order, one = 1, room = -1, info;
-  PetscReal   *work, query;
-
-  PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &order));
-  PetscCallBLAS("LAPACKgeev",
-                LAPACKgeev_("N", "V", &order, a, &order, re, im, NULL, &one, vectors, &order, &query, &room, &info));
-  room = (PetscBLASInt)query;
-  PetscCall(PetscMalloc1(room, &work));
-  PetscCallBLAS("LAPACKgeev",
-                LAPACKgeev_("N", "V", &order, a, &order, re, im, NULL, &one, vectors, &order, work, &room, &info));
-  PetscCall(PetscFree(work));
-  PetscCheck(info >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev failed: %d", (int)info);
-  *failed = (int)info;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Options that only SLEPc's solver can follow. */
 static const char *const slepcs[] = {
@@ -69,7 +48,7 @@ PetscErrorCode MpmEigenDenseSolve(Mat A, PetscReal re[], PetscReal im[], PetscRe
   PetscCall(MpmDenseCopy(A, whole));
   if (rank == 0) {
     PetscCall(PetscMalloc1((size_t)n * n, &vectors));
-    PetscCall(Solve(n, whole, re, im, vectors, &bad));
+    PetscCall(MpmDenseEigen(n, whole, re, im, vectors, &bad));
   }
   PetscCall(PetscFree(whole));
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));

@@ -15,3 +15,12 @@ PetscErrorCode MpmDenseCopy(Mat matrix, PetscReal values[]);
    Collective. re is infinite when the matrix is not finite, NaN when LAPACK did not converge.
 */
 PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2]);
+
+/*
+   MpmDenseEigen - all eigenvalues re + i im of a real matrix by LAPACK's dgeev, which balances.
+
+   Not collective. a: n x n by columns, overwritten. vectors: NULL, or room for n x n; those of a pair, whose upper value
+   comes first, are columns j and j + 1, re and im. failed: not 0 when LAPACK did not converge.
+*/
+PetscErrorCode MpmDenseEigen(PetscInt n, PetscReal a[], PetscReal re[], PetscReal im[], PetscReal vectors[],
+                             int *failed);
