@@ -177,7 +177,7 @@ def check_refusals():
 
 
 def seal(path):
-    """Makes the seal of a file right again (src/seal.c)."""
+    """Makes the seal of a file right again (src/base/checksum.c)."""
     with open(path, "rb") as file:
         content = file.read()
     word = np.frombuffer(content[512:] + bytes(-len(content) % 8), dtype="<u8")

@@ -1,10 +1,10 @@
 /* Tasks by name. */
 #include <mpmstab/errors.h>
-#include <mpmstab/launch.h>
-#include <mpmstab/settings.h>
-#include <mpmstab/stop.h>
-#include <mpmstab/task.h>
-#include <mpmstab/unfinished.h>
+#include "base/launch.h"
+#include "scene/settings.h"
+#include "base/stop.h"
+#include "task/task.h"
+#include "base/unfinished.h"
 #include <signal.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* Basis functions: which nodes a particle sees, and the maps written for them. */
 #pragma once
 #include <mpmstab/formulation.h>
-#include <mpmstab/kernels.h>
+#include "scheme/kernels.h"
 
 /*S
    MpmBasis - a basis: its reach and its maps.

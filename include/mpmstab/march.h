@@ -1,10 +1,10 @@
 /* March: the explicit loop. Reads a table's passes; knows nothing of gas or bar. */
 #pragma once
-#include <mpmstab/float_check.h>
-#include <mpmstab/grid.h>
-#include <mpmstab/nodal_solve.h>
-#include <mpmstab/particles.h>
-#include <mpmstab/passes.h>
+#include "base/float_check.h"
+#include "march/grid.h"
+#include "march/nodal_solve.h"
+#include "march/particles.h"
+#include "march/passes.h"
 
 /*S
    MpmMarch - a scene in motion.

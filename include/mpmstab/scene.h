@@ -2,7 +2,7 @@
 #pragma once
 #include <mpmstab/basis.h>
 #include <mpmstab/formulation.h>
-#include <mpmstab/settings.h>
+#include "scene/settings.h"
 #include <mpmstab/table.h>
 #include <mpmstab/verdict.h>
 

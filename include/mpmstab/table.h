@@ -46,7 +46,7 @@ PetscErrorCode MpmTableImpose(MpmTable *table, PetscInt node);
 const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field);
 
 /* Not collective. Whether P2G of a particle field is 0 at fixed ends (see odd). */
-PetscBool MpmTableIsOdd(const MpmTable *table, PetscInt field);
+PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field);
 
 /* Not collective. The property that an operation weighs particles with, or MPM_NO_PROPERTY where all have the same. */
 MpmProperty MpmTableWeight(const MpmTable *table, MpmOpKind kind);

@@ -51,4 +51,4 @@ PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period
    operator times 2^exponent.
 */
 PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual);
-PetscReal MpmBlurOf(PetscReal error, PetscInt exponent, PetscInt period);
+PetscReal MpmDefectiveErrorOf(PetscReal error, PetscInt exponent, PetscInt period);

@@ -8,9 +8,9 @@
 */
 #include "fuzz.h"
 #include "sealed.h"
-#include <mpmstab/checkpoint.h>
-#include <mpmstab/conserved.h>
-#include <mpmstab/diagnostics.h>
+#include "io/checkpoint.h"
+#include "march/conserved.h"
+#include "march/diagnostics.h"
 #include <mpmstab/scene.h>
 #include <math.h>
 #include <string.h>

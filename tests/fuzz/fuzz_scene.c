@@ -6,7 +6,7 @@
    here.
 */
 #include "fuzz.h"
-#include <mpmstab/task.h>
+#include "task/task.h"
 #include <math.h>
 #include <string.h>
 

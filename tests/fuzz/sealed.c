@@ -1,6 +1,6 @@
 #include "sealed.h"
 #include "fuzz.h"
-#include <mpmstab/seal.h>
+#include "base/checksum.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -276,5 +276,5 @@ void SealedWrite(const Sealed *sealed, const char path[])
   }
   (void)H5Fclose(file);
   (void)H5Pclose(creation);
-  FuzzNeed(!MpmSealWrite(PETSC_COMM_WORLD, path, &error) && !error, "no seal");
+  FuzzNeed(!MpmChecksumWrite(PETSC_COMM_WORLD, path, &error) && !error, "no seal");
 }

@@ -3,7 +3,7 @@
    spectrum to 1e-9, the measured rate within 2% of the logarithm. Stable ones: none of the three grows.
 */
 #include "check.h"
-#include <mpmstab/spectrum.h>
+#include "analysis/spectrum.h"
 
 static PetscErrorCode Agrees(const char path[])
 {

@@ -4,8 +4,8 @@
    periodicity: a wave of half the domain's length between walls is the one with a node there.
 */
 #include "gather.h"
-#include <mpmstab/diagnostics.h>
-#include <mpmstab/run.h>
+#include "march/diagnostics.h"
+#include "analysis/run.h"
 
 static PetscErrorCode Errors(const char options[], PetscInt cells, MpmError error[])
 {

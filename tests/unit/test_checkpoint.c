@@ -3,7 +3,7 @@
    another number of them.
 */
 #include "gather.h"
-#include <mpmstab/checkpoint.h>
+#include "io/checkpoint.h"
 
 #define FILE_NAME "test_checkpoint.h5"
 

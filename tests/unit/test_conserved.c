@@ -1,6 +1,6 @@
 /* Momentum is conserved to rounding by every momentum scheme, transfer and basis; what is lost is noticed. */
 #include "check.h"
-#include <mpmstab/conserved.h>
+#include "march/conserved.h"
 
 static PetscErrorCode Change(const char options[], PetscReal changes[2])
 {

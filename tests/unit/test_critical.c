@@ -4,7 +4,7 @@
 */
 #include "oracle.h"
 #include <mpmstab/critical.h>
-#include <mpmstab/layout.h>
+#include "scene/layout.h"
 #include <slepcsys.h>
 
 static PetscErrorCode Find(const char options[], MpmCritical *c)

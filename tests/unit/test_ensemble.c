@@ -3,8 +3,8 @@
    is undecided, and numbers that follow from the layouts' own.
 */
 #include "check.h"
-#include <mpmstab/ensemble.h>
-#include <mpmstab/spectrum.h>
+#include "analysis/ensemble.h"
+#include "analysis/spectrum.h"
 
 static PetscErrorCode EnsembleOf(const char options[], MpmScene **scene, MpmEnsemble **e)
 {

@@ -1,6 +1,6 @@
 /* Flags raised within a step end it with one message, on all ranks; not those of a state that has left the doubles. */
 #include "check.h"
-#include <mpmstab/float_check.h>
+#include "base/float_check.h"
 #include <fenv.h>
 
 static char said[256];

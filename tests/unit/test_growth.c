@@ -1,6 +1,6 @@
 /* Growth of made-up series whose kind is known. */
 #include "check.h"
-#include <mpmstab/growth.h>
+#include "analysis/growth.h"
 
 typedef PetscReal (*Shape)(PetscReal step); /* the logarithm of the norm */
 

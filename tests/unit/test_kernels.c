@@ -1,6 +1,6 @@
 /* The maps of THEORY.md, section 2 for each basis: identities that any basis must satisfy, and ties at nodes. */
 #include "check.h"
-#include <mpmstab/layout.h>
+#include "scene/layout.h"
 
 #define CELLS 20
 #define N 97  /* particles, in no order */

@@ -1,6 +1,6 @@
 /* The hash and the places it gives: THEORY.md, section 1. */
 #include "check.h"
-#include <mpmstab/layout.h>
+#include "scene/layout.h"
 
 static PetscErrorCode Test(int argc, char **argv)
 {

@@ -4,7 +4,7 @@
 */
 #include "check.h"
 #include <mpmstab/critical.h>
-#include <mpmstab/stability_map.h>
+#include "analysis/stability_map.h"
 
 static PetscErrorCode MapOf(const char options[], MpmScene **scene, MpmStabilityMap **map)
 {

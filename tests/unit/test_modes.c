@@ -3,7 +3,7 @@
    and an eigenvector from a file grows at its own rate when it is marched.
 */
 #include "check.h"
-#include <mpmstab/spectrum.h>
+#include "analysis/spectrum.h"
 
 #define FILE_NAME "test_modes.h5"
 

@@ -1,6 +1,6 @@
 /* Node operations that follow the particles chunk by chunk leave what they leave when they come one after the other. */
 #include "check.h"
-#include <mpmstab/march_nodes.h>
+#include "march/march_nodes.h"
 
 #define GHOST 5
 #define NODES 200

@@ -4,7 +4,7 @@
    the oracle has none.
 */
 #include "oracle.h"
-#include <mpmstab/run.h>
+#include "analysis/run.h"
 
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
 {

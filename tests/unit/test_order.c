@@ -10,7 +10,7 @@
    alpha = 1.
 */
 #include "gather.h"
-#include <mpmstab/diagnostics.h>
+#include "march/diagnostics.h"
 
 static PetscErrorCode ErrorOf(const char options[], PetscInt cells, PetscReal *worst)
 {

@@ -1,6 +1,6 @@
 /* Compiled passes: as few as the algorithms allow, with nothing a scene does not need. */
 #include "check.h"
-#include <mpmstab/traffic.h>
+#include "march/traffic.h"
 
 static PetscInt CountKind(const MpmSchedule *s, MpmPassOpKind kind)
 {

@@ -1,6 +1,6 @@
 /* Closed forms against numbers worked out by hand and the oracle's rows at rest. */
 #include "check.h"
-#include <mpmstab/predict.h>
+#include "symbol/predict.h"
 
 static PetscErrorCode Predicts(const char options[], PetscReal published, PetscReal corrected, PetscReal mode)
 {

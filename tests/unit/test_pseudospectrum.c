@@ -3,9 +3,9 @@
    the Kreiss constant in closed form. What scenes have between their norms: test_transient.c.
 */
 #include "singular.h"
-#include <mpmstab/dense.h>
+#include "linalg/dense.h"
 #include <mpmstab/operator.h>
-#include <mpmstab/pseudospectrum.h>
+#include "analysis/pseudospectrum.h"
 
 /* z - A as a real matrix of twice the order, [x -y; y x] for x + iy: each singular value twice. */
 static PetscErrorCode CheckSigma(const char what[], MpmResolvent *r, const PetscReal a[], double complex z)

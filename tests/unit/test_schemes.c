@@ -3,9 +3,9 @@
    jittered, drifting, and between walls, where there is no symbol.
 */
 #include "check.h"
-#include <mpmstab/eigen.h>
+#include "linalg/eigen.h"
 #include <mpmstab/operator.h>
-#include <mpmstab/predict.h>
+#include "symbol/predict.h"
 
 static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t, const MpmBasis *b, const char rest[])
 {

@@ -3,8 +3,8 @@
    another, the null space against its dimension, and verdicts that must not be guessed.
 */
 #include "oracle.h"
-#include <mpmstab/layout.h>
-#include <mpmstab/spectrum.h>
+#include "scene/layout.h"
+#include "analysis/spectrum.h"
 
 static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpectrum **spectrum)
 {

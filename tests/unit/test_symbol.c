@@ -3,8 +3,8 @@
    and any multiple of the phases give the same.
 */
 #include "oracle.h"
-#include <mpmstab/layout.h>
-#include <mpmstab/predict.h>
+#include "scene/layout.h"
+#include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 
 /* Where the oracle has 1 + 1e-8 it has a defective pair split by its rounding; ours is split by ours. */

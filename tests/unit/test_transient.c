@@ -3,10 +3,10 @@
    defective eigenvalue and norms near a limit in closed form; the Kreiss constant between its bounds.
 */
 #include "singular.h"
-#include <mpmstab/dense.h>
-#include <mpmstab/material.h>
-#include <mpmstab/pseudospectrum.h>
-#include <mpmstab/transient.h>
+#include "linalg/dense.h"
+#include "scene/material.h"
+#include "analysis/pseudospectrum.h"
+#include "analysis/transient.h"
 #include <slepcsys.h>
 
 #define LAST 19

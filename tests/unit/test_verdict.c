@@ -3,7 +3,7 @@
    say so; it must never tell the opposite. And runs that leave the range of doubles.
 */
 #include "check.h"
-#include <mpmstab/run.h>
+#include "analysis/run.h"
 
 static PetscErrorCode RunOf(const char options[], MpmScene **scene, MpmRun **run)
 {

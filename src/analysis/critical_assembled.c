@@ -1,0 +1,115 @@
+/* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
+#include <mpmstab/critical.h>
+#include "linalg/dense.h"
+#include "scene/layout.h"
+#include "analysis/modes.h"
+#include <mpmstab/operator.h>
+#include "base/progress.h"
+#include <math.h>
+
+#define FROM 1e-2
+#define RATIO 1.5        /* steps at rest */
+#define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
+#define PRECISION 1e-7
+
+typedef struct {
+  MpmScene    scene; /* with a Courant number of its own */
+  MpmProgress progress;
+  PetscInt64  evaluations;
+} Probe;
+
+static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
+{
+  char note[128];
+
+  PetscFunctionBegin;
+  p->scene.courant = courant;
+  p->evaluations++;
+  PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
+  PetscCall(MpmProgressNote(&p->progress, note));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
+{
+  MpmOperator *op;
+  PetscReal    value[2];
+
+  PetscFunctionBegin;
+  PetscCall(Assemble((Probe *)context, courant, &op));
+  PetscCall(MpmDenseLargest(op->balanced, value));
+  PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
+  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The mode that grows first. beta is on the first rank. */
+static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
+{
+  MpmOperator *op;
+  MpmEigen    *eigen;
+  MpmModes     modes;
+
+  PetscFunctionBegin;
+  PetscCall(Assemble(p, c->unstable_at, &op));
+  PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+  eigen->n = PetscMin(eigen->n, 1); /* the leading one alone */
+  PetscCall(MpmModesCreate(op, eigen, &modes));
+  c->beta       = eigen->n ? modes.beta[0] : NAN; /* a solver may fail where the growth alone could be had */
+  c->null_share = eigen->n ? modes.null_share[0] : NAN;
+  PetscCallMPI(MPI_Bcast(&c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCall(MpmModesDestroy(&modes));
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Up to the scene's own Courant number first: if that grows, the limit is below. */
+static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
+{
+  const PetscBool  drifts = MpmSceneDrifts(&p->scene);
+  MpmFinding      *asked  = &c->asked;
+  MpmCriticalSteps steps  = {
+       .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
+  PetscReal bracket[2] = {0, INFINITY};
+
+  PetscFunctionBegin;
+  PetscCall(Growth(p, courant, &asked->growth));
+  asked->verdict = MpmVerdictOf(asked);
+  PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
+  if (!(asked->growth <= 1 + p->scene.tolerance)) {
+    steps.to   = courant;
+    steps.from = PetscMin(FROM, courant / 2);
+  }
+  PetscCall(MpmCriticalCross(Growth, p, p->scene.tolerance, &steps, PRECISION, bracket));
+  c->stable_at   = bracket[0];
+  c->unstable_at = bracket[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
+{
+  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
+  Probe            probe    = {.scene = *scene};
+
+  PetscFunctionBegin;
+  c->assembled = PETSC_TRUE;
+  MpmCheckInput(unknowns <= MPM_DENSE_MANY,
+                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
+                "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
+                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
+  c->order = (PetscInt)unknowns;
+  PetscCall(MpmProgressBegin(scene, "", &probe.progress));
+  PetscCall(Search(&probe, scene->courant, c));
+  c->courant = INFINITY;
+  if (isfinite(c->unstable_at)) {
+    PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));
+    PetscCall(LimitingMode(&probe, c));
+    c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
+  }
+  PetscCall(MpmProgressEnd(&probe.progress));
+  c->evaluations = probe.evaluations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

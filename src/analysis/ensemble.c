@@ -1,0 +1,209 @@
+/* Layouts of many seeds, each solved by one rank alone, and what they say together. */
+#include "base/farm.h"
+#include "linalg/dense.h"
+#include "linalg/eigen.h"
+#include "analysis/ensemble.h"
+#include <mpmstab/march.h>
+#include <math.h>
+
+#define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */
+#define BESIDE 1e-7         /* how far from the eigenvalue the shift stays, relative */
+#define SAME 1e-6           /* of norm(A): how near what the shift finds must be to it */
+#define LAST_SEED 9007199254740992
+
+void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
+{
+  const PetscReal n = trials, p = hits / n, middle = p + Z * Z / (2 * n);
+  const PetscReal half = Z * sqrt(p * (1 - p) / n + Z * Z / (4 * n * n));
+
+  interval[0] = hits == 0 ? 0 : (middle - half) / (1 + Z * Z / n);
+  interval[1] = hits == trials ? 1 : (middle + half) / (1 + Z * Z / n);
+}
+
+/* Everything that could be refused depends on the scene, not on the seed: all ranks meet it here, together. */
+static PetscErrorCode Check(const MpmScene *scene)
+{
+  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
+  MpmOperator     *op;
+  MpmMarch        *march;
+
+  PetscFunctionBegin;
+  MpmCheckInput(scene->jitter > 0, "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
+  MpmCheckInput(scene->seed <= LAST_SEED - scene->layouts + 1,
+                "seed %" PetscInt64_FMT " with layouts %" PetscInt_FMT
+                ": the last seed is out of range; allowed: seed + layouts - 1 up to %" PetscInt64_FMT,
+                scene->seed, scene->layouts, (PetscInt64)LAST_SEED);
+  MpmCheckInput(unknowns <= MPM_DENSE_MANY,
+                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": all eigenvalues of %" PetscInt64_FMT
+                " unknowns are sought for each layout; allowed: at most %d, so fewer cells",
+                scene->cells, scene->ppc, unknowns, MPM_DENSE_MANY);
+  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, scene, &op));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &march));
+  PetscCall(MpmMarchDestroy(&march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   A march that does not come through (transfer nullspace, where particles almost coincide) leaves the verdict on its
+   layout open; one rank alone must not end the task.
+*/
+static PetscErrorCode Mismatch(const MpmOperator *op, PetscReal *mismatch)
+{
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = MpmOperatorMismatch(op, mismatch);
+  PetscCall(PetscPopErrorHandler());
+  if (error) *mismatch = INFINITY;
+  PetscCheck(!error || error == PETSC_ERR_USER_INPUT, PETSC_COMM_SELF, error, "the march of a layout failed");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* By the vectors of one eigenvalue, from a shift next to it: a fraction of the work of all vectors. */
+static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2], PetscReal mismatch, MpmFinding *f)
+{
+  const PetscReal target[2] = {value[0] * (1 + BESIDE), value[1] * (1 + BESIDE)};
+  PetscReal       nearest   = INFINITY, condition, error;
+  PetscInt        match     = 0;
+  MpmEigen       *eigen;
+
+  PetscFunctionBegin;
+  f->uncertainty = INFINITY;
+  PetscCall(MpmEigenSolve(op->balanced, "layout_", MPM_EIGEN_TARGET, target, &eigen));
+  for (PetscInt j = 0; j < eigen->n; j++) {
+    const PetscReal distance = hypot(eigen->re[j] - value[0], fabs(eigen->im[j]) - fabs(value[1]));
+
+    if (distance < nearest) match = j;
+    nearest = PetscMin(nearest, distance);
+  }
+  if (nearest <= SAME * eigen->norm) {
+    PetscCall(MpmEigenCondition(eigen, match, &condition));
+    error          = condition * MpmOperatorErrorOf(eigen->norm, mismatch, eigen->residual[match]);
+    f->uncertainty = MpmUncertaintyOf(f->growth, error / hypot(value[0], value[1]), op->period);
+  }
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Judge(const MpmScene *layout, MpmFinding *f)
+{
+  MpmOperator *op;
+  PetscReal    value[2], norm, mismatch;
+
+  PetscFunctionBegin;
+  *f = (MpmFinding){.tolerance = layout->tolerance};
+  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &op));
+  PetscCall(Mismatch(op, &mismatch));
+  PetscCall(MpmDenseLargest(op->balanced, value));
+  f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
+  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
+  f->blur = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
+  if (!(mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+  if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, value, mismatch, f));
+  f->verdict = MpmVerdictOf(f);
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode JudgeSeed(void *context, PetscInt i)
+{
+  MpmEnsemble *e      = context;
+  MpmScene     layout = *e->scene;
+  MpmFinding   f;
+
+  PetscFunctionBegin;
+  layout.seed += i;
+  PetscCall(Judge(&layout, &f));
+  e->growth[i]      = f.growth;
+  e->uncertainty[i] = f.uncertainty;
+  e->verdict[i]     = f.verdict;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MpmEnsemble *e)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmFarm(e->scene, "layout", e->n, JudgeSeed, e));
+  PetscCall(MpmFarmSumReals(e->n, e->growth));
+  PetscCall(MpmFarmSumReals(e->n, e->uncertainty));
+  PetscCall(MpmFarmSumInts(e->n, e->verdict));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Smallest, middle and largest growth. */
+static PetscErrorCode Spread(MpmEnsemble *e)
+{
+  PetscReal *sorted;
+  PetscInt   n = 0, worst = -1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(e->n, &sorted));
+  for (PetscInt i = 0; i < e->n; i++) {
+    if (isnan(e->growth[i])) continue;
+    if (worst < 0 || e->growth[i] > e->growth[worst]) worst = i;
+    sorted[n++] = e->growth[i];
+  }
+  PetscCall(PetscSortReal(n, sorted));
+  e->growth_min = e->growth_median = e->growth_max = NAN;
+  if (n) {
+    e->growth_min          = sorted[0];
+    e->growth_median       = n % 2 ? sorted[n / 2] : (sorted[n / 2 - 1] + sorted[n / 2]) / 2;
+    e->growth_max          = sorted[n - 1];
+    e->worst_seed          = e->scene->seed + worst;
+    e->finding.uncertainty = e->uncertainty[worst];
+  }
+  PetscCall(PetscFree(sorted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Sum(MpmEnsemble *e)
+{
+  MpmFinding *f = &e->finding;
+  PetscReal   if_unstable[2];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < e->n; i++) {
+    e->unstable += e->verdict[i] == MPM_UNSTABLE;
+    e->undecided += e->verdict[i] == MPM_UNDECIDED;
+  }
+  e->share = (PetscReal)e->unstable / e->n;
+  MpmWilson(e->unstable, e->n, e->interval);
+  MpmWilson(e->unstable + e->undecided, e->n, if_unstable);
+  e->interval[1] = if_unstable[1];
+  PetscCall(Spread(e));
+  f->tolerance = e->scene->tolerance;
+  f->growth    = e->growth_max;
+  f->verdict   = e->unstable ? MPM_UNSTABLE : e->undecided ? MPM_UNDECIDED : MPM_STABLE;
+  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
+                          "all eigenvalues of %" PetscInt_FMT " random layouts, order %" PetscInt_FMT, e->n, e->order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, MpmEnsemble **ensemble)
+{
+  const PetscReal begin = MPI_Wtime();
+  MpmEnsemble    *e;
+
+  PetscFunctionBegin;
+  PetscCall(Check(scene));
+  PetscCall(PetscNew(ensemble));
+  e        = *ensemble;
+  e->scene = scene;
+  e->n     = scene->layouts;
+  e->order = (PetscInt)(scene->table->nstate * scene->particles);
+  PetscCall(PetscCalloc3(e->n, &e->growth, e->n, &e->uncertainty, e->n, &e->verdict));
+  PetscCall(Solve(e));
+  PetscCall(Sum(e));
+  e->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree3((*ensemble)->growth, (*ensemble)->uncertainty, (*ensemble)->verdict));
+  PetscCall(PetscFree(*ensemble));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

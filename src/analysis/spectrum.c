@@ -1,0 +1,277 @@
+/* The task spectrum: operator, symbol and march of one scene, each from the same table, and what they say together. */
+#include "scene/layout.h"
+#include "base/progress.h"
+#include "analysis/spectrum.h"
+#include <math.h>
+#include <sys/resource.h>
+
+#define BESIDE 1e-10       /* how far from an eigenvalue a shift stays, relative */
+#define AT_ONE 1e-6        /* a defective pair at 1 is split by rounding to about 1e-8 */
+#define AGREE 1e-6         /* spectrum and symbol */
+#define MEASURE_WORK 2e8   /* particle-steps of the measured run, at most */
+#define MEASURE_STEPS 4000 /* of a run that does not grow */
+#define MEASURE_FEWEST 100
+#define MEASURE_MOST 1e5 /* of one rank; more ranks take longer for a step of few particles */
+#define MEASURE_EFOLDS 60
+
+/* Distance of each listed eigenvalue from the nearest of the symbol's factors; the largest of them. */
+static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
+{
+  const PetscInt n = s->symbol->size * s->symbol->phases;
+  PetscReal     *factors, largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolGatherFactors(comm, s->symbol, s->op->exponent, &factors));
+  for (PetscInt j = 0; j < s->eigen->n; j++) {
+    PetscReal nearest = PETSC_MAX_REAL;
+
+    for (PetscInt i = 0; i < n; i++) {
+      const PetscReal re = factors[2 * i] - s->eigen->re[j], im = factors[2 * i + 1] - s->eigen->im[j];
+
+      nearest = PetscMin(nearest, re * re + im * im);
+    }
+    largest = PetscMax(largest, sqrt(nearest));
+  }
+  PetscCall(PetscFree(factors));
+  if (s->eigen->n) s->symbol_mismatch = scalbn(largest, (int)s->op->exponent);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountOnes(MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  if (!s->eigen->complete || s->op->exponent) PetscFunctionReturn(PETSC_SUCCESS); /* 1 is lost below such numbers */
+  s->at_one = 0;
+  for (PetscInt j = 0; j < s->eigen->n; j++)
+    if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
+        AT_ONE)
+      s->at_one++;
+  if (MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModesNullity(s->op, &s->nullity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
+{
+  const MpmEigenMethod method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
+  MpmProgress          progress;
+  char                 note[128];
+
+  PetscFunctionBegin;
+  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target));
+  for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
+  PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
+                          method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
+  PetscCall(MpmProgressBegin(s->scene, "", &progress));
+  PetscCall(MpmProgressNote(&progress, note));
+  PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
+  PetscCall(MpmProgressEnd(&progress));
+  for (PetscInt j = 0; j < s->eigen->n; j++) {
+    if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
+    if (!(s->eigen->residual[j] <= s->max_residual)) s->max_residual = s->eigen->residual[j];
+  }
+  s->growth = MpmGrowthPerStep(s->radius, s->op->exponent, s->op->period);
+  s->radius = scalbn(s->radius, (int)s->op->exponent);
+  PetscCall(CountOnes(s));
+  if (s->symbol) PetscCall(Mismatch(comm, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal OperatorError(const MpmSpectrum *s)
+{
+  return MpmOperatorErrorOf(s->eigen->norm, s->step_mismatch, s->eigen->n ? s->eigen->residual[0] : 0);
+}
+
+/*
+   On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left
+   vector.
+*/
+static PetscErrorCode Sensitivity(MpmSpectrum *s)
+{
+  MpmFinding *f = &s->finding;
+
+  PetscFunctionBegin;
+  f->uncertainty = 0;
+  if (!(f->growth > 1 + f->tolerance) || isinf(f->growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->symbol)
+    s->condition = s->symbol->condition;
+  else
+    PetscCall(MpmEigenCondition(s->eigen, 0, &s->condition));
+  if (s->symbol) f->uncertainty = s->symbol->uncertainty;
+  if (s->eigen->n)
+    f->uncertainty =
+        PetscMax(f->uncertainty,
+                 MpmUncertaintyOf(f->growth, s->condition * OperatorError(s) / hypot(s->eigen->re[0], s->eigen->im[0]),
+                                  s->op->period));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether an eigenvalue was found where the symbol named one, so near that it is not just the 1 beside it. */
+static PetscBool FoundTarget(const MpmSpectrum *s)
+{
+  const PetscReal away = hypot(s->target[0] - scalbn(1, -(int)s->op->exponent), s->target[1]);
+
+  for (PetscInt j = 0; j < s->eigen->n; j++)
+    if (hypot(s->eigen->re[j] - s->target[0], fabs(s->eigen->im[j]) - s->target[1]) <= AGREE * away) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/*
+   All eigenvalues, or those of largest magnitude, decide by themselves. Those near a target confirm the symbol, whose
+   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case. An operator that is not
+   what the march does, for a period that grows and dies again beyond double precision, shows no stability.
+*/
+static PetscErrorCode Judge(MpmSpectrum *s)
+{
+  MpmFinding     *f      = &s->finding;
+  const PetscBool agrees = s->symbol && s->symbol_mismatch <= AGREE * PetscMax(1, s->radius) && FoundTarget(s);
+  const char     *evidence;
+  char            seed[64];
+
+  PetscFunctionBegin;
+  f->tolerance = s->scene->tolerance;
+  f->growth    = s->growth;
+  if (s->eigen->complete) {
+    evidence = "all eigenvalues";
+  } else if (!s->symbol && s->eigen->largest) {
+    evidence = "eigenvalues of largest magnitude (no proof that none is larger)";
+  } else if (agrees && s->eigen->converged) {
+    f->growth = s->symbol->growth;
+    evidence  = "the symbol, confirmed by those of the operator's eigenvalues that were sought";
+  } else {
+    if (!(s->growth > 1 + f->tolerance)) f->growth = NAN;
+    evidence = !isfinite(s->eigen->norm) ? "none, the operator's numbers leave the range of doubles"
+               : s->eigen->n             ? "some eigenvalues, not enough for more"
+                                         : "none, the solver did not converge (up to order 4096 all are found)";
+  }
+  PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
+  if (s->scene->jitter != 0 && s->eigen->n) {
+    PetscCall(PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->seed));
+    PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
+  }
+  PetscCall(Sensitivity(s));
+  f->blur = s->symbol ? s->symbol->blur : 0;
+  if (f->growth == s->growth)
+    f->blur = PetscMax(f->blur, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
+  if (!(s->step_mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+  if (s->symbol && s->eigen->complete &&
+      fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
+    f->uncertainty = f->blur = INFINITY;
+    PetscCall(PetscStrlcat(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
+  }
+  f->verdict = MpmVerdictOf(f);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Random data excite every mode; as many steps as show the growth, or leave it out when that is too much work. */
+static PetscErrorCode Measure(MpmSpectrum *s)
+{
+  const PetscReal room  = MEASURE_WORK / (PetscReal)s->scene->particles;
+  PetscReal       steps = MEASURE_STEPS;
+
+  PetscFunctionBegin;
+  if (s->finding.growth > 1 + s->scene->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
+  steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
+  if (!s->scene->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  s->random           = *s->scene;
+  s->random.initial   = MPM_INITIAL_RANDOM;
+  s->random.stagger   = PETSC_FALSE;
+  s->random.steps     = (PetscInt64)steps;
+  s->random.output[0] = s->random.csv[0] = '\0';
+  PetscCall(MpmRunCreate(&s->random, MPI_Wtime(), &s->run));
+  if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
+    s->finding.verdict = MPM_UNDECIDED;
+    PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
+  }
+  if (!isfinite(s->eigen->norm) && s->run->lost) {
+    s->finding.verdict = MPM_UNSTABLE;
+    PetscCall(PetscStrlcat(s->finding.evidence, "; one step of the march does too", sizeof s->finding.evidence));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of what the verdict calls 1, the powers are compared with 1. */
+static PetscErrorCode Transient(MpmSpectrum *s)
+{
+  const PetscReal tolerance = s->finding.tolerance;
+  const PetscReal growth    = fabs(s->finding.growth - 1) <= tolerance ? 1 : s->finding.growth;
+  PetscReal       norm;
+  Mat             weighed, A;
+
+  PetscFunctionBegin;
+  if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->scene->powers) PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, &s->transient));
+  if (!s->scene->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
+  PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
+  PetscCall(MatScale(A, scalbn(1, (int)s->op->exponent)));
+  PetscCall(MatNorm(A, NORM_INFINITY, &norm));
+  if (isfinite(norm))
+    PetscCall(MpmPseudospectrumCreate(s->scene, A, s->scene->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
+                                      &s->pseudospectrum));
+  PetscCall(MatDestroy(&A));
+  PetscCall(MatDestroy(&weighed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest resident size of this program, summed over its ranks. */
+static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
+{
+  struct rusage usage;
+
+  PetscFunctionBegin;
+  PetscCheck(!getrusage(RUSAGE_SELF, &usage), PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage failed");
+  *bytes = 1024.0 * (PetscReal)usage.ru_maxrss;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum)
+{
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  PetscReal      before;
+  MpmSpectrum   *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(spectrum));
+  s             = *spectrum;
+  s->scene      = scene;
+  s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
+  s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
+  s->at_one = s->nullity = MPM_UNCOUNTED;
+  PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
+  PetscCall(PeakMemory(comm, &before));
+  PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
+  PetscCall(MpmOperatorCreate(comm, scene, &s->op));
+  PetscCall(MpmPredict(scene, &s->predictions));
+  PetscCall(MpmPredictorCreate(scene, &s->predictor));
+  if (!MpmSymbolWhyNot(scene)) {
+    PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
+    PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
+  }
+  PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));
+  PetscCall(Solve(comm, s));
+  PetscCall(Judge(s));
+  PetscCall(Measure(s));
+  PetscCall(Transient(s));
+  PetscCall(PeakMemory(comm, &s->memory));
+  s->memory -= before;
+  s->wall_s = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
+{
+  MpmSpectrum *s = *spectrum;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPredictorDestroy(&s->predictor));
+  if (s->run) PetscCall(MpmRunDestroy(&s->run));
+  PetscCall(MpmTransientDestroy(&s->transient));
+  PetscCall(MpmPseudospectrumDestroy(&s->pseudospectrum));
+  PetscCall(MpmEigenDestroy(&s->eigen));
+  PetscCall(MpmOperatorDestroy(&s->op));
+  if (s->symbol) PetscCall(MpmSymbolDestroy(&s->symbol));
+  PetscCall(PetscFree(*spectrum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,200 @@
+/* Growth at the points of a rectangle: the symbol of one scene after another, dealt to the ranks. */
+#include <mpmstab/critical.h>
+#include "base/farm.h"
+#include "scene/layout.h"
+#include "analysis/stability_map.h"
+#include <math.h>
+
+#define MOST_POINTS 10000000
+
+/* A scene's parameter; whatever follows from it and the symbol reads. */
+static void SetParameter(MpmScene *scene, MpmAxisKind kind, const MpmFraction *value)
+{
+  switch (kind) {
+  case MPM_AXIS_COURANT:
+    scene->courant = value->value;
+    scene->dt      = scene->courant * scene->cell_width / scene->wave_speed;
+    break;
+  case MPM_AXIS_DRIFT:
+    scene->drift = *value;
+    break;
+  case MPM_AXIS_OFFSET:
+    scene->offset = *value;
+    break;
+  case MPM_AXIS_PPC:
+    MpmSceneSetPpc(scene, (PetscInt)value->num);
+    break;
+  }
+}
+
+static PetscBool GoesOver(const MpmScene *scene, MpmAxisKind kind)
+{
+  return scene->axes[0].kind == kind || scene->axes[1].kind == kind ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
+{
+  return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
+}
+
+/* The scene of a point; it shows no progress of its own. */
+static void Place(const MpmStabilityMap *map, PetscInt point, MpmScene *scene)
+{
+  const PetscInt i[2] = {point / map->points[1], point % map->points[1]};
+
+  for (int a = 0; a < 2; a++) {
+    const MpmFraction value = NumberOf(&map->scene->axes[a], i[a]);
+
+    SetParameter(scene, map->scene->axes[a].kind, &value);
+  }
+  scene->has_progress = PETSC_TRUE;
+  scene->progress     = PETSC_FALSE;
+}
+
+/* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
+static PetscErrorCode Check(const MpmScene *scene)
+{
+  MpmScene at = *scene;
+  PetscInt period;
+
+  PetscFunctionBegin;
+  MpmCheckInput((PetscReal)scene->axes[0].points * scene->axes[1].points <= MOST_POINTS,
+                "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together",
+                scene->axes[0].points, scene->axes[1].points, MOST_POINTS);
+  for (int a = 0; a < 2; a++)
+    for (PetscInt i = 0; i < scene->axes[a].points; i++) {
+      const MpmFraction value = NumberOf(&scene->axes[a], i);
+
+      MpmCheckInput(scene->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
+                    "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
+                    ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
+                    "are fractions such as 1/2, and fewer points",
+                    scene->axes[0].points, scene->axes[1].points, value.value, MPM_LONGEST_PERIOD);
+      SetParameter(&at, scene->axes[a].kind, &value);
+    }
+  PetscCall(MpmLayoutPeriod(&at, &period));
+  PetscCall(MpmSymbolCheck(&at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolvePoint(void *context, PetscInt i)
+{
+  MpmStabilityMap *map = context;
+  MpmFinding       f   = {.tolerance = map->scene->tolerance};
+  MpmScene         at  = *map->scene;
+  MpmSymbol       *symbol;
+
+  PetscFunctionBegin;
+  Place(map, i, &at);
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->scene->phases, PETSC_FALSE, &symbol));
+  f.growth        = symbol->growth;
+  f.uncertainty   = symbol->uncertainty;
+  f.blur          = symbol->blur;
+  map->growth[i]  = symbol->growth;
+  map->beta[i]    = symbol->beta_at_max;
+  map->verdict[i] = MpmVerdictOf(&f);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MpmStabilityMap *map)
+{
+  const PetscInt n = map->points[0] * map->points[1];
+
+  PetscFunctionBegin;
+  PetscCall(MpmFarm(map->scene, "point", n, SolvePoint, map));
+  PetscCall(MpmFarmSumReals(n, map->growth));
+  PetscCall(MpmFarmSumReals(n, map->beta));
+  PetscCall(MpmFarmSumInts(n, map->verdict));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Sum(MpmStabilityMap *map)
+{
+  const PetscInt n = map->points[0] * map->points[1];
+  MpmFinding    *f = &map->finding;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    map->unstable += map->verdict[i] == MPM_UNSTABLE;
+    map->undecided += map->verdict[i] == MPM_UNDECIDED;
+    if (!(map->growth[i] <= map->growth[map->worst])) map->worst = i;
+  }
+  f->tolerance = map->scene->tolerance;
+  f->growth    = map->growth[map->worst];
+  f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
+  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
+                          "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
+                          map->scene->phases, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
+{
+  MpmScene     at = *map->scene;
+  MpmPredictor predictor;
+
+  PetscFunctionBegin;
+  map->published_limit = NAN;
+  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  at.drift = (MpmFraction){.num = 0, .den = 1, .value = 0};
+  PetscCall(MpmPredictorCreate(&at, &predictor));
+  if (!predictor.why_not_published) map->published_limit = map->scene->formulation->published_limit;
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
+{
+  const MpmAxis *axes  = map->scene->axes;
+  const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
+  MpmScene       at    = *map->scene;
+  MpmCritical    critical;
+
+  PetscFunctionBegin;
+  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(map->points[other], &map->limits));
+  for (PetscInt i = 0; i < map->points[other]; i++) {
+    const MpmFraction value = NumberOf(&axes[other], i);
+
+    SetParameter(&at, axes[other].kind, &value);
+    PetscCall(MpmCriticalByClosedForm(&at, &critical));
+    map->limits[i] = critical.closed;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map)
+{
+  const PetscReal  begin = MPI_Wtime();
+  MpmStabilityMap *m;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  PetscCall(Check(scene));
+  PetscCall(PetscNew(map));
+  m        = *map;
+  m->scene = scene;
+  for (int a = 0; a < 2; a++) {
+    m->points[a] = scene->axes[a].points;
+    PetscCall(PetscMalloc1(m->points[a], &m->at[a]));
+    for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&scene->axes[a], i).value;
+  }
+  n = m->points[0] * m->points[1];
+  PetscCall(PetscCalloc3(n, &m->growth, n, &m->beta, n, &m->verdict));
+  PetscCall(Solve(m));
+  PetscCall(Sum(m));
+  PetscCall(PublishedLimit(m));
+  m->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map)
+{
+  PetscFunctionBegin;
+  for (int a = 0; a < 2; a++) PetscCall(PetscFree((*map)->at[a]));
+  PetscCall(PetscFree3((*map)->growth, (*map)->beta, (*map)->verdict));
+  PetscCall(PetscFree((*map)->limits));
+  PetscCall(PetscFree(*map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

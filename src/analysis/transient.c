@@ -1,0 +1,274 @@
+/*
+   norm(A^n) = the largest singular value of the product of n steps, which is never formed:
+
+     x -> A(n-1) ... A(0) x,   y -> A(0)^T ... A(n-1)^T y
+
+   by SLEPc's thick-restart Lanczos bidiagonalization (Hernandez, Roman and Tomas 2008). After some steps the product is
+   divided by a power of two, found once by following one vector, so that growth over any number of steps stays in
+   range.
+*/
+#include "scene/layout.h"
+#include "base/memory.h"
+#include "base/progress.h"
+#include "analysis/transient.h"
+#include <math.h>
+#include <slepcsvd.h>
+
+#define EVERY 16       /* steps, from which on they are spaced */
+#define SPACING 1.25   /* ratio */
+#define RESCALE_AT 64  /* powers of two */
+#define BASIS 32       /* vectors of the Krylov space */
+#define TOLERANCE 1e-6 /* relative residual; the error is about its square over the gap */
+#define RESTARTS 500
+#define OF_NONZERO 12 /* bytes */
+#define SAME 1e-9     /* logarithms of norms */
+#define LATE 4        /* a power is fitted from last / LATE on */
+#define FEWEST 4      /* norms to fit one */
+
+/* Steps of a period, and the powers of two that are taken out after each of the n that the product now has. */
+typedef struct {
+  PetscInt  n, period, exponent, *shift;
+  Mat      *step;
+  Vec       work[2];
+  PetscReal nonzeros;
+} Product;
+
+static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
+{
+  Product *p;
+  Vec      in = x;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(matrix, &p));
+  for (PetscInt k = 0; k < p->n; k++) {
+    Vec out = k == p->n - 1 ? y : p->work[k % 2];
+
+    PetscCall(MatMult(p->step[k % p->period], in, out));
+    if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
+    in = out;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MultiplyTranspose(Mat matrix, Vec x, Vec y)
+{
+  Product *p;
+  Vec      in = x;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(matrix, &p));
+  for (PetscInt k = p->n - 1; k >= 0; k--) {
+    Vec out = k == 0 ? y : p->work[k % 2];
+
+    PetscCall(MatMultTranspose(p->step[k % p->period], in, out));
+    if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
+    in = out;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Product *p)
+{
+  PetscFunctionBegin;
+  *p = (Product){.period = PetscMin(op->period, last)};
+  PetscCall(PetscMalloc2(p->period, &p->step, last, &p->shift));
+  for (PetscInt k = 0; k < p->period; k++) {
+    Mat     A;
+    MatInfo info;
+
+    PetscCall(MpmOperatorStep(op, k, &A, &p->exponent));
+    PetscCall(MpmOperatorWeigh(op, A, &p->step[k]));
+    PetscCall(MatDestroy(&A));
+    PetscCall(MatGetInfo(p->step[k], MAT_GLOBAL_SUM, &info));
+    p->nonzeros += info.nz_used;
+    if (k == 0)
+      PetscCall(MpmMemoryCheck(PetscObjectComm((PetscObject)op->A), op->scene, OF_NONZERO * p->nonzeros * p->period,
+                               "powers, with all steps of the period,"));
+  }
+  PetscCall(MatCreateVecs(p->step[0], &p->work[0], &p->work[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ProductDestroy(Product *p)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < p->period; k++) PetscCall(MatDestroy(&p->step[k]));
+  PetscCall(PetscFree2(p->step, p->shift));
+  PetscCall(VecDestroy(&p->work[0]));
+  PetscCall(VecDestroy(&p->work[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same numbers on any number of ranks, in every direction. */
+static PetscErrorCode SetStart(Vec start)
+{
+  PetscInt   begin, end;
+  PetscReal *x;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetOwnershipRange(start, &begin, &end));
+  PetscCall(VecGetArray(start, &x));
+  for (PetscInt row = begin; row < end; row++) x[row - begin] = MpmHash(0, row) - 0.5;
+  PetscCall(VecRestoreArray(start, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The powers of two that keep the image of one vector near its size; finite: whether doubles hold it at all. */
+static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool *finite)
+{
+  Vec       in, out;
+  PetscReal norm;
+
+  PetscFunctionBegin;
+  *finite = PETSC_TRUE;
+  PetscCall(PetscArrayzero(p->shift, last));
+  PetscCall(VecDuplicate(start, &in));
+  PetscCall(VecDuplicate(start, &out));
+  PetscCall(VecCopy(start, in));
+  for (PetscInt k = 0; k < last && *finite; k++) {
+    PetscCall(MatMult(p->step[k % p->period], in, out));
+    PetscCall(VecNorm(out, NORM_2, &norm));
+    *finite = isfinite(norm) ? PETSC_TRUE : PETSC_FALSE;
+    if (isnormal(norm) && PetscAbsInt(ilogb(norm)) >= RESCALE_AT) p->shift[k] = ilogb(norm);
+    if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
+    PetscCall(VecSwap(in, out));
+  }
+  PetscCall(VecDestroy(&in));
+  PetscCall(VecDestroy(&out));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* NaN when the solver does not converge. */
+static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order, PetscReal *sigma)
+{
+  SVD            svd;
+  PetscInt       found = 0;
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(SVDCreate(PetscObjectComm((PetscObject)matrix), &svd));
+  PetscCall(SVDSetOperators(svd, matrix, NULL));
+  PetscCall(SVDSetImplicitTranspose(svd, PETSC_TRUE));
+  PetscCall(SVDSetType(svd, SVDTRLANCZOS));
+  PetscCall(SVDSetDimensions(svd, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
+  PetscCall(SVDSetTolerances(svd, TOLERANCE, RESTARTS));
+  PetscCall(SVDSetInitialSpaces(svd, 1, &start, 0, NULL));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = SVDSetFromOptions(svd);
+  PetscCall(PetscPopErrorHandler());
+  MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
+  PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* whatever they say */
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = SVDSolve(svd);
+  PetscCall(PetscPopErrorHandler());
+  if (!error) PetscCall(SVDGetConverged(svd, &found));
+  *sigma = NAN;
+  if (found) PetscCall(SVDGetSingularTriplet(svd, 0, sigma, NULL, NULL));
+  PetscCall(SVDDestroy(&svd));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt Next(PetscInt step, PetscInt last)
+{
+  return PetscMin(step < EVERY ? step + 1 : (PetscInt)ceil(SPACING * step), last);
+}
+
+static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, MpmTransient *t)
+{
+  PetscInt    rows, exponent = 0, done = 0, work = 0;
+  PetscBool   finite;
+  MpmProgress progress;
+  Mat         matrix;
+  Vec         start;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(p->step[0], &start, NULL));
+  PetscCall(SetStart(start));
+  PetscCall(FindShifts(p, start, last, &finite));
+  PetscCall(VecGetLocalSize(start, &rows));
+  PetscCall(MatCreateShell(PetscObjectComm((PetscObject)start), rows, rows, op->order, op->order, p, &matrix));
+  PetscCall(MatShellSetOperation(matrix, MATOP_MULT, (void (*)(void))Multiply));
+  PetscCall(MatShellSetOperation(matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
+  for (PetscInt i = 0; i < t->n; i++) work += t->steps[i];
+  PetscCall(MpmProgressBegin(op->scene, "steps of powers", &progress));
+  for (PetscInt i = 1; i < t->n; i++) {
+    PetscReal sigma = NAN;
+
+    for (; p->n < t->steps[i]; p->n++) exponent += p->shift[p->n] + p->exponent;
+    if (finite) PetscCall(LargestSingularValue(matrix, start, op->order, &sigma));
+    t->norm[i]     = scalbn(sigma, (int)exponent);
+    t->log_norm[i] = log(sigma) + exponent * log(2);
+    if (isinf(t->norm[i])) t->norm[i] = NAN;
+    if (isnan(sigma)) t->missing++;
+    PetscCall(MpmProgressUpdate(&progress, done += t->steps[i], work));
+  }
+  PetscCall(MpmProgressEnd(&progress));
+  PetscCall(MatDestroy(&matrix));
+  PetscCall(VecDestroy(&start));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The largest, also beside growth^n; and the power of n with which the largest so far of norm(A^n) / growth^n grows
+   over the late steps, by least squares: norms themselves may swing.
+*/
+static void Judge(PetscReal growth, MpmTransient *t)
+{
+  const PetscReal log_growth = log(growth);
+  PetscReal       largest = -INFINITY, excess = -INFINITY, points = 0, mean[2] = {0}, product = 0, square = 0;
+
+  for (PetscInt i = 0; i < t->n; i++) {
+    const PetscReal x = log(t->steps[i]), y = t->log_norm[i] - t->steps[i] * log_growth;
+
+    if (t->log_norm[i] > largest + SAME) { /* the first of those that are alike */
+      largest    = t->log_norm[i];
+      t->largest = t->norm[i];
+      t->at_step = t->steps[i];
+    }
+    if (y > excess + SAME) {
+      excess       = y;
+      t->excess_at = t->steps[i];
+    }
+    if (!isfinite(excess) || t->steps[i] < PetscMax(1, t->steps[t->n - 1] / LATE)) continue;
+    points++;
+    mean[0] += (x - mean[0]) / points;
+    mean[1] += (excess - mean[1]) / points;
+    product += x * excess;
+    square += x * x;
+  }
+  t->excess = isfinite(log_growth) ? exp(excess) : NAN;
+  t->power  = points >= FEWEST ? (product - points * mean[0] * mean[1]) / (square - points * mean[0] * mean[0]) : NAN;
+}
+
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient)
+{
+  const PetscReal begin = MPI_Wtime();
+  Product         product;
+  MpmTransient   *t;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(transient));
+  t    = *transient;
+  t->n = 1;
+  for (PetscInt step = 0; step < last; step = Next(step, last)) t->n++;
+  PetscCall(PetscMalloc3(t->n, &t->steps, t->n, &t->norm, t->n, &t->log_norm));
+  t->steps[0]    = 0;
+  t->norm[0]     = 1;
+  t->log_norm[0] = 0;
+  for (PetscInt i = 1; i < t->n; i++) t->steps[i] = Next(t->steps[i - 1], last);
+  PetscCall(ProductCreate(op, last, &product));
+  PetscCall(Norms(op, &product, last, t));
+  PetscCall(ProductDestroy(&product));
+  Judge(growth, t);
+  t->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTransientDestroy(MpmTransient **transient)
+{
+  PetscFunctionBegin;
+  if (!*transient) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3((*transient)->steps, (*transient)->norm, (*transient)->log_norm));
+  PetscCall(PetscFree(*transient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

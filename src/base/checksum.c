@@ -1,0 +1,163 @@
+/*
+   The sum over a file's 64-bit words w_i of mix(w_i + (i + 1) g), modulo 2^64: ranks add up their parts. mix is
+   splitmix64's, g its increment (Steele, Lea and Flood 2014).
+*/
+#include "base/checksum.h"
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FORMAT 1
+#define CHUNK 65536 /* words */
+
+static const char header[] = "mpmstab checkpoint\nformat %d\nbytes %lld\nsum %llx\n";
+
+static uint64_t Mix(uint64_t z)
+{
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return z ^ (z >> 31);
+}
+
+/* The sum over words [begin, end) behind the seal; the last one is filled up with zeros. */
+static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
+{
+  static uint64_t word[CHUNK];
+
+  if (fseeko(file, MPM_SEAL_BYTES + 8 * begin, SEEK_SET)) return errno;
+  while (begin < end) {
+    const size_t n = (size_t)PetscMin(end - begin, CHUNK);
+
+    memset(word, 0, sizeof word);
+    if (fread(word, 1, 8 * n, file) < 8 * n && ferror(file)) return errno ? errno : EIO;
+    for (size_t i = 0; i < n; i++) *sum += Mix(word[i] + (uint64_t)(begin + (long long)i + 1) * 0x9E3779B97F4A7C15u);
+    begin += (long long)n;
+  }
+  return 0;
+}
+
+/* The sum over the whole file, each rank reading its part. */
+static PetscErrorCode Sum(MPI_Comm comm, const char path[], long long *bytes, uint64_t *sum, int *error)
+{
+  PetscMPIInt rank, size;
+  struct stat is;
+  FILE       *file = fopen(path, "rb");
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  *sum   = 0;
+  *bytes = 0;
+  *error = file ? 0 : errno;
+  if (file) {
+    if (fstat(fileno(file), &is))
+      *error = errno;
+    else {
+      const long long words = PetscMax((long long)is.st_size - MPM_SEAL_BYTES + 7, 0) / 8;
+
+      *bytes = (long long)is.st_size;
+      *error = SumWords(file, words * rank / size, words * (rank + 1) / size, sum);
+    }
+    fclose(file);
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_UINT64_T, MPI_SUM, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, error, 1, MPI_INT, MPI_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the first bytes and waits for all of the file to be on the disk. */
+static int Stamp(const char path[], const char text[])
+{
+  FILE *file  = fopen(path, "r+b");
+  int   error = 0;
+
+  if (!file) return errno;
+  if (fwrite(text, 1, MPM_SEAL_BYTES, file) != MPM_SEAL_BYTES || fflush(file) || fsync(fileno(file)))
+    error = errno ? errno : EIO;
+  if (fclose(file) && !error) error = errno;
+  return error;
+}
+
+PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
+{
+  char        text[MPM_SEAL_BYTES] = "";
+  PetscMPIInt rank;
+  uint64_t    sum;
+  long long   bytes;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(Sum(comm, path, &bytes, &sum, error));
+  if (*error) PetscFunctionReturn(PETSC_SUCCESS);
+  snprintf(text, sizeof text, header, FORMAT, bytes, (unsigned long long)sum);
+  if (rank == 0) *error = Stamp(path, text);
+  PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Opens a file to read; a pipe would wait for its writer. */
+static FILE *Open(const char path[], int *error)
+{
+  struct stat is;
+  FILE       *file = NULL;
+
+  *error = stat(path, &is) ? errno : S_ISDIR(is.st_mode) ? EISDIR : S_ISREG(is.st_mode) ? 0 : EINVAL;
+  if (!*error && !(file = fopen(path, "rb"))) *error = errno;
+  return file;
+}
+
+/* What rank 0 reads from the seal, on all ranks; text is empty when there is none. */
+static PetscErrorCode ReadSeal(MPI_Comm comm, const char path[], char text[], int *error)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  memset(text, 0, MPM_SEAL_BYTES + 1);
+  *error = 0;
+  if (rank == 0) {
+    FILE *file = Open(path, error);
+
+    if (file) {
+      if (fread(text, 1, MPM_SEAL_BYTES, file) < MPM_SEAL_BYTES && ferror(file)) *error = errno ? errno : EIO;
+      fclose(file);
+    }
+  }
+  PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, comm));
+  PetscCallMPI(MPI_Bcast(text, MPM_SEAL_BYTES + 1, MPI_CHAR, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, char why[])
+{
+  char               text[MPM_SEAL_BYTES + 1];
+  int                error, format = 0, fields;
+  long long          said     = 0, bytes;
+  unsigned long long said_sum = 0;
+  uint64_t           sum;
+
+  PetscFunctionBegin;
+  why[0] = '\0';
+  PetscCall(ReadSeal(comm, path, text, &error));
+  fields = sscanf(text, header, &format, &said, &said_sum);
+  if (error)
+    snprintf(why, room, "cannot be read: %s", strerror(error));
+  else if (fields < 1)
+    snprintf(why, room, "not a checkpoint");
+  else if (format != FORMAT)
+    snprintf(why, room, "of format %d, where this program reads format %d", format, FORMAT);
+  else if (fields < 3)
+    snprintf(why, room, "damaged: its first line is not whole");
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Sum(comm, path, &bytes, &sum, &error));
+  if (error)
+    snprintf(why, room, "cannot be read: %s", strerror(error));
+  else if (bytes != said)
+    snprintf(why, room, "damaged: it has %lld bytes of %lld", bytes, said);
+  else if (sum != said_sum)
+    snprintf(why, room, "damaged: its sum is not the one it was sealed with");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,19 @@
+/* Seal: the first bytes of a file, from which a reader knows that the rest is whole before it looks at it. */
+#pragma once
+#include <mpmstab/compat.h>
+
+#define MPM_SEAL_BYTES 512
+
+/*
+   MpmChecksumWrite - sums up what follows the first MPM_SEAL_BYTES of a file, and writes kind, size and sum there.
+
+   Collective; ranks share the reading. error: the first rank's errno, on all ranks; 0 when the seal is on the disk.
+*/
+PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error);
+
+/*
+   MpmChecksumCheck - whether a file is sealed and what the seal says.
+
+   Collective. why: what is wrong, in words that follow 'checkpoint PATH: ', or empty.
+*/
+PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, char why[]);

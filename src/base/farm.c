@@ -1,0 +1,44 @@
+/* Parts of work dealt to the ranks in turn. */
+#include "base/farm.h"
+#include "base/progress.h"
+
+PetscErrorCode MpmFarm(const MpmScene *scene, const char unit[], PetscInt n, MpmPart part, void *context)
+{
+  PetscMPIInt rank, size;
+  MpmProgress progress;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  PetscCall(MpmProgressBegin(scene, unit, &progress));
+  for (PetscInt i = rank; i < n; i += size) {
+    PetscCall(part(context, i));
+    PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, n), n));
+  }
+  PetscCall(MpmProgressEnd(&progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Sum(PetscInt n, void *values, MPI_Datatype type)
+{
+  PetscMPIInt count;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMPIIntCast(n, &count));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, values, count, type, MPI_SUM, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFarmSumReals(PetscInt n, PetscReal values[])
+{
+  PetscFunctionBegin;
+  PetscCall(Sum(n, values, MPIU_REAL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFarmSumInts(PetscInt n, PetscInt values[])
+{
+  PetscFunctionBegin;
+  PetscCall(Sum(n, values, MPIU_INT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,53 @@
+/* A progress line on standard error. */
+#include "base/progress.h"
+#include <unistd.h>
+
+#define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
+#define BETWEEN_S 0.5
+
+PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  progress->unit    = unit;
+  progress->enabled = scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
+  if (rank) progress->enabled = PETSC_FALSE;
+  progress->shown   = PETSC_FALSE;
+  progress->started = MPI_Wtime();
+  progress->last    = progress->started - BETWEEN_S + (scene->has_progress ? 0 : SILENT_S);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total)
+{
+  const PetscReal now = progress->enabled ? MPI_Wtime() : 0;
+
+  PetscFunctionBegin;
+  if (!progress->enabled || done < 1 || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(stderr, "\r%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", progress->unit, done,
+          total, 100.0 * (double)done / (double)total,
+          (now - progress->started) * (double)(total - done) / (double)done);
+  fflush(stderr);
+  progress->last  = now;
+  progress->shown = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgressEnd(MpmProgress *progress)
+{
+  PetscFunctionBegin;
+  if (progress->shown) fprintf(stderr, "\r%70s\r", "");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgressNote(MpmProgress *progress, const char text[])
+{
+  PetscFunctionBegin;
+  if (!progress->enabled) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(stderr, "\r%-70s", text);
+  fflush(stderr);
+  progress->shown = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

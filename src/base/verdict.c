@@ -1,0 +1,35 @@
+/* Verdicts. */
+#include <mpmstab/verdict.h>
+#include <math.h>
+
+#define STILL_SMALL 0.1
+
+const char *const MpmVerdictNames[]    = {"stable", "unstable", "undecided", NULL};
+const char *const MpmGrowthKindNames[] = {"bounded", "linear", "exponential", NULL};
+
+PetscReal MpmGrowthPerStep(PetscReal size, PetscInt exponent, PetscInt period)
+{
+  return exp((log(size) + M_LN2 * exponent) / period);
+}
+
+PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period)
+{
+  return relative <= STILL_SMALL ? growth * relative / period : INFINITY;
+}
+
+PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual)
+{
+  return norm * (PetscMax(MPM_ROUNDING, mismatch) + residual);
+}
+
+PetscReal MpmDefectiveErrorOf(PetscReal error, PetscInt exponent, PetscInt period)
+{
+  return sqrt(scalbn(error, (int)exponent)) / period;
+}
+
+MpmVerdict MpmVerdictOf(const MpmFinding *f)
+{
+  if (isnan(f->growth)) return MPM_UNDECIDED;
+  if (f->growth <= 1 + f->tolerance) return f->blur <= f->tolerance ? MPM_STABLE : MPM_UNDECIDED;
+  return isinf(f->growth) || f->growth - 1 > f->uncertainty ? MPM_UNSTABLE : MPM_UNDECIDED;
+}

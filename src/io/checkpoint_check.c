@@ -1,0 +1,271 @@
+/* Whether a run can have written what was read from a checkpoint: whole files may be made by others, and by hand. */
+#include "io/checkpoint_file.h"
+#include "march/conserved.h"
+#include <mpmstab/errors.h>
+#include "scene/scene_keys.h"
+#include "scene/layout.h"
+#include "analysis/run.h"
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* A step moves the exponent by no more: doubles lie between 2^-1074 and 2^1024. */
+#define MOST_EXPONENT 1100
+
+#define Allow(condition, path, what)                                                                                   \
+  MpmCheckInput(condition, "checkpoint %s: %s; allowed: one that 'mpmstab run' has written", path, what)
+
+/* Of lines 'name text' the text of one name, or NULL. */
+static char *FactIn(const char scene[], const char name[], size_t room, char text[])
+{
+  const size_t length = strlen(name);
+
+  for (const char *line = scene; *line; line++) {
+    const size_t end = strcspn(line, "\n");
+
+    if (!strncmp(line, name, length) && line[length] == ' ') {
+      const size_t n = PetscMin(end - length - 1, room - 1);
+
+      memcpy(text, line + length + 1, n);
+      text[n] = '\0';
+      return text;
+    }
+    line += end;
+    if (!*line) break;
+  }
+  return NULL;
+}
+
+static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *file)
+{
+  MpmSceneKey mine[MPM_MAX_SCENE_KEYS];
+  char        text[MPM_COUNTS_TEXT];
+  PetscInt    n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSceneKeys(scene, &n, mine));
+  for (PetscInt f = 0; f < n; f++) {
+    const char *has = FactIn(file->scene, mine[f].name, sizeof text, text);
+
+    MpmCheckInput(has && !strcmp(has, mine[f].text),
+                  "checkpoint %s: its %s is %s, the scene's is %s; allowed: the scene that it is of, but for steps, "
+                  "tolerance, expectations and files",
+                  file->path, mine[f].name, has ? has : "not there", mine[f].text);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The step is one of the scene's before it is reckoned with. */
+static PetscErrorCode CheckStep(const MpmScene *scene, const MpmCheckpoint *file)
+{
+  const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneDrifts(scene) ? step : 0;
+
+  PetscFunctionBegin;
+  MpmCheckInput(step < scene->steps,
+                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: more steps or time",
+                file->path, step, scene->steps);
+  Allow(step >= 0, file->path, "its step is negative");
+  Allow(file->where[MPM_AT_PLACES] == places, file->path, "its particles are at another step");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Particles run ahead of the cells they are kept in by fewer cells than there are. The step is known to be one. */
+static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
+{
+  const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
+  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->cells : 0;
+  const PetscInt64  most  = PetscMin(MOST_EXPONENT * (step + 1), PETSC_MAX_INT / 2);
+  PetscInt64        cells;
+  PetscReal         part;
+
+  PetscFunctionBegin;
+  MpmFractionMultiple(&scene->drift, where[MPM_AT_PLACES], &cells, &part);
+  Allow(where[MPM_AT_REBASED] >= cells - slack && where[MPM_AT_REBASED] <= cells + slack, file->path,
+        "its particles have not drifted as the scene's have");
+  Allow(where[MPM_AT_EXPONENT] >= -most && where[MPM_AT_EXPONENT] <= most, file->path,
+        "its exponent is none that so many steps lead to");
+  Allow(where[MPM_AT_BLEW_UP] >= MPM_NEVER && where[MPM_AT_BLEW_UP] <= step, file->path,
+        "it blew up after its own step");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A vanished state has the logarithm -inf, and no other is not finite. */
+static PetscBool IsLogarithm(PetscReal value, PetscReal most)
+{
+  return value <= most && (value >= -most || isinf(value)) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode CheckSeries(const MpmCheckpoint *file)
+{
+  const PetscReal most = MOST_EXPONENT * ((PetscReal)file->where[MPM_AT_STEP] + 2);
+
+  PetscFunctionBegin;
+  Allow(file->samples <= PETSC_MAX_INT / 2, file->path, "its series is too long");
+  for (PetscInt64 i = 0; i < file->samples; i++) {
+    const PetscInt64 before = i ? file->sample_step[i - 1] : -1;
+
+    Allow(file->sample_step[i] > before && file->sample_step[i] <= file->where[MPM_AT_STEP], file->path,
+          "the steps of its series are not in order");
+    Allow(IsLogarithm(file->log_state[i], most) && IsLogarithm(file->log_grid[i], most), file->path,
+          "its series has a number that is no logarithm of a norm");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRanks(const MpmScene *scene, const MpmCheckpoint *file)
+{
+  PetscInt64 left = scene->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt64 r = 0; r < file->ranks; r++) {
+    Allow(file->rank_particles[r] >= 0 && file->rank_particles[r] <= left, file->path,
+          "its ranks' particles do not add up to the scene's");
+    left -= file->rank_particles[r];
+  }
+  Allow(left == 0, file->path, "its ranks' particles do not add up to the scene's");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, const MpmCheckpoint *file)
+{
+  PetscFunctionBegin;
+  PetscCall(CompareScenes(scene, file));
+  PetscCall(CheckStep(scene, file));
+  PetscCall(CheckWhere(scene, file));
+  PetscCall(CheckSeries(file));
+  PetscCall(CheckRanks(scene, file));
+  Allow((PetscInt64)strlen(file->csv) == file->csv_length, file->path, "its CSV is not text");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The march keeps clear of the end of the ghost layer by its slack, at this step and the next. */
+static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
+{
+  PetscInt  whole[2];
+  PetscReal part;
+
+  PetscFunctionBegin;
+  for (int i = 0; i < 2; i++)
+    PetscCall(MpmParticlesWhere(march->particles, march->particles->step + i, &whole[i], &part));
+  if (march->slack)
+    Allow(PetscMax(PetscAbsInt(whole[0]), PetscAbsInt(whole[1])) < march->slack, path,
+          "its particles have drifted too far from their cells");
+  else
+    Allow(!MpmSceneDrifts(march->scene) || whole[0] == 0, path, "its particles have drifted from their cells");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Each id once: of ids in range, the sums of a hash over those there and over all that there should be. */
+static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
+{
+  const PetscInt64  n   = march->particles->total;
+  uint64_t          sum = 0, beyond = 0, sums[2];
+  const PetscInt64 *id;
+  PetscMPIInt       rank, size;
+  MPI_Comm          comm = PetscObjectComm((PetscObject)march->grid->da);
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    if (id[p] < 0 || id[p] >= n) beyond++;
+    sum += (uint64_t)(0x1p53 * MpmHash(1, id[p]));
+  }
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt64 i = n * rank / size; i < n * (rank + 1) / size; i++) sum -= (uint64_t)(0x1p53 * MpmHash(1, i));
+  sums[0] = sum;
+  sums[1] = beyond;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, comm));
+  Allow(!sums[0] && !sums[1], path, "its particles are not those of the scene");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Within its cell, and that in the rank's part or, read by another rank, in the grid; where drift has taken it, within
+   slack of it. A cell of -1 is that of a particle which drift had already taken into cell 0. Passes rely on the order.
+*/
+static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
+{
+  const MpmGrid   *grid  = march->grid;
+  const PetscInt   least = (MpmSceneDrifts(march->scene) ? -1 : 0) - (same ? 0 : grid->first);
+  const PetscInt   most  = same ? grid->count - 1 : grid->cells - 1 - grid->first;
+  PetscInt64       bad   = 0;
+  PetscInt         whole, now;
+  PetscReal        part, place;
+  const PetscInt  *cell;
+  const PetscReal *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &xi));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    bad += cell[p] < least || cell[p] > most || !(xi[p] >= 0 && xi[p] < 1);
+    MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
+    bad += same && (now < -march->slack || now >= grid->count + march->slack || (p && cell[p] < cell[p - 1]));
+  }
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)grid->da)));
+  Allow(!bad, path, "its particles are where none can be");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A run follows a state as long as its squares are in range. */
+static PetscErrorCode CountLost(const MpmMarch *march, PetscInt64 *lost)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++) {
+    const PetscReal *q;
+
+    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &q));
+    for (PetscInt p = 0; p < march->particles->count; p++) *lost += !isfinite(q[p] * q[p]);
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &q));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CountNodesLost(Vec node, PetscBool is_mass, PetscInt64 *lost)
+{
+  const PetscReal *values;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(node, &n));
+  PetscCall(VecGetArrayRead(node, &values));
+  for (PetscInt i = 0; i < n; i++) *lost += !isfinite(values[i]) || (is_mass && values[i] < 0);
+  PetscCall(VecRestoreArrayRead(node, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Drift takes the particles' mass from node to node, and none away. */
+static PetscErrorCode CheckMass(const MpmMarch *march, PetscReal mass, const char path[])
+{
+  MpmConserved now;
+
+  PetscFunctionBegin;
+  PetscCall(MpmConservedSum(march, &now));
+  Allow(fabs(now.mass - mass) <= MPM_MASS_ROUNDING * mass, path, "its nodes have not the mass of the particles");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCheckpointCheckState(const MpmMarch *march, PetscBool same, PetscReal mass, const char path[])
+{
+  PetscInt64 lost = 0;
+
+  PetscFunctionBegin;
+  if (same) PetscCall(CheckSlack(march, path));
+  PetscCall(CheckIds(march, path));
+  PetscCall(CheckPlaces(march, same, path));
+  PetscCall(CountLost(march, &lost));
+  if (same) {
+    PetscCall(CountNodesLost(march->inverse_mass, PETSC_TRUE, &lost));
+    for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(CountNodesLost(march->node[f], PETSC_FALSE, &lost));
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  Allow(!lost, path, "its state has numbers out of range");
+  if (same) PetscCall(CheckMass(march, mass, path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,277 @@
+/* Going on from a checkpoint. What all ranks hold is checked before it is used, the rest once it is read. */
+#include "io/checkpoint.h"
+#include "io/checkpoint_file.h"
+#include "march/conserved.h"
+#include <mpmstab/errors.h>
+#include "base/checksum.h"
+#include "io/slabs.h"
+
+#define ANY -1 /* length */
+
+static PetscErrorCode Require(MpmSlabs *s, const char path[], const char name[], hid_t type, PetscInt64 length)
+{
+  PetscInt64 has;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSlabsLength(s, name, type, &has));
+  MpmCheckInput(has >= 0 && (length == ANY || has == length),
+                "checkpoint %s: no array '%s' of the right length in it; allowed: one that 'mpmstab run' has written",
+                path, name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All of an array on every rank, with a zero behind it. n: its length, to be found when it is ANY. */
+static PetscErrorCode All(MpmSlabs *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
+                          void *values)
+{
+  PetscFunctionBegin;
+  PetscCall(Require(s, path, name, type, *n));
+  PetscCall(MpmSlabsLength(s, name, type, n));
+  PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
+  PetscCall(MpmSlabsRead(s, name, type, 0, *n, *(char **)values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadRun(MpmSlabs *s, MpmCheckpoint *f)
+{
+  const hid_t integer = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
+
+  PetscFunctionBegin;
+  f->scene_length = f->csv_length = f->samples = f->ranks = ANY;
+  PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
+  PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
+  PetscCall(Require(s, f->path, "where", integer, MPM_WHERE));
+  PetscCall(MpmSlabsRead(s, "where", integer, 0, MPM_WHERE, f->where));
+  PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
+  PetscCall(MpmSlabsRead(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
+  PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
+  PetscCall(All(s, f->path, "series_state", real, sizeof *f->log_state, &f->samples, &f->log_state));
+  PetscCall(All(s, f->path, "series_grid", real, sizeof *f->log_grid, &f->samples, &f->log_grid));
+  PetscCall(All(s, f->path, "rank_particles", integer, sizeof *f->rank_particles, &f->ranks, &f->rank_particles));
+  PetscCall(All(s, f->path, "rank_nodes", integer, sizeof *f->rank_nodes, &f->ranks, &f->rank_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Free(MpmCheckpoint *f)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(f->scene));
+  PetscCall(PetscFree(f->csv));
+  PetscCall(PetscFree(f->sample_step));
+  PetscCall(PetscFree(f->log_state));
+  PetscCall(PetscFree(f->log_grid));
+  PetscCall(PetscFree(f->rank_particles));
+  PetscCall(PetscFree(f->rank_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What HDF5 could not read has no value to be checked. */
+static PetscErrorCode CheckRead(const MpmSlabs *s, const char path[])
+{
+  PetscBool failed;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSlabsFailed(s, &failed));
+  MpmCheckInput(!failed, "checkpoint %s: HDF5 cannot read it; allowed: one that 'mpmstab run' has written", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file)
+{
+  const char *path = file->path;
+
+  PetscFunctionBegin;
+  PetscCall(ReadRun(s, file));
+  PetscCall(CheckRead(s, path));
+  PetscCall(MpmCheckpointCheckRun(scene, file));
+  PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->particles));
+  PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->particles));
+  PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->particles));
+  for (PetscInt f = 0; scene->table->fields[f]; f++)
+    PetscCall(Require(s, path, scene->table->fields[f], H5T_NATIVE_DOUBLE, scene->particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refused or not, nothing stays open. */
+PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
+{
+  MpmCheckpoint  file = {.path = scene->restart};
+  char           why[256];
+  PetscBool      failed;
+  MpmSlabs       slabs;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(MpmChecksumCheck(PETSC_COMM_WORLD, file.path, sizeof why, why));
+  MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", file.path, why);
+  PetscCall(MpmSlabsOpen(PETSC_COMM_WORLD, file.path, &slabs));
+  ierr = ReadAndCheckRun(&slabs, scene, &file);
+  PetscCall(Free(&file));
+  PetscCall(MpmSlabsClose(&slabs, &failed));
+  PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
+{
+  PetscFunctionBegin;
+  march->step               = file->where[MPM_AT_STEP];
+  march->particles->step    = file->where[MPM_AT_PLACES];
+  march->particles->rebased = file->where[MPM_AT_REBASED];
+  march->exponent           = (PetscInt)file->where[MPM_AT_EXPONENT];
+  run->blew_up_at_step      = file->where[MPM_AT_BLEW_UP];
+  run->energy_initial       = file->numbers[MPM_ENERGY_FIRST];
+  run->energy_final         = file->numbers[MPM_ENERGY_LAST];
+  run->energy_ratio         = file->numbers[MPM_ENERGY_RATIO];
+  run->log_energy_first     = file->numbers[MPM_LOG_ENERGY_FIRST];
+  for (PetscInt64 i = 0; i < file->samples; i++)
+    PetscCall(MpmSeriesAppend(&run->series, file->sample_step[i], file->log_state[i], file->log_grid[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which of the file's particles and nodes this rank reads. same: those that it wrote itself. */
+typedef struct {
+  PetscBool  same;
+  PetscInt64 begin, n, node, nodes;
+} Share;
+
+static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const MpmMarch *march, Share *share)
+{
+  PetscMPIInt rank, size;
+  PetscInt    mine;
+  int         same;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
+  same = file->ranks == size && file->rank_nodes[rank] == mine;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
+  *share = (Share){.same = same ? PETSC_TRUE : PETSC_FALSE};
+  if (share->same) {
+    for (PetscMPIInt r = 0; r < rank; r++) {
+      share->begin += file->rank_particles[r];
+      share->node += file->rank_nodes[r];
+    }
+    share->n     = file->rank_particles[rank];
+    share->nodes = mine;
+  } else {
+    share->begin = march->particles->total * rank / size;
+    share->n     = march->particles->total * (rank + 1) / size - share->begin;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadField(MpmSlabs *s, const Share *share, const MpmParticles *particles, const char name[],
+                                hid_t type)
+{
+  void *values;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, name, &values));
+  PetscCall(MpmSlabsRead(s, name, type, share->begin, share->n, values));
+  PetscCall(MpmParticlesRestore(particles, name, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadCells(MpmSlabs *s, const Share *share, const MpmMarch *march)
+{
+  PetscInt   *cell;
+  PetscInt64 *global;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(share->n, &global));
+  PetscCall(MpmSlabsRead(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
+  for (PetscInt64 p = 0; p < share->n; p++) /* what is off the grid stays so */
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+  PetscCall(PetscFree(global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadParticles(MpmSlabs *s, const Share *share, MpmMarch *march)
+{
+  MpmParticles *particles = march->particles;
+
+  PetscFunctionBegin;
+  particles->count = (PetscInt)share->n;
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
+  PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
+  PetscCall(ReadField(s, share, particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
+  PetscCall(ReadCells(s, share, march));
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
+    PetscCall(ReadField(s, share, particles, march->scene->table->fields[f], H5T_NATIVE_DOUBLE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNode(MpmSlabs *s, const Share *share, const char name[], Vec node)
+{
+  PetscReal *values;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(node, &values));
+  PetscCall(MpmSlabsRead(s, name, H5T_NATIVE_DOUBLE, share->node, share->nodes, values));
+  PetscCall(VecRestoreArray(node, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNodes(MpmSlabs *s, const char path[], const Share *share, MpmMarch *march)
+{
+  PetscInt64 length = share->nodes;
+  char       name[32];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPIU_INT64, MPI_SUM, s->comm));
+  PetscCall(Require(s, path, "inverse_mass", H5T_NATIVE_DOUBLE, length));
+  PetscCall(ReadNode(s, share, "inverse_mass", march->inverse_mass));
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
+    PetscCall(Require(s, path, name, H5T_NATIVE_DOUBLE, length));
+    PetscCall(ReadNode(s, share, name, march->node[f]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadState(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
+                                Share *share)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadAndCheckRun(s, scene, file));
+  PetscCall(TakeRun(file, march, run));
+  PetscCall(FindShare(s->comm, file, march, share));
+  PetscCall(ReadParticles(s, share, march));
+  if (share->same) PetscCall(ReadNodes(s, file->path, share, march));
+  PetscCall(CheckRead(s, file->path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv)
+{
+  MpmCheckpoint  file = {.path = path};
+  PetscBool      failed;
+  Share          share = {.same = PETSC_FALSE};
+  MpmConserved   before;
+  MpmSlabs       slabs;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(MpmConservedSum(march, &before));
+  PetscCall(MpmSlabsOpen(PetscObjectComm((PetscObject)march->grid->da), path, &slabs));
+  ierr = ReadState(&slabs, march->scene, &file, march, run, &share);
+  if (!ierr) {
+    *csv     = file.csv;
+    file.csv = NULL;
+  }
+  PetscCall(Free(&file));
+  PetscCall(MpmSlabsClose(&slabs, &failed));
+  PetscCall(ierr);
+  PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
+  if (share.same)
+    PetscCall(MpmParticlesComparePlaces(march->particles));
+  else
+    PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmParticlesWeigh(march->scene, march->particles));
+  if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,216 @@
+/* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
+#include "io/datafile.h"
+#include "io/output.h"
+#include <petscviewerhdf5.h>
+#include <math.h>
+#include <string.h>
+
+struct MpmOutput_ {
+  const MpmScene *scene;
+  MpmDataFile     file;
+  Vec             by_id, coordinates, local, global;
+  MpmTextFile     xmf;
+};
+
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
+{
+  const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
+  const PetscInt n    = (PetscInt)march->scene->particles;
+  MpmOutput     *o;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(output));
+  o        = *output;
+  o->scene = march->scene;
+  PetscCall(VecCreateMPI(comm, PETSC_DECIDE, n, &o->by_id));
+  PetscCall(VecCreate(comm, &o->coordinates));
+  PetscCall(VecSetBlockSize(o->coordinates, 3));
+  PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
+  PetscCall(VecSetType(o->coordinates, VECSTANDARD));
+  PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
+  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->scene->nodes, &o->global));
+  PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
+  if (o->xmf.stream)
+    fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+                           "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+  PetscCall(MpmDataFileOpen(comm, o->scene, &o->file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Scatters values of local particles to the vector ordered by global id, block by block. */
+static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const PetscReal values[], Vec vector)
+{
+  const PetscInt64 *id;
+  PetscInt         *rows;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  PetscCall(PetscMalloc1(width * march->particles->count, &rows));
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    for (PetscInt d = 0; d < width; d++) rows[width * p + d] = (PetscInt)(width * id[p] + d);
+  PetscCall(VecSetValues(vector, width * march->particles->count, rows, values, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(vector));
+  PetscCall(VecAssemblyEnd(vector));
+  PetscCall(PetscFree(rows));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ViewAs(Vec vector, const char name[], PetscViewer viewer)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscObjectSetName((PetscObject)vector, name));
+  PetscCall(VecView(vector, viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteCoordinates(const MpmOutput *output, const MpmMarch *march)
+{
+  const MpmParticles *particles = march->particles;
+  const PetscReal    *xi;
+  const PetscInt     *cell;
+  PetscReal          *x;
+  PetscInt            whole, zero = 0;
+  PetscReal           part;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(PetscCalloc1(3 * particles->count, &x));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    PetscInt  now;
+    PetscReal place;
+
+    MpmPlaceBlock(1, &zero, &xi[p], 0, part, &now, &place);
+    now      = (PetscInt)(((PetscInt64)march->grid->first + cell[p] + whole + now) % march->grid->cells);
+    x[3 * p] = output->scene->cell_width * ((now < 0 ? now + march->grid->cells : now) + place);
+  }
+  PetscCall(SetById(march, 3, x, output->coordinates));
+  PetscCall(PetscFree(x));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(ViewAs(output->coordinates, "coordinates", output->file.viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "particles"));
+  PetscCall(WriteCoordinates(output, march));
+  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
+    const char      *name = output->scene->table->fields[f];
+    const PetscReal *q;
+
+    PetscCall(MpmParticlesGet(march->particles, name, &q));
+    PetscCall(SetById(march, 1, q, output->by_id));
+    PetscCall(MpmParticlesRestore(march->particles, name, &q));
+    PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
+    PetscCall(ViewAs(output->by_id, name, output->file.viewer));
+  }
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "nodes"));
+  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
+    PetscReal *from, *to;
+
+    PetscCall(MpmMarchProject(march, f, output->local));
+    PetscCall(MpmGridGetArray(march->grid, output->local, &from));
+    PetscCall(VecGetArray(output->global, &to));
+    for (PetscInt i = 0; i < march->grid->nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
+    PetscCall(VecRestoreArray(output->global, &to));
+    PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
+    PetscCall(ViewAs(output->global, output->scene->table->fields[f], output->file.viewer));
+  }
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One attribute of a particle or node grid, stored in the HDF5 file. */
+static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[], const char name[],
+                          const char dimensions[])
+{
+  fprintf(xmf,
+          "<Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">"
+          "<DataItem Dimensions=\"%s\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">%s:%s/%s/%s</DataItem>"
+          "</Attribute>\n",
+          name, dimensions, file, group, place, name);
+}
+
+static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[], PetscReal time)
+{
+  const MpmScene *s     = output->scene;
+  const char     *slash = strrchr(output->file.path, '/'), *file = slash ? slash + 1 : output->file.path;
+  char            particles[32], nodes[32];
+
+  snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->particles);
+  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->nodes);
+  fprintf(xmf,
+          "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
+          "<Grid Name=\"particles\" GridType=\"Uniform\">\n"
+          "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%s\"/>\n"
+          "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"%s 3\" NumberType=\"Float\" Precision=\"8\" "
+          "Format=\"HDF\">%s:%s/particles/coordinates</DataItem></Geometry>\n",
+          time, particles, particles, file, group);
+  for (PetscInt f = 0; s->table->fields[f]; f++)
+    DescribeField(xmf, file, group, "particles", s->table->fields[f], particles);
+  fprintf(xmf,
+          "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
+          "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
+          "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
+          "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
+          nodes, s->cell_width);
+  for (PetscInt f = 0; s->table->fields[f]; f++) DescribeField(xmf, file, group, "nodes", s->table->fields[f], nodes);
+  fprintf(xmf, "</Grid>\n</Grid>\n");
+}
+
+PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
+{
+  const PetscReal time = march->step * march->scene->dt, step = (PetscReal)march->step;
+  char            group[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(group, sizeof group, "/step_%010" PetscInt64_FMT, march->step));
+  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, group));
+  PetscCall(WriteParticles(output, march));
+  PetscCall(WriteNodes(output, march));
+  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "time", PETSC_REAL, &time));
+  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "step", PETSC_REAL, &step));
+  if (output->xmf.stream) DescribeStep(output, output->xmf.stream, group, time);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode NameFiles(MpmOutput *o)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileClose(&o->file, o->xmf.part));
+  if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
+  PetscCall(MpmTextFileClose(&o->xmf));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output)
+{
+  MpmOutput *o = *output;
+
+  PetscFunctionBegin;
+  if (keep)
+    PetscCall(NameFiles(o));
+  else {
+    PetscCall(MpmDataFileDrop(&o->file));
+    MpmTextFileDrop(&o->xmf);
+  }
+  PetscCall(VecDestroy(&o->by_id));
+  PetscCall(VecDestroy(&o->coordinates));
+  PetscCall(VecDestroy(&o->local));
+  PetscCall(VecDestroy(&o->global));
+  PetscCall(PetscFree(*output));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,73 @@
+/* Dumps for reports: eigenvalues, modes and the symbol's curves, as HDF5 and CSV. */
+#include "io/output.h"
+#include "analysis/spectrum.h"
+#include "io/symbol_files.h"
+#include <math.h>
+
+static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *modes, MpmDataFile *file)
+{
+  const PetscInt n = s->eigen->n;
+  PetscReal     *pairs;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(2 * n, &pairs));
+  for (PetscInt j = 0; j < n; j++) {
+    pairs[2 * j]     = scalbn(s->eigen->re[j], (int)s->op->exponent);
+    pairs[2 * j + 1] = scalbn(s->eigen->im[j], (int)s->op->exponent);
+  }
+  PetscCall(MpmDataFileArray(file, "/spectrum", "eigenvalues", n, 2, pairs));
+  PetscCall(MpmDataFileArray(file, "/spectrum", "residuals", n, 1, s->eigen->residual));
+  PetscCall(MpmDataFileArray(file, "/spectrum", "beta", n, 1, modes->beta));
+  PetscCall(MpmDataFileArray(file, "/spectrum", "null_share", n, 1, modes->null_share));
+  PetscCall(PetscFree(pairs));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
+{
+  const int   exponent = (int)s->op->exponent;
+  MpmTextFile csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(s->scene->csv, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "mode,re,im,abs,growth,residual,beta,null_share\n");
+    for (PetscInt j = 0; j < s->eigen->n; j++) {
+      const PetscReal size  = hypot(s->eigen->re[j], s->eigen->im[j]);
+      const PetscReal row[] = {scalbn(s->eigen->re[j], exponent),
+                               scalbn(s->eigen->im[j], exponent),
+                               scalbn(size, exponent),
+                               MpmGrowthPerStep(size, s->op->exponent, s->op->period),
+                               s->eigen->residual[j],
+                               modes->beta[j],
+                               modes->null_share[j]};
+
+      fprintf(csv.stream, "%" PetscInt_FMT, j + 1);
+      for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(row); c++) MpmTextFileCell(&csv, row[c]);
+      fprintf(csv.stream, "\n");
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
+{
+  MpmModes    modes;
+  MpmDataFile file;
+
+  PetscFunctionBegin;
+  if (!s->scene->output[0] && !s->scene->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
+  if (s->scene->csv[0]) PetscCall(WriteCsv(s, &modes));
+  if (s->scene->output[0]) {
+    PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, &file));
+    PetscCall(WriteEigenvalues(s, &modes, &file));
+    PetscCall(MpmModesWrite(s->op, s->eigen, s->scene->modes, &file));
+    if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
+    PetscCall(MpmTransientWrite(s, &file));
+    PetscCall(MpmDataFileClose(&file, NULL));
+  }
+  PetscCall(MpmModesDestroy(&modes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

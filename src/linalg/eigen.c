@@ -1,0 +1,299 @@
+/*
+   The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
+*/
+#include "linalg/eigen.h"
+#include "linalg/eigen_dense.h"
+#include "linalg/eigen_target.h"
+#include <mpmstab/errors.h>
+#include "linalg/ritz.h"
+#include <math.h>
+
+#define DENSE_ORDER 4096
+#define ACCEPTED 1e-7 /* residual of what is listed */
+#define LARGEST 2     /* eigenvalues sought of largest magnitude */
+#define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
+#define RESTARTS 200
+#define WORK 8e7 /* order x restarts: five minutes */
+
+MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
+{
+  if (order <= DENSE_ORDER) return MPM_EIGEN_DENSE;
+  return has_symbol ? MPM_EIGEN_TARGET : MPM_EIGEN_LARGEST;
+}
+
+static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
+{
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(EPSSetProblemType(eps, EPS_NHEP));
+  if (method == MPM_EIGEN_TARGET) {
+    PetscCall(MpmEigenTargetSet(eps, RESTARTS));
+  } else if (method == MPM_EIGEN_DENSE) {
+    PetscCall(EPSSetType(eps, EPSLAPACK));
+    PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
+  } else {
+    PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
+    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
+    PetscCall(EPSSetDimensions(eps, LARGEST, PetscMin(BASIS, order), PETSC_DETERMINE));
+    PetscCall(EPSSetTolerances(eps, 1e-10, (PetscInt)PetscMin(RESTARTS, PetscMax(20, WORK / order))));
+  }
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = EPSSetFromOptions(eps);
+  PetscCall(PetscPopErrorHandler());
+  MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them; allowed: see its manual pages");
+  if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* " (LU: band)", or nothing where no LU is. */
+static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
+{
+  KSP           ksp;
+  PC            pc;
+  MatSolverType lu;
+  PetscBool     is_lu;
+
+  PetscFunctionBegin;
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PetscObjectTypeCompare((PetscObject)pc, PCLU, &is_lu));
+  PetscCall(PCFactorGetMatSolverType(pc, &lu));
+  factors[0] = '\0';
+  if (is_lu && lu) PetscCall(PetscSNPrintf(factors, room, " (LU: %s)", lu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What was done, in a line. */
+static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscReal target[2], PetscInt found)
+{
+  EPSType type;
+  STType  transform;
+  ST      st;
+  char    near[64] = "", factors[32];
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetType(e->eps, &type));
+  PetscCall(EPSGetST(e->eps, &st));
+  PetscCall(STGetType(st, &transform));
+  PetscCall(DescribeFactors(st, sizeof factors, factors));
+  if (method == MPM_EIGEN_TARGET)
+    PetscCall(
+        PetscSNPrintf(near, sizeof near, " near %.9g %s %.9gi", target[0], target[1] < 0 ? "-" : "+", fabs(target[1])));
+  if (!strcmp(transform, STSHIFT)) {
+    transform  = NULL;
+    factors[0] = '\0';
+  }
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver, "%s%s%s%s%s, %" PetscInt_FMT " found%s", type,
+                          transform ? " with " : "", transform ? transform : "", factors, near, found,
+                          e->failed ? ", the solver failed" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* norm(A x - lambda x) / (norm(A) norm(x)), x = x[0] + i x[1], r: room. */
+static PetscErrorCode Residual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
+{
+  PetscReal norm[2], rest[2];
+
+  PetscFunctionBegin;
+  for (int part = 0; part < 2; part++) {
+    PetscCall(VecNorm(x[part], NORM_2, &norm[part]));
+    PetscCall(MatMult(e->A, x[part], r));
+    PetscCall(VecAXPBYPCZ(r, -re, part ? -im : im, 1, x[part], x[1 - part]));
+    PetscCall(VecNorm(r, NORM_2, &rest[part]));
+  }
+  *residual = hypot(rest[0], rest[1]) / (e->norm * hypot(norm[0], norm[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
+{
+  PetscReal norm[2];
+
+  PetscFunctionBegin;
+  if (e->ritz) {
+    PetscInt n;
+
+    PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
+    PetscCall(BVMultVec(e->ritz, 1, 0, re, e->coefficients + 2 * n * e->place[j]));
+    PetscCall(BVMultVec(e->ritz, 1, 0, im, e->coefficients + 2 * n * e->place[j] + n));
+  } else if (e->dense_re) {
+    PetscCall(MpmEigenDenseVector(e->dense, e->dense_im, e->place[j], re, im));
+  } else
+    PetscCall(EPSGetEigenpair(e->eps, e->place[j], NULL, NULL, re, im));
+  PetscCall(VecNorm(re, NORM_2, &norm[0]));
+  PetscCall(VecNorm(im, NORM_2, &norm[1]));
+  PetscCall(VecScale(re, 1 / hypot(norm[0], norm[1])));
+  PetscCall(VecScale(im, 1 / hypot(norm[0], norm[1])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest abs first, a pair's upper half first: -abs, then the angle. Rounding must not decide. */
+static PetscErrorCode Sort(MpmEigen *e)
+{
+  PetscReal *key, *old;
+  PetscInt  *order;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(e->n, &key, e->n, &order, 3 * e->n, &old));
+  for (PetscInt j = 0; j < e->n; j++) {
+    const PetscReal size = hypot(e->re[j], e->im[j]), angle = fabs(atan2(e->im[j], e->re[j]));
+
+    order[j]          = j;
+    key[j]            = -size + 1e-9 * size * angle - (e->im[j] > 0 ? 1e-12 * size : 0);
+    old[j]            = e->re[j];
+    old[e->n + j]     = e->im[j];
+    old[2 * e->n + j] = e->residual[j];
+  }
+  PetscCall(PetscSortRealWithArrayInt(e->n, key, order));
+  for (PetscInt j = 0; j < e->n; j++) {
+    e->re[j]       = old[order[j]];
+    e->im[j]       = old[e->n + order[j]];
+    e->residual[j] = old[2 * e->n + order[j]];
+  }
+  for (PetscInt j = 0; j < e->n; j++) order[j] = e->place[order[j]];
+  PetscCall(PetscArraycpy(e->place, order, e->n));
+  PetscCall(PetscFree3(key, order, old));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Candidates that are eigenpairs. */
+static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[], const PetscReal im[])
+{
+  Vec x[2], r;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(candidates, &e->re, candidates, &e->im, candidates, &e->residual, candidates, &e->place));
+  PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
+  PetscCall(VecDuplicate(x[0], &r));
+  for (PetscInt i = 0; i < candidates; i++) {
+    PetscReal *residual = &e->residual[e->n];
+
+    e->place[e->n] = i;
+    PetscCall(MpmEigenVector(e, e->n, x[0], x[1]));
+    PetscCall(Residual(e, re[i], im[i], x, r, residual));
+    if (!(*residual <= ACCEPTED)) continue;
+    e->re[e->n]   = re[i];
+    e->im[e->n++] = im[i];
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscCall(VecDestroy(&r));
+  PetscCall(Sort(e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found)
+{
+  PetscReal *re, *im;
+  PetscInt   n;
+
+  PetscFunctionBegin;
+  if (method == MPM_EIGEN_TARGET) {
+    PetscCall(MpmRitzExtract(e->A, e->eps, &e->ritz, &n, &re, &im, &e->coefficients));
+    PetscCall(List(e, n, re, im));
+    PetscCall(PetscFree2(re, im));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (e->dense_re) { /* dense is NULL on a rank without rows */
+    PetscCall(List(e, found, e->dense_re, e->dense_im));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscMalloc2(found, &re, found, &im));
+  for (PetscInt i = 0; i < found; i++) PetscCall(EPSGetEigenvalue(e->eps, i, &re[i], &im[i]));
+  PetscCall(List(e, found, re, im));
+  PetscCall(PetscFree2(re, im));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SolveDense(MpmEigen *e, PetscInt *found)
+{
+  PetscFunctionBegin;
+  *found    = 0;
+  e->failed = PETSC_TRUE;
+  if (!isfinite(e->norm)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc2(e->order, &e->dense_re, e->order, &e->dense_im));
+  PetscCall(MpmEigenDenseSolve(e->A, e->dense_re, e->dense_im, &e->dense, &e->failed));
+  *found = e->failed ? 0 : e->order;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A factorization that breaks down leaves the verdict open, it does not end the task. */
+static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
+{
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = isfinite(e->norm) ? EPSSolve(e->eps) : PETSC_ERR_FP;
+  PetscCall(PetscPopErrorHandler());
+  e->failed = error ? PETSC_TRUE : PETSC_FALSE;
+  *found    = 0;
+  if (!error) PetscCall(EPSGetConverged(e->eps, found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the solver, options included, looked for the largest magnitudes of the matrix itself. */
+static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
+{
+  EPSWhich    which;
+  ST          st;
+  PetscScalar shift;
+  PetscBool   plain;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetWhichEigenpairs(eps, &which));
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(PetscObjectTypeCompare((PetscObject)st, STSHIFT, &plain));
+  PetscCall(STGetShift(st, &shift));
+  *largest = which == EPS_LARGEST_MAGNITUDE && plain && shift == 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
+                             MpmEigen **eigen)
+{
+  const PetscReal begin = MPI_Wtime();
+  Mat             T     = A;
+  PetscInt        found, wanted;
+  PetscBool       largest = PETSC_FALSE, dense = PETSC_FALSE;
+  MpmEigen       *e;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(eigen));
+  e    = *eigen;
+  e->A = A;
+  PetscCall(MatGetSize(A, &e->order, NULL));
+  PetscCall(MatNorm(A, NORM_INFINITY, &e->norm));
+  if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
+  PetscCall(EPSSetOperators(e->eps, T, NULL));
+  PetscCall(EPSSetOptionsPrefix(e->eps, prefix));
+  PetscCall(SetMethod(e->eps, method, e->order));
+  if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
+  PetscCall(dense ? SolveDense(e, &found) : SolveOrFail(e, &found));
+  PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));
+  e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(Describe(e, method, target, found));
+  PetscCall(Collect(e, method, found));
+  PetscCall(SoughtLargest(e->eps, &largest));
+  e->largest  = e->converged && T == A && largest && e->n == found ? PETSC_TRUE : PETSC_FALSE;
+  e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
+  if (T != A) PetscCall(MatDestroy(&T));
+  e->solve_s = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
+{
+  PetscFunctionBegin;
+  if (!*eigen) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree4((*eigen)->re, (*eigen)->im, (*eigen)->residual, (*eigen)->place));
+  PetscCall(PetscFree((*eigen)->coefficients));
+  PetscCall(PetscFree2((*eigen)->dense_re, (*eigen)->dense_im));
+  PetscCall(PetscFree((*eigen)->dense));
+  PetscCall(BVDestroy(&(*eigen)->ritz));
+  PetscCall(EPSDestroy(&(*eigen)->eps));
+  PetscCall(PetscFree(*eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,133 @@
+/*
+   (W^T W)^+ M by all eigenvalues and vectors, as D (D W^T W D)^+ D^-1 with D = M^-1/2: so scaled, light and heavy nodes
+   weigh alike, and only what no particle sees is singular.
+*/
+#include "linalg/dense.h"
+#include <mpmstab/errors.h>
+#include "linalg/normal_inverse.h"
+#include <petscblaslapack.h>
+#include <math.h>
+
+#define MOST_NODES 3000
+#define SINGULAR 1e-12   /* of the largest eigenvalue */
+#define NEGLIGIBLE 1e-18 /* of the largest number of the inverse */
+
+/* W^T W as a dense matrix on every rank. */
+static PetscErrorCode Square(Mat W, PetscReal square[])
+{
+  Mat product;
+
+  PetscFunctionBegin;
+  PetscCall(MatTransposeMatMult(W, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
+  PetscCall(MpmDenseCopy(product, square));
+  PetscCall(MatDestroy(&product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In place: eigenvectors, as columns, divided by the square roots of their eigenvalues; 0 where that is 0. */
+static PetscErrorCode HalfInverse(PetscInt n, PetscReal a[])
+{
+  PetscBLASInt order, room, info;
+  PetscReal   *lambda, *work, query;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCall(PetscMalloc1(n, &lambda));
+  room = -1;
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, &query, &room, &info));
+  room = (PetscBLASInt)query;
+  PetscCall(PetscMalloc1(room, &work));
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, work, &room, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyev failed: %d", (int)info);
+  for (PetscInt j = 0; j < n; j++) {
+    const PetscReal scale = lambda[j] > SINGULAR * lambda[n - 1] ? 1 / sqrt(lambda[j]) : 0;
+
+    for (PetscInt i = 0; i < n; i++) a[(size_t)j * n + i] *= scale;
+  }
+  PetscCall(PetscFree(work));
+  PetscCall(PetscFree(lambda));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* This rank's rows of half half^T, without what is lost in rounding. */
+static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
+{
+  PetscReal      *rows, largest = 0;
+  PetscInt       *columns, begin, end;
+  PetscBLASInt    order, count;
+  const PetscReal one = 1, zero = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(inverse, &begin, &end));
+  PetscCall(PetscMalloc2((size_t)n * (end - begin) + 1, &rows, n, &columns));
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCall(PetscBLASIntCast(end - begin, &count));
+  if (count)
+    PetscCallBLAS("BLASgemm", BLASgemm_("N", "T", &order, &count, &order, &one, half, &order, half + begin, &order,
+                                        &zero, rows, &order));
+  for (size_t i = 0; i < (size_t)n * (end - begin); i++) largest = PetscMax(largest, fabs(rows[i]));
+  for (PetscInt i = begin; i < end; i++) {
+    PetscReal *row  = rows + (size_t)n * (i - begin);
+    PetscInt   kept = 0;
+
+    for (PetscInt j = 0; j < n; j++) {
+      if (fabs(row[j]) <= NEGLIGIBLE * largest) continue;
+      columns[kept] = j;
+      row[kept++]   = row[j];
+    }
+    PetscCall(MatSetValues(inverse, 1, &i, kept, columns, row, INSERT_VALUES));
+  }
+  PetscCall(PetscFree2(rows, columns));
+  PetscCall(MatAssemblyBegin(inverse, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(inverse, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* sqrt(M), and 1 over it, 0 where there is no mass. */
+static PetscErrorCode Roots(Vec masses, Vec *root, Vec *inverse)
+{
+  PetscInt   n;
+  PetscReal *r, *i;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(masses, root));
+  PetscCall(VecDuplicate(masses, inverse));
+  PetscCall(VecCopy(masses, *root));
+  PetscCall(VecGetLocalSize(masses, &n));
+  PetscCall(VecGetArray(*root, &r));
+  PetscCall(VecGetArray(*inverse, &i));
+  for (PetscInt node = 0; node < n; node++) {
+    r[node] = sqrt(PetscMax(r[node], 0));
+    i[node] = r[node] > 0 ? 1 / r[node] : 0;
+  }
+  PetscCall(VecRestoreArray(*inverse, &i));
+  PetscCall(VecRestoreArray(*root, &r));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse)
+{
+  PetscInt   n, local;
+  PetscReal *half;
+  Vec        root, inverse_root;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(W, NULL, &n));
+  PetscCall(MatGetLocalSize(W, NULL, &local));
+  MpmCheckInput(n <= MOST_NODES,
+                "cells: the operator of this transfer holds an inverse of %" PetscInt_FMT
+                " nodes; allowed: at most %d ('mpmstab run' and 'symbol' take more)",
+                n, MOST_NODES);
+  PetscCall(PetscMalloc1((size_t)n * n, &half));
+  PetscCall(Roots(masses, &root, &inverse_root));
+  PetscCall(MatDiagonalScale(W, NULL, inverse_root));
+  PetscCall(Square(W, half));
+  PetscCall(HalfInverse(n, half));
+  PetscCall(MatCreateAIJ(PetscObjectComm((PetscObject)W), local, local, n, n, local, NULL, n - local, NULL, inverse));
+  PetscCall(FillRows(n, half, *inverse));
+  PetscCall(PetscFree(half));
+  PetscCall(MatDiagonalScale(*inverse, inverse_root, root));
+  PetscCall(VecDestroy(&root));
+  PetscCall(VecDestroy(&inverse_root));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,124 @@
+/*
+   Eigenvalues of A near a + ib are those of T = (A - a I)^2 + b^2 I near 0. An eigenvector x of T need not be one of A
+   (where T's eigenvalue is real it mixes those of a + iw and a - iw), but the span of x and A x is A's own, since
+   (A - a I)^2 x is a multiple of x: Rayleigh-Ritz there gives eigenpairs of A.
+*/
+#include "linalg/small_eigen.h"
+#include "linalg/ritz.h"
+#include <math.h>
+
+#define REAL 1e-6 /* a target this close to the axis is on it */
+
+PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T)
+{
+  Mat shifted;
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(A, MAT_COPY_VALUES, &shifted));
+  PetscCall(MatShift(shifted, -target[0]));
+  if (fabs(target[1]) <= REAL * fabs(target[0])) { /* T would be a square, with all its eigenvalues double */
+    *T = shifted;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatMatMult(shifted, shifted, MAT_INITIAL_MATRIX, PETSC_DETERMINE, T));
+  PetscCall(MatShift(*T, target[1] * target[1]));
+  PetscCall(MatDestroy(&shifted));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends what of x is new to the basis. */
+static PetscErrorCode Append(BV basis, PetscInt *n, Vec x)
+{
+  PetscReal norm;
+  PetscBool dependent;
+
+  PetscFunctionBegin;
+  PetscCall(VecNorm(x, NORM_2, &norm));
+  if (norm == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecScale(x, 1 / norm));
+  PetscCall(BVInsertVec(basis, *n, x));
+  PetscCall(BVSetActiveColumns(basis, 0, *n + 1));
+  PetscCall(BVOrthogonalizeColumn(basis, *n, NULL, &norm, &dependent));
+  if (dependent || norm < 1e-6) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BVScaleColumn(basis, *n, 1 / norm));
+  (*n)++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Span(Mat A, EPS eps, BV basis, PetscInt *n)
+{
+  PetscInt pairs;
+  Vec      x[2], y;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetConverged(eps, &pairs));
+  PetscCall(MatCreateVecs(A, &x[0], &x[1]));
+  PetscCall(VecDuplicate(x[0], &y));
+  *n = 0;
+  for (PetscInt i = 0; i < pairs; i++) {
+    PetscCall(EPSGetEigenpair(eps, i, NULL, NULL, x[0], x[1]));
+    for (int part = 0; part < 2; part++) {
+      PetscCall(MatMult(A, x[part], y));
+      PetscCall(Append(basis, n, x[part]));
+      PetscCall(Append(basis, n, y));
+    }
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscCall(VecDestroy(&y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Eigenvalues and vectors of H = basis^T A basis. */
+static PetscErrorCode SolveProjected(Mat H, PetscInt n, PetscReal re[], PetscReal im[], PetscReal coefficients[])
+{
+  MpmSmallEigen      small;
+  const PetscScalar *h;
+  PetscInt           rows;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSmallEigenCreate(n, &small));
+  PetscCall(MatDenseGetLDA(H, &rows));
+  PetscCall(MatDenseGetArrayRead(H, &h));
+  for (PetscInt c = 0; c < n; c++)
+    for (PetscInt r = 0; r < n; r++) small.matrix[c * n + r] = h[c * rows + r];
+  PetscCall(MatDenseRestoreArrayRead(H, &h));
+  PetscCall(MpmSmallEigenSolve(&small, PETSC_TRUE));
+  for (PetscInt j = 0; j < n; j++) {
+    re[j] = creal(small.value[j]);
+    im[j] = cimag(small.value[j]);
+    for (PetscInt r = 0; r < n; r++) {
+      coefficients[2 * n * j + r]     = creal(small.right[j * n + r]);
+      coefficients[2 * n * j + n + r] = cimag(small.right[j * n + r]);
+    }
+  }
+  PetscCall(MpmSmallEigenDestroy(&small));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRitzExtract(Mat A, EPS eps, BV *basis, PetscInt *n, PetscReal **re, PetscReal **im,
+                              PetscReal **coefficients)
+{
+  PetscInt pairs, order;
+  Vec      x;
+  Mat      H;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetConverged(eps, &pairs));
+  PetscCall(MatGetSize(A, &order, NULL));
+  PetscCall(MatCreateVecs(A, &x, NULL));
+  PetscCall(BVCreate(PetscObjectComm((PetscObject)A), basis));
+  PetscCall(BVSetSizesFromVec(*basis, x, PetscMin(4 * pairs, order) + 1));
+  PetscCall(BVSetFromOptions(*basis));
+  PetscCall(VecDestroy(&x));
+  PetscCall(Span(A, eps, *basis, n));
+  PetscCall(PetscMalloc2(*n, re, *n, im));
+  PetscCall(PetscMalloc1(2 * *n * *n, coefficients));
+  if (*n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BVSetActiveColumns(*basis, 0, *n));
+  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, *n, *n, NULL, &H));
+  PetscCall(BVMatProject(*basis, A, *basis, H));
+  PetscCall(SolveProjected(H, *n, *re, *im, *coefficients));
+  PetscCall(MatDestroy(&H));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

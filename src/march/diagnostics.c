@@ -1,0 +1,63 @@
+/* l1, l2, linf of particle field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
+#include "march/diagnostics.h"
+#include <math.h>
+
+/* Sums over this rank: of V abs(e), of V e^2, and the largest abs(e). */
+static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const MpmProfile *profile, PetscReal scale,
+                                PetscReal sums[3])
+{
+  const MpmScene     *scene     = march->scene;
+  const MpmParticles *particles = march->particles;
+  const char         *name      = scene->table->fields[field];
+  const PetscReal     lag       = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
+  const PetscReal     t         = march->step * scene->dt - lag;
+  const PetscBool     weighed   = scene->table->varies[MPM_VOLUME];
+  const PetscReal    *xi, *q, *volume = NULL;
+  const PetscInt     *cell;
+
+  PetscFunctionBegin;
+  if (weighed) PetscCall(MpmParticlesGet(particles, MpmPropertyNames[MPM_VOLUME], &volume));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, name, &q));
+  sums[0] = sums[1] = sums[2] = 0;
+  for (PetscInt p = 0; p < particles->count; p++) {
+    const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, march->grid, cell[p], xi[p]);
+    const PetscReal e = fabs(q[p] - scale * scene->formulation->wave->value(profile, field, X, t));
+    const PetscReal V = weighed ? volume[p] : 1;
+
+    sums[0] += V * e;
+    sums[1] += V * e * e;
+    if (!(e <= sums[2])) sums[2] = e; /* NaN is the largest */
+  }
+  if (weighed) PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[MPM_VOLUME], &volume));
+  PetscCall(MpmParticlesRestore(particles, name, &q));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
+{
+  const MpmScene       *scene = march->scene;
+  const MpmFormulation *f     = scene->formulation;
+  const int             start = ilogb(scene->amplitude), grown = (int)march->exponent - start;
+  const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
+  const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
+  /* of all particles: a grid full of them has ppc units of volume in each cell, however many share it */
+  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->cells * scene->ppc : (PetscReal)scene->particles;
+
+  PetscFunctionBegin;
+  for (PetscInt field = 0; field < scene->table->nstate; field++) {
+    const PetscReal unit = f->wave->amplitude(&profile, field);
+    PetscReal       sums[3];
+
+    PetscCall(LocalSums(march, field, &profile, scalbn(1, -grown), sums));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM, comm));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sums[2], 1, MPIU_REAL, MPI_MAX, comm));
+    error[field].l1   = scalbn(sums[0] / volume / unit, grown);
+    error[field].l2   = scalbn(sqrt(sums[1] / volume) / unit, grown);
+    error[field].linf = scalbn(sums[2] / unit, grown);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,132 @@
+/*
+   One block of particles goes through a pass's operations while it is in the first-level cache.
+
+   Where cells are alike, as in every uniform layout, moving or not, the particles of one block lie in their cells as
+   those of any other, some nodes further on: their places are found once a pass, and not read from memory.
+*/
+#include "march/march_stage.h"
+
+#define LINE 8 /* numbers in a line of the cache */
+
+PetscInt MpmMarchBlockSize(const MpmParticles *particles)
+{
+  return particles->per_cell ? MPM_BLOCK - MPM_BLOCK % particles->per_cell : MPM_BLOCK;
+}
+
+static PetscInt CellOf(const MpmMarchArrays *a, PetscInt p)
+{
+  const PetscInt per_cell = a->march->particles->per_cell;
+
+  return per_cell ? a->cell[p % per_cell] + p / per_cell : a->cell[p];
+}
+
+PetscInt MpmStageLeastNode(const MpmStage *s, PetscInt p)
+{
+  return CellOf(s->arrays, p) + PetscMin(s->whole[0], s->whole[1]) - s->arrays->march->scene->basis->reach_left;
+}
+
+PetscInt MpmStageLargestNode(const MpmStage *s, PetscInt p)
+{
+  const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
+
+  return CellOf(s->arrays, p) + PetscMax(s->whole[0], s->whole[1]) + carry +
+         s->arrays->march->scene->basis->reach_right;
+}
+
+/* Where n particles from begin on are, after DRIFT or before. */
+static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *placed)
+{
+  const MpmScene  *scene = s->arrays->march->scene;
+  const PetscInt  *cell  = s->arrays->cell + begin;
+  const PetscReal *xi    = s->arrays->xi + begin;
+  PetscInt         moved[MPM_BLOCK];
+
+  if (s->moving) {
+    MpmPlaceBlock(n, cell, xi, s->whole[after], s->part[after], moved, placed->xi);
+    cell = moved;
+    xi   = placed->xi;
+  }
+  MpmBlockPlace(scene->basis, n, cell, xi, scene->width, &placed->block);
+}
+
+void MpmStagePlace(MpmStage *s)
+{
+  const PetscInt n = PetscMin(s->arrays->block, s->arrays->march->particles->count);
+
+  if (!s->arrays->march->particles->per_cell) return;
+  Place(s, 0, n, PETSC_FALSE, &s->placed[0]);
+  if (s->pass->drifts) Place(s, 0, n, PETSC_TRUE, &s->placed[1]);
+}
+
+/*
+   The places of a block, as those of the first one and the nodes between them; of the last, shorter one, or where cells
+   differ, as they are.
+*/
+static const MpmBlock *Placed(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *room,
+                              PetscInt *shift)
+{
+  const PetscInt per_cell = s->arrays->march->particles->per_cell;
+
+  if (per_cell && n == s->placed[0].block.n) {
+    *shift = begin / per_cell;
+    return &s->placed[after].block;
+  }
+  *shift = 0;
+  Place(s, begin, n, after, room);
+  return &room->block;
+}
+
+/* A map whose particles differ: what they give, or get, times their weight. */
+static void RunWeighted(const MpmPassOp *op, const MpmBlock *block, PetscReal weight[], PetscReal q[], PetscReal node[],
+                        PetscReal mass[])
+{
+  PetscReal weighed[MPM_BLOCK];
+
+  for (PetscInt p = 0; p < block->n; p++) weighed[p] = op->to_nodes ? weight[p] * q[p] : 0;
+  op->kernel(block, op->a, weighed, node);
+  if (op->kind == MPM_PASS_MASS) op->kernel(block, 1, weight, mass);
+  for (PetscInt p = 0; p < block->n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
+}
+
+/* Asks the memory for n numbers from place on of an array. */
+static void Prefetch(const PetscReal array[], PetscInt place, PetscInt n)
+{
+  for (PetscInt i = 0; i < n; i += LINE) __builtin_prefetch(array + place + i);
+}
+
+/*
+   Scratch fields live for a block: what a pass leaves in them no other reads. While an operation's arrays are at work,
+   what the next block needs of them is on its way.
+*/
+void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
+{
+  const MpmMarchArrays *a    = s->arrays;
+  const PetscBool       more = begin + 2 * n <= a->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
+  const MpmBlock       *block;
+  PetscReal             scratch[MPM_MAX_FIELDS][MPM_BLOCK];
+  PetscInt              shift;
+  MpmPlaced             room;
+
+  block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
+  for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
+    const PetscBool own  = a->particle[op->particle] ? PETSC_TRUE : PETSC_FALSE;
+    PetscReal      *q    = own ? a->particle[op->particle] + begin : scratch[op->particle];
+    PetscReal      *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
+
+    if (more && own) Prefetch(q, n, n);
+    if (more && (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS))
+      Prefetch(node, block->first[n - 1], block->first[n - 1] - block->first[0]);
+    if (op->weight)
+      RunWeighted(op, block, a->weight[op->weight] + begin, q, node, a->mass + shift);
+    else if (op->kind == MPM_PASS_MAP)
+      op->kernel(block, op->a, q, node);
+    else if (op->kind == MPM_PASS_MASS)
+      op->mass_kernel(block, q, node, a->mass + shift);
+    else if (op->kind == MPM_PASS_SCALE)
+      MpmScale(n, op->a, q);
+    else if (op->kind == MPM_PASS_DRIFT)
+      block = Placed(s, begin, n, PETSC_TRUE, &room, &shift);
+    else if (s->sample)
+      s->squares[op->particle] += MpmSumSquares(n, q);
+  }
+}

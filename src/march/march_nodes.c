@@ -1,0 +1,80 @@
+/* Nodes of the march: images beyond walls, operations between node fields. */
+#include "march/march_nodes.h"
+
+void MpmMarchFold(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[], PetscReal mass[])
+{
+  const PetscReal even[2] = {1, 1};
+  PetscReal       sign[2];
+
+  for (PetscInt s = 0; s < pass->nsums; s++) {
+    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmGridFold(march->grid, sign, field[pass->sum[s]]);
+  }
+  if (pass->sums_mass) MpmGridFold(march->grid, even, mass);
+}
+
+void MpmMarchReflect(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[])
+{
+  PetscReal sign[2];
+
+  for (PetscInt s = 0; s < pass->nsums; s++) {
+    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmGridReflect(march->grid, sign, field[pass->sum[s]]);
+  }
+}
+
+/* Sets the wall node of one end, wherever it is among this rank's nodes and ghosts. */
+static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
+{
+  const PetscInt wall = (op->end ? grid->cells : 0) - grid->first;
+
+  if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
+}
+
+/* One of those that are local, on the nodes [lo, hi). */
+static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
+{
+  if (op->kind == MPM_LAP)
+    MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
+  else if (op->kind == MPM_ADD)
+    MpmNodeAdd(lo, hi, op->a, field[op->src], field[op->dst]);
+  else
+    MpmNodeCopy(lo, hi, op->a, field[op->src], field[op->dst]);
+}
+
+void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt lo, PetscInt hi, MpmNodesDone done[])
+{
+  PetscInt reach  = 0,
+           margin = 0; /* how far operations so far look, and how far behind [lo, hi) the present one stays */
+
+  for (PetscInt o = 0; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
+    reach = PetscMax(reach, MpmOpTraitsOf(pass->node_op[o].kind).halo);
+    margin += reach;
+    if (hi - margin <= PetscMax(done[o].hi, lo + margin)) return;
+    if (done[o].lo == done[o].hi) done[o].lo = done[o].hi = lo + margin;
+    RunLocal(&pass->node_op[o], field, done[o].hi, hi - margin);
+    done[o].hi = hi - margin;
+  }
+}
+
+PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[],
+                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[])
+{
+  const MpmGrid *grid = march->grid;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < pass->nnode_ops; o++) {
+    const MpmNodeOp *op     = &pass->node_op[o];
+    const PetscInt   beyond = grid->ghost - op->depth;
+
+    if (MpmNodeOpIsLocal(op->kind)) {
+      RunLocal(op, field, -beyond, done[o].lo);
+      RunLocal(op, field, done[o].hi, grid->nodes + beyond);
+    } else if (op->kind == MPM_WALL)
+      SetWall(grid, op, field[op->src], field[op->dst]);
+    else
+      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places, march->scene->table->odd[op->dst],
+                                   inverse_mass, field[op->src], field[op->dst]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,214 @@
+/*
+   Passes of the march: blocks of particles go through a pass's operations while they are in the first-level
+   cache.
+
+   Particles are in the order of their places, so nodes come into reach and leave it in order too: they are
+   zeroed just ahead of the blocks and divided by their mass just behind, and a joined pass follows as soon as
+   the nodes that a block sees are complete, while its particles are in the second-level cache. Only the
+   blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
+*/
+#include "march/march_stage.h"
+
+static PetscErrorCode GetArrays(const MpmMarch *march, MpmMarchArrays *a)
+{
+  PetscFunctionBegin;
+  a->march = march;
+  a->block = MpmMarchBlockSize(march->particles);
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
+    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &a->particle[f]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->scene->table->varies[w])
+      PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
+    if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
+  }
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &a->mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void SwapVec(Vec *a, Vec *b)
+{
+  const Vec kept = *a;
+
+  *a = *b;
+  *b = kept;
+}
+
+/* Fields that were summed into their spare array change places with it; last is the group's last stage. */
+static PetscErrorCode RestoreArrays(MpmMarch *march, MpmMarchArrays *a, const MpmStage *last)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    const PetscBool swap = last->after[f] != a->node[f] ? PETSC_TRUE : PETSC_FALSE;
+
+    PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
+    if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &a->spare[f]));
+    if (swap) SwapVec(&march->node[f], &march->spare[f]);
+  }
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->scene->table->varies[w])
+      PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &a->particle[f]));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was there. */
+static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before, const MpmPass *pass, PetscInt64 step,
+                                 MpmStage *s)
+{
+  const MpmMarch *march = a->march;
+
+  PetscFunctionBegin;
+  s->pass   = pass;
+  s->arrays = a;
+  s->moving = MpmSceneDrifts(march->scene);
+  if (s->moving) {
+    PetscCall(MpmParticlesWhere(march->particles, step, &s->whole[0], &s->part[0]));
+    PetscCall(MpmParticlesWhere(march->particles, step + 1, &s->whole[1], &s->part[1]));
+  }
+  for (PetscInt f = 0; f < march->nnodes; f++) s->node[f] = before ? before->after[f] : a->node[f];
+  for (PetscInt i = 0; i < pass->nsums; i++) {
+    const PetscInt f = pass->sum[i];
+
+    s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
+  }
+  for (PetscInt f = 0; f < march->nnodes; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
+  s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
+  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
+  MpmStagePlace(s);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ZeroTo(MpmStage *s, PetscInt end)
+{
+  const PetscInt n = end - s->zeroed[1];
+
+  PetscFunctionBegin;
+  if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed[1], n));
+  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + s->zeroed[1], n));
+  s->zeroed[1] = end;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* g_i = sum / mass, 0 where there is no mass. */
+static void Complete(const MpmStage *s, PetscInt lo, PetscInt hi)
+{
+  if (s->pass->sums_mass)
+    for (PetscInt i = lo; i < hi; i++) s->arrays->mass[i] = s->arrays->mass[i] > 0 ? 1 / s->arrays->mass[i] : 0;
+  for (PetscInt f = 0; f < s->pass->nsums; f++) {
+    PetscReal *sum = s->sum[s->pass->sum[f]];
+
+    for (PetscInt i = lo; i < hi; i++) sum[i] *= s->arrays->mass[i];
+  }
+}
+
+/* The next block, and the nodes it leaves behind. */
+static PetscErrorCode Advance(MpmStage *s)
+{
+  const MpmGrid *grid = s->arrays->march->grid;
+  const PetscInt n = PetscMin(s->arrays->block, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
+  const PetscInt left = PetscMin(MpmStageLeastNode(s, last), grid->nodes - grid->ghost);
+
+  PetscFunctionBegin;
+  PetscCall(ZeroTo(s, PetscMin(MpmStageLargestNode(s, last) + 1, grid->nodes + grid->ghost)));
+  MpmStageRunBlock(s, s->next, n);
+  Complete(s, s->hi, left);
+  s->hi = PetscMax(s->hi, left);
+  s->next += n;
+  MpmMarchFollowNodes(s->pass, s->after, s->lo, s->hi, s->done);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Lets a joined stage follow the one before it as far as that has completed nodes. It stays inside [lo, hi) of the one
+   before, which neither reads those nodes again nor divides by their masses, so it may overwrite both.
+*/
+static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
+{
+  const PetscInt count = s->arrays->march->particles->count;
+
+  PetscFunctionBegin;
+  while (s->next < count) {
+    const PetscInt last = PetscMin(s->next + s->arrays->block, count) - 1;
+
+    if (MpmStageLargestNode(s, last) >= before->hi) break;
+    if (MpmStageLeastNode(s, s->next) < before->lo) { /* sees shared nodes: comes after the halo sum */
+      s->first = s->next = last + 1;
+      s->lo = s->hi = PetscMax(s->hi, MpmStageLargestNode(s, last) + 1);
+      continue;
+    }
+    if (s->next == s->first) s->zeroed[0] = s->zeroed[1] = MpmStageLeastNode(s, s->next);
+    PetscCall(Advance(s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
+static PetscErrorCode FinishStage(MpmStage *s)
+{
+  const MpmGrid *grid  = s->arrays->march->grid;
+  const PetscInt count = s->arrays->march->particles->count, hi = s->hi;
+  PetscInt       end;
+  PetscReal     *sums[MPM_MAX_FIELDS + 1];
+
+  PetscFunctionBegin;
+  PetscCall(ZeroTo(s, grid->nodes + grid->ghost));
+  end          = s->zeroed[0];
+  s->zeroed[1] = -grid->ghost;
+  PetscCall(ZeroTo(s, end));
+  for (PetscInt begin = 0; begin < s->first; begin += s->arrays->block)
+    MpmStageRunBlock(s, begin, PetscMin(s->arrays->block, s->first - begin));
+  for (; s->next < count; s->next += s->arrays->block)
+    MpmStageRunBlock(s, s->next, PetscMin(s->arrays->block, count - s->next));
+  PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
+  for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
+  sums[s->pass->nsums] = s->arrays->mass;
+  MpmMarchFold(s->arrays->march, s->pass, s->sum, s->arrays->mass);
+  PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
+  Complete(s, 0, PetscMin(s->lo, grid->nodes));
+  Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
+  PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
+  MpmMarchReflect(s->arrays->march, s->pass, s->sum);
+  PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
+{
+  const PetscInt count                     = march->particles->count;
+  PetscInt64     step                      = march->particles->step;
+  MpmMarchArrays arrays                    = {0};
+  MpmStage       stage[MPM_MAX_JOINED + 1] = {0};
+  MpmPlaced      placed[MPM_MAX_JOINED + 1][2];
+  MpmPlaces      places;
+
+  PetscFunctionBegin;
+  PetscCall(GetArrays(march, &arrays));
+  for (PetscInt g = 0; g < n; g++) {
+    stage[g].sample  = sample;
+    stage[g].squares = march->squares;
+    stage[g].placed  = placed[g];
+    PetscCall(BeginStage(&arrays, g ? &stage[g - 1] : NULL, &passes[g], step, &stage[g]));
+    if (passes[g].drifts) step++;
+  }
+  PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
+  while (stage[0].next < count) {
+    PetscCall(Advance(&stage[0]));
+    for (PetscInt g = 1; g < n; g++) PetscCall(Follow(&stage[g - 1], &stage[g]));
+  }
+  for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
+  PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
+  march->particles->step = step;
+  places                 = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
+  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
+  PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

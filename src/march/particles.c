@@ -1,0 +1,215 @@
+/* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
+#include "io/mode_file.h"
+#include "march/particles.h"
+#include <math.h>
+
+const char MpmFieldCell[] = "cell", MpmFieldXi[] = "xi";
+
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part)
+{
+  PetscInt64 cells;
+
+  PetscFunctionBegin;
+  MpmFractionMultiple(&particles->drift, step, &cells, part);
+  *whole = (PetscInt)(cells - particles->rebased);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmGetField(particles->swarm, name, NULL, NULL, (void **)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array)
+{
+  PetscFunctionBegin;
+  PetscCall(DMSwarmRestoreField(particles->swarm, name, NULL, NULL, (void **)array));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)grid->da), &size));
+  particles->parallel = size > 1 ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(DMCreate(PetscObjectComm((PetscObject)grid->da), &particles->swarm));
+  PetscCall(DMSetType(particles->swarm, DMSWARM));
+  PetscCall(DMSetDimension(particles->swarm, scene->dim));
+  PetscCall(DMSwarmSetType(particles->swarm, DMSWARM_BASIC));
+  PetscCall(DMSwarmInitializeFieldRegister(particles->swarm));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
+  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
+  for (PetscInt f = 0; scene->table->fields[f]; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->table->fields[f], 1, PETSC_REAL));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (scene->table->varies[w])
+      PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmPropertyNames[w], 1, PETSC_REAL));
+  PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Visits, in the order of their places, the particles whose cell this rank owns; jitter may take a particle
+   into a neighbour of its own cell. With arrays it stores them, without it only counts.
+*/
+static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
+{
+  PetscInt n = 0;
+
+  for (PetscInt c = grid->first - 1; c <= grid->first + grid->count; c++) {
+    const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
+
+    if (!grid->periodic && wrapped != c) continue;
+    for (PetscInt j = 0; j < MpmLayoutSitesIn(scene, wrapped); j++) {
+      const PetscInt64 g = MpmLayoutSitesBefore(scene, wrapped) + j - scene->first;
+      PetscInt         place;
+      PetscReal        part;
+
+      if (g < 0 || g >= scene->particles) continue;
+      MpmLayoutPlace(scene, g, &place, &part);
+      place += c - wrapped - grid->first;
+      if (place < 0 || place >= grid->count) continue;
+      if (id) {
+        id[n]   = g;
+        cell[n] = place;
+        xi[n]   = part;
+      }
+      n++;
+    }
+  }
+  return n;
+}
+
+PetscInt MpmParticlesRoom(const MpmParticles *particles)
+{
+  return particles->parallel ? particles->count / 64 + 256 : 0;
+}
+
+static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+{
+  PetscInt64 *id;
+  PetscInt   *cell, size;
+  PetscReal  *xi;
+
+  PetscFunctionBegin;
+  particles->count = VisitOwn(scene, grid, NULL, NULL, NULL);
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
+  PetscCall(DMSwarmGetSize(particles->swarm, &size));
+  PetscCheck(size == particles->total, PetscObjectComm((PetscObject)particles->swarm), PETSC_ERR_PLIB,
+             "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, particles->total);
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  (void)VisitOwn(scene, grid, id, cell, xi);
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A seed for each field, so that random fields are independent. */
+static PetscInt64 FieldSeed(const MpmScene *scene, PetscInt field)
+{
+  return (PetscInt64)(0x1p52 * MpmHash(scene->seed + 1, -2 - field));
+}
+
+static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+{
+  const PetscReal   amplitude = scalbn(scene->amplitude, -(int)exponent);
+  const MpmProfile  profile   = MpmSceneProfile(scene, amplitude);
+  const PetscInt64 *id;
+  const PetscInt   *cell;
+  const PetscReal  *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+    const PetscInt64 seed = FieldSeed(scene, f);
+    const PetscReal  t    = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
+    PetscReal       *q;
+
+    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
+    for (PetscInt p = 0; p < particles->count; p++) {
+      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+
+      if (scene->initial == MPM_INITIAL_RANDOM)
+        q[p] = amplitude * (2 * MpmHash(seed, id[p]) - 1);
+      else
+        q[p] = scene->formulation->wave->value(&profile, f, X, t);
+    }
+    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
+  }
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles)
+{
+  const PetscInt64 *id;
+  PetscReal        *weight;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
+    if (!scene->table->varies[w]) continue;
+    PetscCall(MpmParticlesGet(particles, MpmPropertyNames[w], &weight));
+    for (PetscInt p = 0; p < particles->count; p++) weight[p] = MpmMaterialProperty(scene, (MpmProperty)w, id[p]);
+    PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[w], &weight));
+  }
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
+{
+  const PetscInt   n        = particles->count;
+  PetscInt         per_cell = 1, differ = 0;
+  const PetscInt  *cell;
+  const PetscReal *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  while (per_cell < n && xi[per_cell] != xi[0]) per_cell++;
+  for (PetscInt p = per_cell; p < n && !differ; p++)
+    differ = cell[p] != cell[p - per_cell] + 1 || xi[p] != xi[p - per_cell];
+  particles->per_cell = per_cell >= n || per_cell > MPM_BLOCK || differ ? 0 : per_cell;
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
+                                  MpmParticles **particles)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(particles));
+  (*particles)->table = scene->table;
+  (*particles)->drift = scene->drift;
+  (*particles)->total = scene->particles;
+  PetscCall(CreateSwarm(scene, grid, *particles));
+  PetscCall(Place(scene, grid, *particles));
+  PetscCall(MpmParticlesComparePlaces(*particles));
+  PetscCall(MpmParticlesWeigh(scene, *particles));
+  if (scene->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmModeFileFill(scene, exponent, *particles));
+  else
+    PetscCall(Fill(scene, grid, exponent, *particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesDestroy(MpmParticles **particles)
+{
+  PetscFunctionBegin;
+  PetscCall(DMDestroy(&(*particles)->swarm));
+  PetscCall(PetscFree(*particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,274 @@
+/* Table -> passes. */
+#include "march/passes.h"
+
+typedef struct {
+  const MpmTable *table;
+  const MpmBasis *basis;
+  PetscReal       courant;
+  PetscBool       fused, mass_due;
+  PetscInt        depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
+  PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G, as it is now; or MPM_NONE */
+  MpmSchedule *schedule;
+} Compiler;
+
+static PetscBool Sums(const MpmPass *pass, PetscInt node)
+{
+  for (PetscInt s = 0; s < pass->nsums; s++)
+    if (pass->sum[s] == node) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool Reads(const MpmPass *pass, PetscInt node)
+{
+  for (PetscInt o = 0; o < pass->nops; o++)
+    if (pass->op[o].kind == MPM_PASS_MAP && !pass->op[o].to_nodes && pass->op[o].node == node) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode Append(MpmPass *pass, MpmPassOp op)
+{
+  PetscFunctionBegin;
+  PetscCheck(pass->nops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
+  pass->op[pass->nops++] = op;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, PetscBool to_nodes)
+{
+  const PetscInt  node = to_nodes ? op->dst : op->src, particle = to_nodes ? op->src : op->dst;
+  const PetscBool with_mass = to_nodes && c->mass_due ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
+  PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                     .kernel      = c->basis->kernel[op->kind],
+                                     .mass_kernel = c->basis->p2g_mass,
+                                     .a           = MpmOpValue(op, c->courant),
+                                     .particle    = particle,
+                                     .node        = node,
+                                     .to_nodes    = to_nodes,
+                                     .weight      = MpmTableWeight(c->table, op->kind)}));
+  if (with_mass) {
+    pass->sums_mass = PETSC_TRUE;
+    c->mass_due     = PETSC_FALSE;
+  }
+  if (to_nodes && !Sums(pass, node)) {
+    pass->sum[pass->nsums++] = node;
+    c->depth[node]           = 0;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    reads  = op->kind == MPM_SOLVE ? 0 : c->depth[op->src] + traits.halo;
+  const PetscBool   keeps  = traits.accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
+  c->depth[op->dst]                = keeps ? PetscMax(reads, c->depth[op->dst]) : reads;
+  c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
+  pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind  = op->kind,
+                                                 .a     = MpmOpValue(op, c->courant),
+                                                 .dst   = op->dst,
+                                                 .src   = op->src,
+                                                 .end   = op->end,
+                                                 .depth = c->depth[op->dst]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A pass must end before an operation that reads what the pass has yet to complete, or that sums it anew. */
+static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
+  if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
+  if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
+  if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && traits.accumulates)) return PETSC_FALSE;
+  return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
+}
+
+/* What node fields hold once op is done. */
+static void NoteHeld(Compiler *c, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) {
+    const PetscBool moved   = traits.dst == MPM_NOWHERE ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool changed = traits.dst == MPM_ON_PARTICLES && c->holds[n] == op->dst ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool written = traits.dst == MPM_ON_NODES && n == op->dst ? PETSC_TRUE : PETSC_FALSE;
+
+    if (moved || changed || written) c->holds[n] = MPM_NONE;
+  }
+  if (op->kind == MPM_P2G) c->holds[op->dst] = op->src;
+}
+
+static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  PetscFunctionBegin;
+  if (traits.dst == MPM_NOWHERE) {
+    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_DRIFT}));
+    pass->drifts = PETSC_TRUE;
+    pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
+    c->mass_due  = PETSC_TRUE;
+  } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
+    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_SCALE, .particle = op->dst, .a = MpmOpValue(op, c->courant)}));
+  else if (traits.src == MPM_ON_PARTICLES)
+    PetscCall(AppendMap(c, pass, op, PETSC_TRUE));
+  else if (traits.dst == MPM_ON_PARTICLES)
+    PetscCall(AppendMap(c, pass, op, PETSC_FALSE));
+  else
+    PetscCall(AppendNodeOp(c, pass, op));
+  NoteHeld(c, op);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many operations come before the particles first read the grid or move. */
+static PetscInt HeadLength(const MpmTable *t)
+{
+  PetscInt h = 0;
+
+  while (h < t->nops && MpmOpTraitsOf(t->ops[h].kind).dst == MPM_ON_NODES) h++;
+  return h;
+}
+
+/* The state's norm is summed where each particle field gets its last value of the step. */
+static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
+{
+  PetscFunctionBegin;
+  for (PetscInt field = 0; field < t->nstate; field++) {
+    MpmPass *last  = NULL;
+    PetscInt after = 0;
+
+    for (PetscInt p = 0; p < schedule->npasses; p++) {
+      for (PetscInt o = 0; o < schedule->pass[p].nops; o++) {
+        const MpmPassOp *op = &schedule->pass[p].op[o];
+
+        if (op->kind == MPM_PASS_MAP && !op->to_nodes && op->particle == field) {
+          last  = &schedule->pass[p];
+          after = o;
+        }
+      }
+    }
+    if (!last) continue; /* a field that no step changes needs no watching */
+    PetscCall(Append(last, last->op[last->nops - 1]));
+    for (PetscInt o = last->nops - 2; o > after; o--) last->op[o] = last->op[o - 1];
+    last->op[after + 1] = (MpmPassOp){.kind = MPM_PASS_SAMPLE, .particle = field};
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   A pass joins the one before it when nothing comes between them and no field is summed twice. Only a field that a pass
+   both reads and sums needs a second array: a joined pass stays behind the nodes that the pass before it is done with.
+*/
+static void JoinPasses(MpmSchedule *schedule)
+{
+  PetscInt first = 0; /* of the group */
+
+  for (PetscInt p = 0; p < schedule->npasses; p++) {
+    MpmPass *pass = &schedule->pass[p];
+
+    pass->joined =
+        p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && p - first < MPM_MAX_JOINED ? PETSC_TRUE : PETSC_FALSE;
+    for (PetscInt s = 0; s < pass->nsums; s++) {
+      for (PetscInt q = first; q < p; q++)
+        if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
+      if (Reads(pass, pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
+    }
+    if (!pass->joined) first = p;
+  }
+}
+
+static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
+{
+  PetscFunctionBegin;
+  if (schedule->npasses == schedule->room) {
+    schedule->room = PetscMax(8, 2 * schedule->room);
+    PetscCall(PetscRealloc(sizeof(MpmPass) * (size_t)schedule->room, &schedule->pass));
+  }
+  *pass = &schedule->pass[schedule->npasses++];
+  PetscCall(PetscMemzero(*pass, sizeof **pass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
+                                  PetscBool fused, MpmSchedule *schedule)
+{
+  const PetscInt head = HeadLength(t);
+  Compiler       c    = {
+               .table = t, .basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
+  MpmPass *pass;
+
+  PetscFunctionBegin;
+  PetscCall(MpmScheduleDestroy(schedule));
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
+  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &t->ops[o]));
+  PetscCall(NewPass(schedule, &pass));
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp *op = &t->ops[(head + o) % t->nops];
+
+    if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
+    if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* musl at rest: the last step's second P2G */
+    if (EndsBefore(pass, op)) PetscCall(NewPass(schedule, &pass));
+    PetscCall(CompileOp(&c, pass, op));
+  }
+  JoinPasses(schedule);
+  PetscCall(InsertSamples(t, schedule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(schedule->pass));
+  PetscCall(PetscMemzero(schedule, sizeof *schedule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The maximum norm of an operation, per unit of its factor. */
+static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, PetscReal least_mass)
+{
+  switch (kind) {
+  case MPM_DIV: /* a node sees the particles of as many cells as a particle sees nodes */
+    return basis->slope_sum * ppc * MpmMapReach(basis) / least_mass;
+  case MPM_GRAD:
+  case MPM_G2P_AFFINE: /* at most the gradient that a particle's nodes can have */
+    return basis->slope_sum;
+  case MPM_LAP:
+    return 4;
+  case MPM_SOLVE: /* followed by G2P it is a projection; by itself the inverse of what is rarely below 1/100 */
+    return 100;
+  default:
+    return 1;
+  }
+}
+
+PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
+                           PetscReal least_mass, PetscReal stiffness)
+{
+  PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
+
+  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) particle[i] = node[i] = 1;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp      *op     = &t->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    PetscReal        *dst, from;
+
+    if (traits.dst == MPM_NOWHERE) continue;
+    dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
+    from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
+    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
+    if (traits.weight == MPM_STIFFNESS) from *= stiffness;
+    if (op->kind == MPM_WALL)
+      *dst = PetscMax(*dst, from);
+    else
+      *dst = from + (traits.accumulates ? *dst : 0);
+  }
+  for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
+  return bound;
+}

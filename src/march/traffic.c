@@ -1,0 +1,92 @@
+/*
+   Bytes that a step moves between memory and processor, from its passes.
+
+   The passes of a group follow one another through the particles while these are in a cache, so each array is
+   read once a group, and written once if anything in the group changes it; what is only written is read too
+   (the processor fetches a line before it changes a part of it). Local node operations follow the particles; from a wall
+   on each is a sweep of its own.
+*/
+#include "march/traffic.h"
+#include <math.h>
+
+typedef struct {
+  PetscInt reads, writes; /* masks over fields */
+} Touched;
+
+static PetscReal Bytes(PetscInt mask)
+{
+  PetscReal bytes = 0;
+
+  for (; mask; mask &= mask - 1) bytes += sizeof(PetscReal);
+  return bytes;
+}
+
+static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, PetscInt *weights)
+{
+  for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
+    if (op->kind == MPM_PASS_DRIFT || op->kind == MPM_PASS_SAMPLE) continue;
+    particle->reads |= 1 << op->particle;
+    if (!op->to_nodes) particle->writes |= 1 << op->particle;
+    if (op->kind == MPM_PASS_SCALE) continue;
+    if (op->to_nodes)
+      node->writes |= 1 << op->node;
+    else
+      node->reads |= 1 << op->node;
+    if (op->weight) *weights |= 1 << op->weight;
+  }
+}
+
+/* Returns how many node operations follow the particles. */
+static PetscInt TouchNodes(const MpmPass *pass, Touched *node)
+{
+  PetscInt o = 0;
+
+  for (; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
+    node->reads |= 1 << pass->node_op[o].src;
+    node->writes |= 1 << pass->node_op[o].dst;
+  }
+  return o;
+}
+
+/* The passes from first to the last one joined to it, places aside; masses are read where something is summed. */
+static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, PetscReal *of_particle,
+                      PetscReal *of_node)
+{
+  Touched        particle = {0}, node = {0};
+  PetscInt       weights = 0, n = 0;
+  PetscBool      sums = PETSC_FALSE, sums_mass = PETSC_FALSE;
+  const MpmPass *last;
+
+  do {
+    const MpmPass *pass = &s->pass[first + n];
+
+    TouchPass(pass, &particle, &node, &weights);
+    if (pass->nsums) sums = PETSC_TRUE;
+    if (pass->sums_mass) sums_mass = PETSC_TRUE;
+    n++;
+  } while (first + n < s->npasses && s->pass[first + n].joined);
+  last = &s->pass[first + n - 1];
+  for (PetscInt o = TouchNodes(last, &node); o < last->nnode_ops; o++)
+    if (last->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal); /* reads one, changes another */
+  particle.reads &= (1 << t->nstate) - 1;                                     /* scratch fields stay in the cache */
+  particle.writes &= particle.reads;
+  *of_particle += Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
+  *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);
+  for (PetscInt f = 0; f < t->nnodes; f++)
+    if (s->spare[f] && node.writes & 1 << f) *of_node += Bytes(node.reads & 1 << f); /* into another array */
+  if (sums) *of_node += sizeof(PetscReal) * (sums_mass ? 2 : 1);
+  return n;
+}
+
+PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
+                           PetscBool alike)
+{
+  PetscReal of_particle = 0, of_node = 0;
+
+  if (MpmTableHas(table, MPM_SOLVE)) return NAN;
+  for (PetscInt p = 0, n; p < schedule->npasses; p += n) {
+    n = Group(table, schedule, p, &of_particle, &of_node);
+    if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);
+  }
+  return of_particle + of_node / particles_per_node;
+}

@@ -1,0 +1,244 @@
+/* The weights C1 and C2, the source term and the ringing content of a march. */
+#include <mpmstab/errors.h>
+#include "march/transfer_diagnostics.h"
+#include "scheme/maps.h"
+#include <math.h>
+
+static MPI_Comm CommOf(const MpmTransferDiagnostics *x)
+{
+  return PetscObjectComm((PetscObject)x->march->grid->da);
+}
+
+PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, MpmTransferDiagnostics **exchange)
+{
+  const MpmScene         *scene = march->scene;
+  MpmTransferDiagnostics *x;
+
+  PetscFunctionBegin;
+  *exchange = NULL;
+  if (!scene->weights && !scene->source_term && !scene->ringing) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(
+      !scene->source_term || !MpmSceneDrifts(scene) || march->slack,
+      "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
+      "within a step; allowed: more cells, or fewer ranks",
+      scene->drift.value);
+  PetscCall(PetscNew(exchange));
+  x        = *exchange;
+  x->march = march;
+  PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
+  PetscCall(VecDuplicate(x->node, &x->other));
+  if (scene->source_term) PetscCall(VecDuplicate(x->node, &x->inverse_mass));
+  if (scene->ringing) PetscCall(MpmNodalSolveCreate(scene, march->grid, &x->solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **exchange)
+{
+  PetscFunctionBegin;
+  if (!*exchange) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&(*exchange)->node));
+  PetscCall(VecDestroy(&(*exchange)->other));
+  PetscCall(VecDestroy(&(*exchange)->inverse_mass));
+  PetscCall(MpmNodalSolveDestroy(&(*exchange)->solve));
+  PetscCall(PetscFree(*exchange));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GetPlaces(const MpmMarch *march, MpmPlaces *places)
+{
+  PetscFunctionBegin;
+  places->mass = NULL;
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &places->cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &places->xi));
+  if (march->scene->table->varies[MPM_MASS])
+    PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
+{
+  PetscFunctionBegin;
+  if (places->mass) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &places->xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &places->cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sums phi_ip m_p of this rank's particles to the nodes: of all, and of those at the left of the node. */
+static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places, PetscReal left[], PetscReal all[])
+{
+  const MpmBasis *basis = march->scene->basis;
+  PetscInt        whole;
+  PetscReal       part;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscInt  cell;
+    PetscReal xi, row[MPM_MAX_REACH];
+
+    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
+    MpmMapRow(basis, MPM_P2G, xi, march->scene->width, row);
+    for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
+      const PetscInt  node   = cell - basis->reach_left + d;
+      const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
+
+      all[node] += weight;
+      if (node > cell) left[node] += weight;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsSample *sample)
+{
+  const MpmGrid *grid    = x->march->grid;
+  PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* C1 and nodes; -least, largest */
+  PetscReal     *array[2];
+  MpmPlaces      places;
+
+  PetscFunctionBegin;
+  PetscCall(GetPlaces(x->march, &places));
+  PetscCall(VecSet(x->node, 0));
+  PetscCall(VecSet(x->other, 0));
+  PetscCall(MpmGridGetArray(grid, x->node, &array[0]));
+  PetscCall(MpmGridGetArray(grid, x->other, &array[1]));
+  PetscCall(SumWeights(x->march, &places, array[0], array[1]));
+  PetscCall(MpmGridSum(grid, 2, array));
+  for (PetscInt i = 0; i < grid->nodes; i++) {
+    const PetscReal c1 = array[0][i] / array[1][i];
+
+    if (!(array[1][i] > 0)) continue;
+    sums[0] += c1;
+    sums[1] += 1;
+    ends[0] = PetscMax(ends[0], -c1);
+    ends[1] = PetscMax(ends[1], c1);
+  }
+  PetscCall(MpmGridRestoreArray(grid, x->other, &array[1]));
+  PetscCall(MpmGridRestoreArray(grid, x->node, &array[0]));
+  PetscCall(RestorePlaces(x->march, &places));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM, CommOf(x)));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPIU_REAL, MPI_MAX, CommOf(x)));
+  sample->c1_mean = sums[0] / sums[1];
+  sample->c1_min  = -ends[0];
+  sample->c1_max  = ends[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The square root of a ratio of sums over the ranks. */
+static PetscErrorCode Ratio(const MpmTransferDiagnostics *x, PetscReal part, PetscReal whole, PetscReal *ratio)
+{
+  PetscReal sums[2] = {part, whole};
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM, CommOf(x)));
+  *ratio = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* node holds P2G of the field at its places. */
+static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscReal *source)
+{
+  const MpmGrid *grid = x->march->grid;
+  PetscReal     *now, *next, change = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchProjectNext(x->march, field, x->inverse_mass, x->other));
+  PetscCall(MpmGridGetArray(grid, x->node, &now));
+  PetscCall(MpmGridGetArray(grid, x->other, &next));
+  for (PetscInt i = 0; i < grid->nodes; i++) change += PetscSqr(next[i] - now[i]);
+  PetscCall(Ratio(x, change, MpmSumSquares(grid->nodes, now), source));
+  PetscCall(MpmGridRestoreArray(grid, x->other, &next));
+  PetscCall(MpmGridRestoreArray(grid, x->node, &now));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Of q, and of q less what y gives back to the particles: sums over this rank of m_p times the squares. */
+static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, const PetscReal q[], PetscReal y[],
+                                PetscReal sums[2])
+{
+  const MpmScene *scene = march->scene;
+  PetscInt        whole;
+  PetscReal       part;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
+  sums[0] = sums[1] = 0;
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    const PetscReal m    = places->mass ? places->mass[p] : 1;
+    PetscReal       rest = q[p], xi;
+    PetscInt        cell;
+    MpmBlock        block;
+
+    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
+    MpmBlockPlace(scene->basis, 1, &cell, &xi, scene->width, &block);
+    scene->basis->kernel[MPM_G2P](&block, -1, &rest, y);
+    sums[0] += m * rest * rest;
+    sums[1] += m * q[p] * q[p];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* node holds P2G of the field at its places. */
+static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
+{
+  const MpmMarch  *march = x->march;
+  const PetscBool  odd   = MpmTableIsAntisymmetric(march->scene->table, field);
+  PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
+  const PetscReal *q;
+  MpmPlaces        places;
+
+  KSPConvergedReason reason;
+
+  PetscFunctionBegin;
+  PetscCall(GetPlaces(march, &places));
+  PetscCall(MpmGridGetArray(march->grid, x->node, &g));
+  PetscCall(MpmGridGetArray(march->grid, x->other, &y));
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, &places, odd, inverse_mass, g, y, &reason));
+  PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[field], &q));
+  PetscCall(Remainder(march, &places, q, y, sums));
+  PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[field], &q));
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse_mass));
+  PetscCall(MpmGridRestoreArray(march->grid, x->other, &y));
+  PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
+  PetscCall(RestorePlaces(march, &places));
+  PetscCall(Ratio(x, sums[0], sums[1], ringing));
+  if (reason <= 0) *ringing = NAN; /* as where particles almost coincide */
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* fmin and fmax leave NaN out. */
+static void Keep(MpmTransferDiagnostics *x, const MpmTransferDiagnosticsSample *sample)
+{
+  MpmTransferDiagnosticsSample *most = &x->most;
+
+  x->last = *sample;
+  if (!x->measured) x->first = *most = *sample;
+  x->measured   = PETSC_TRUE;
+  most->c1_min  = fmin(most->c1_min, sample->c1_min);
+  most->c1_mean = fmax(most->c1_mean, sample->c1_mean);
+  most->c1_max  = fmax(most->c1_max, sample->c1_max);
+  for (PetscInt f = 0; f < MPM_MAX_FIELDS; f++) {
+    most->source[f]  = fmax(most->source[f], sample->source[f]);
+    most->ringing[f] = fmax(most->ringing[f], sample->ringing[f]);
+  }
+}
+
+PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *x)
+{
+  const MpmScene              *scene  = x->march->scene;
+  MpmTransferDiagnosticsSample sample = {.c1_mean = NAN, .c1_min = NAN, .c1_max = NAN};
+
+  PetscFunctionBegin;
+  if (scene->weights) PetscCall(Weights(x, &sample));
+  for (PetscInt f = 0; f < scene->table->nstate; f++) {
+    sample.source[f] = sample.ringing[f] = NAN;
+    if (!scene->source_term && !scene->ringing) continue;
+    PetscCall(MpmMarchProject(x->march, f, x->node));
+    if (scene->source_term) PetscCall(Source(x, f, &sample.source[f]));
+    if (scene->ringing) PetscCall(Ringing(x, f, &sample.ringing[f]));
+  }
+  Keep(x, &sample);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

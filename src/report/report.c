@@ -1,0 +1,168 @@
+/* The result as a table for people. */
+#include "report/report.h"
+#include "analysis/run.h"
+#include <math.h>
+
+/* A number that may be out of range is said to be so, not printed as inf. */
+static PetscErrorCode PrintNumber(PetscReal value)
+{
+  PetscFunctionBegin;
+  if (isfinite(value))
+    MpmPrint("  %11.4e", value);
+  else
+    MpmPrint("  %11s", "off range");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintScene(const MpmRun *run)
+{
+  const MpmScene *s = run->scene;
+
+  PetscFunctionBegin;
+  PetscCall(MpmReportScene(s, "run", run->ranks));
+  MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
+  if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode);
+  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, s->mode_file);
+  MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
+           s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Prediction(const char name[], PetscReal growth, const char formula[])
+{
+  PetscFunctionBegin;
+  PetscCall(MpmReportGrowth(name, growth, isnan(growth) ? "the formula does not cover this scene" : formula));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintGrowth(const MpmRun *run)
+{
+  const MpmScene *s = run->scene;
+
+  PetscFunctionBegin;
+  MpmPrint("growth per step\n");
+  PetscCall(Prediction("published", run->predictions.published, s->formulation->published_text));
+  PetscCall(Prediction("corrected", run->predictions.corrected, s->formulation->corrected_text));
+  if (s->initial == MPM_INITIAL_MODE)
+    PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
+  if (s->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmReportGrowth("  this mode", run->eigenmode, "abs of its eigenvalue"));
+  if (run->growth.measured) {
+    MpmPrint("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT, "measured", run->growth.per_step,
+             MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
+    if (run->growth.kind == MPM_EXPONENTIAL && isfinite(run->growth.error))
+      MpmPrint(", standard error %.1e", run->growth.error);
+    MpmPrint("\n\n");
+  } else
+    MpmPrint("  %-11s %-13s too few steps, or nothing left to measure\n\n", "measured", "-");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintErrors(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  if (run->has_errors) {
+    MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
+             run->scene->formulation->wave->equations, "field", "l1", "l2", "linf");
+    for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
+      MpmPrint("  %-5s", run->scene->table->fields[f]);
+      PetscCall(PrintNumber(run->error[f].l1));
+      PetscCall(PrintNumber(run->error[f].l2));
+      PetscCall(PrintNumber(run->error[f].linf));
+      MpmPrint("\n");
+    }
+  } else
+    MpmPrint("error: none, these data have no exact solution\n");
+  MpmPrint("energy");
+  PetscCall(PrintNumber(run->energy_initial));
+  MpmPrint(" first");
+  PetscCall(PrintNumber(run->energy_final));
+  MpmPrint(" last\n");
+  if (run->blew_up_at_step != MPM_NEVER)
+    MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
+             run->lost ? "; the run stopped there" : "; it was followed by rescaling");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintConserved(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  MpmPrint("conserved: %" PetscInt64_FMT " particles", run->scene->particles);
+  if (!isnan(run->mass_change)) MpmPrint(", mass to %.1e", run->mass_change);
+  if (!isnan(run->momentum_change)) MpmPrint(", momentum to %.1e of its size", run->momentum_change);
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a diagnostic was for each field; '-' where there was nothing to divide by. */
+static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
+{
+  PetscFunctionBegin;
+  if (isnan(value))
+    MpmPrint("  %s %s -", name, when);
+  else
+    MpmPrint("  %s %s %.4e", name, when, value);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintExchange(const MpmRun *run)
+{
+  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
+                                     *most = &run->exchange_most;
+  const MpmTable *table                    = run->scene->table;
+
+  PetscFunctionBegin;
+  if (run->scene->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
+  if (run->scene->source_term) {
+    MpmPrint("source term, relative to the nodes' field:");
+    for (PetscInt f = 0; table->fields[f]; f++) PetscCall(PrintField(table->fields[f], "up to", most->source[f]));
+    MpmPrint("\n");
+  }
+  if (run->scene->ringing) {
+    MpmPrint("ringing content, share of particle data that P2G does not see:");
+    for (PetscInt f = 0; table->fields[f]; f++) {
+      PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));
+      PetscCall(PrintField("", "last", last->ringing[f]));
+    }
+    MpmPrint("\n");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintVerdict(const MpmRun *run)
+{
+  const MpmGrowth *growth = &run->growth;
+
+  PetscFunctionBegin;
+  MpmPrint("\nverdict: %s", MpmVerdictNames[run->verdict]);
+  if (run->lost)
+    MpmPrint(
+        ", the state leaves the range of double precision from one sample to the next: growth above %.1e per step\n",
+        run->growth_above);
+  else if (!growth->measured)
+    MpmPrint(", the growth could not be measured\n");
+  else if (!growth->decided)
+    MpmPrint(", the growth has not settled into a kind; run more steps\n");
+  else if (run->verdict == MPM_UNSTABLE)
+    MpmPrint(", the state grows exponentially\n");
+  else if (growth->kind == MPM_LINEAR)
+    MpmPrint(", the state grows no faster than linearly (a defective eigenvalue of modulus 1)\n");
+  else
+    MpmPrint(", the state stays bounded%s\n",
+             run->has_errors ? " (from smooth data; random data excite every mode)" : "");
+  MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
+           1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->particles), run->wall_s);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunPrint(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  PetscCall(PrintScene(run));
+  PetscCall(PrintGrowth(run));
+  PetscCall(PrintErrors(run));
+  PetscCall(PrintConserved(run));
+  PetscCall(PrintExchange(run));
+  PetscCall(PrintVerdict(run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,152 @@
+/* The largest stable Courant number in words, as JSON and as CSV. */
+#include "report/critical_report.h"
+#include "io/output.h"
+#include "report/report.h"
+#include <math.h>
+
+static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
+{
+  const char *name =
+      MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
+
+  PetscFunctionBegin;
+  if (isinf(c->courant))
+    MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
+  else if (c->courant == 0 && c->stable_at == 0)
+    MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
+  else if (c->courant == 0)
+    MpmPrint("%s: 0, the scheme grows at every one\n", name);
+  else if (isinf(c->stable_at))
+    MpmPrint("%s: %.6g; any growth beyond it is within tolerance\n", name, c->courant);
+  else if (c->courant < c->stable_at)
+    MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
+  else
+    MpmPrint("%s: %.6g%s\n", name, c->courant,
+             MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
+  if (c->stable_at > 0 && isfinite(c->unstable_at))
+    MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
+             c->unstable_at);
+  if (MpmSceneDrifts(s))
+    MpmPrint(
+        "  under drift windows of instability open and close; the first one found counts, a very narrow one may be "
+        "missed\n");
+  if (!isnan(c->closed) && isfinite(c->closed))
+    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->formulation->limit_text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
+{
+  PetscFunctionBegin;
+  if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!isnan(c->fading))
+    MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
+             c->fading, s->tolerance);
+  MpmPrint("  limited by   ");
+  if (isnan(c->beta))
+    MpmPrint("a mode whose trace on the nodes has no phase");
+  else if (c->beta > 0)
+    MpmPrint("%s of %.4g cells, beta = %.6g", c->assembled ? "a mode with waves" : "waves", 2 * PETSC_PI / c->beta,
+             c->beta);
+  else
+    MpmPrint("the mode with beta = 0");
+  if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
+  MpmPrint("\n");
+  if (c->closed > 0 && isfinite(c->closed))
+    MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (-DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
+             "(transfer)\n",
+             c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.retained);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What holds at the scene's own Courant number. */
+static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
+{
+  PetscFunctionBegin;
+  MpmPrint("\nat Courant number %.6g: growth ", s->courant);
+  if (isinf(c->asked.growth))
+    MpmPrint("beyond the range of doubles");
+  else
+    MpmPrint("%.9g per step", c->asked.growth);
+  if (isfinite(c->asked.growth) && !isnan(c->moving)) {
+    MpmPrint("; if particles drift by 1/%d cell per step: ", MPM_CRITICAL_DRIFT);
+    if (isinf(c->moving))
+      MpmPrint("beyond that range");
+    else
+      MpmPrint("%.9g%s", c->moving, c->moving > 1 + s->tolerance ? ", it rings" : "");
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmReportScene(s, "critical", ranks));
+  MpmPrint("\n");
+  PetscCall(PrintLimit(s, c));
+  PetscCall(PrintReason(s, c));
+  PetscCall(PrintAsked(s, c));
+  PetscCall(MpmReportFinding(&c->asked, NAN));
+  if (c->assembled)
+    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
+             c->order, c->evaluations);
+  else
+    MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
+             c->evaluations, c->order);
+  MpmPrint("time: %.3g s\n", c->seconds);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalWriteJson(const MpmScene *s, const MpmCritical *c, PetscReal wall_s)
+{
+  PetscMPIInt ranks;
+  json_t     *object, *critical = json_object();
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  object = MpmJsonScene(s, "critical", ranks, wall_s);
+  MpmJsonSetFinding(object, &c->asked);
+  MpmJsonSet(critical, "critical_courant", c->courant);
+  MpmJsonSet(critical, "limited_by_beta", c->beta);
+  MpmJsonSet(critical, "stable_at", c->stable_at);
+  MpmJsonSet(critical, "unstable_at", c->unstable_at);
+  MpmJsonSet(critical, "closed_form", c->closed);
+  MpmJsonSet(critical, "fading", c->fading);
+  MpmJsonSet(critical, "growth_when_drifting", c->moving);
+  json_object_set_new(critical, "threshold", json_boolean(c->threshold));
+  json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
+  MpmJsonSet(critical, "seconds", c->seconds);
+  json_object_set_new(object, "critical", critical);
+  PetscCall(MpmJsonWrite(s->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, PetscInt n, const MpmScene *const scenes[],
+                                   const MpmCritical critical[])
+{
+  MpmTextFile csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(path, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
+                        "critical_courant,closed_form,limited_by_beta\n");
+    for (PetscInt i = 0; i < n; i++) {
+      const MpmScene *s = scenes[i];
+
+      fprintf(csv.stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", s->formulation->name, s->basis->name,
+              s->transfer->name, scene->ppc, scene->offset.value, scene->jitter, scene->drift.value,
+              MpmEndNames[scene->ends[0]], MpmEndNames[scene->ends[1]]);
+      MpmTextFileCell(&csv, critical[i].courant);
+      MpmTextFileCell(&csv, critical[i].closed);
+      MpmTextFileCell(&csv, critical[i].beta);
+      fprintf(csv.stream, "\n");
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,107 @@
+/* The result as one JSON object. Keys are a contract; a key that is absent was not computed. */
+#include "report/report.h"
+#include "analysis/run.h"
+
+static json_t *Predicted(const MpmRun *run)
+{
+  json_t *predicted = json_object();
+
+  MpmJsonSetPrediction(predicted, "published", run->predictions.published);
+  MpmJsonSetPrediction(predicted, "corrected", run->predictions.corrected);
+  if (run->scene->initial == MPM_INITIAL_MODE)
+    MpmJsonSetPrediction(predicted, "corrected_mode", run->predictions.corrected_mode);
+  MpmJsonSet(predicted, "eigenmode", run->eigenmode);
+  return predicted;
+}
+
+static json_t *Errors(const MpmRun *run)
+{
+  json_t *errors = json_object();
+
+  for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
+    json_t *error = json_object();
+
+    MpmJsonSet(error, "l1", run->error[f].l1);
+    MpmJsonSet(error, "l2", run->error[f].l2);
+    MpmJsonSet(error, "linf", run->error[f].linf);
+    json_object_set_new(errors, run->scene->table->fields[f], error);
+  }
+  return errors;
+}
+
+/* For each field first (NULL: left out), last and most of a diagnostic. */
+static json_t *PerField(const MpmTable *table, const PetscReal first[], const PetscReal last[], const PetscReal most[])
+{
+  json_t *fields = json_object();
+
+  for (PetscInt f = 0; table->fields[f]; f++) {
+    json_t *field = json_object();
+
+    if (first) MpmJsonSet(field, "first", first[f]);
+    MpmJsonSet(field, "last", last[f]);
+    MpmJsonSet(field, "largest", most[f]);
+    json_object_set_new(fields, table->fields[f], field);
+  }
+  return fields;
+}
+
+static void SetExchange(json_t *object, const MpmRun *run)
+{
+  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
+                                     *most = &run->exchange_most;
+  const MpmTable *table                    = run->scene->table;
+
+  if (run->scene->weights) {
+    json_t *weights = json_object();
+
+    MpmJsonSet(weights, "c1_min", most->c1_min);
+    MpmJsonSet(weights, "c1_max", most->c1_max);
+    json_object_set_new(object, "weights", weights);
+  }
+  if (run->scene->source_term)
+    json_object_set_new(object, "source_term", PerField(table, NULL, last->source, most->source));
+  if (run->scene->ringing)
+    json_object_set_new(object, "ringing", PerField(table, first->ringing, last->ringing, most->ringing));
+}
+
+static json_t *Run(const MpmRun *run)
+{
+  json_t         *object = json_object(), *energy = json_object();
+  const PetscReal work = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->particles;
+
+  json_object_set_new(object, "steps", json_integer(run->steps));
+  if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));
+  MpmJsonSet(object, "time", run->steps * run->scene->dt);
+  MpmJsonSet(object, "loop_s", run->loop_s);
+  MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
+  MpmJsonSet(object, "bytes_per_particle_step", run->bytes);
+  if (run->has_errors) json_object_set_new(object, "error", Errors(run));
+  if (run->growth.measured) {
+    MpmJsonSet(object, "growth_measured", run->growth.per_step);
+    MpmJsonSet(object, "growth_error", run->growth.error);
+    json_object_set_new(object, "growth_kind", json_string(MpmGrowthKindNames[run->growth.kind]));
+  }
+  MpmJsonSet(energy, "initial", run->energy_initial);
+  MpmJsonSet(energy, "final", run->energy_final);
+  json_object_set_new(object, "energy", energy);
+  MpmJsonSet(object, "mass_change", run->mass_change);
+  MpmJsonSet(object, "momentum_change", run->momentum_change);
+  SetExchange(object, run);
+  if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
+  if (run->blew_up_at_step != MPM_NEVER)
+    json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));
+  return object;
+}
+
+PetscErrorCode MpmRunWriteJson(const MpmRun *run)
+{
+  json_t *object = MpmJsonScene(run->scene, "run", run->ranks, run->wall_s);
+
+  PetscFunctionBegin;
+  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[run->verdict]));
+  if (run->growth.measured) MpmJsonSet(object, "growth", run->growth.per_step);
+  json_object_set_new(object, "predicted", Predicted(run));
+  json_object_set_new(object, "run", Run(run));
+  PetscCall(MpmJsonWrite(run->scene->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,106 @@
+/* The task spectrum's table. */
+#include "report/report.h"
+#include "analysis/spectrum.h"
+#include <math.h>
+
+static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
+{
+  char text[256];
+
+  PetscFunctionBegin;
+  if (!s->symbol) {
+    PetscCall(PetscSNPrintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(s->scene)));
+    PetscCall(MpmReportGrowth("symbol", NAN, text));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.4g of %" PetscInt_FMT " phases", s->symbol->beta_at_max,
+                          s->symbol->phases));
+  PetscCall(MpmReportGrowth("symbol", s->symbol->growth, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintSpectrum(const MpmSpectrum *s)
+{
+  char text[256];
+
+  PetscFunctionBegin;
+  if (s->eigen->n)
+    PetscCall(PetscSNPrintf(text, sizeof text, "%" PetscInt_FMT " of %" PetscInt_FMT " eigenvalues, residual %.1e",
+                            s->eigen->n, s->op->order, s->max_residual));
+  else
+    PetscCall(PetscStrncpy(text,
+                           isfinite(s->eigen->norm) ? "no eigenvalue converged"
+                                                    : "the operator's numbers leave the range of doubles",
+                           sizeof text));
+  PetscCall(MpmReportGrowth("spectrum", s->growth, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
+{
+  const MpmGrowth *growth = s->run ? &s->run->growth : NULL;
+  char             text[256];
+
+  PetscFunctionBegin;
+  if (growth && growth->measured)
+    PetscCall(PetscSNPrintf(text, sizeof text, "%s, from random data, steps %" PetscInt64_FMT " to %" PetscInt64_FMT,
+                            MpmGrowthKindNames[growth->kind], growth->from, growth->to));
+  else
+    PetscCall(PetscStrncpy(text,
+                           growth              ? "nothing left to measure"
+                           : s->scene->measure ? "not run: that would take too long here; try 'mpmstab run'"
+                                               : "not asked for",
+                           sizeof text));
+  PetscCall(MpmReportGrowth("measured", growth && growth->measured ? growth->per_step : NAN, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintOperator(const MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros, of %" PetscInt_FMT " step%s; ", s->op->order,
+           s->op->nonzeros, s->op->period, s->op->period == 1 ? "" : "s");
+  if (isfinite(s->step_mismatch))
+    MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
+  else
+    MpmPrint("not compared: the march leaves the range of doubles\n");
+  if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
+  if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
+    MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
+             s->radius > 1 ? ", relative to the largest" : "");
+  if (s->at_one != MPM_UNCOUNTED) {
+    MpmPrint("eigenvalues at 1: %" PetscInt_FMT, s->at_one);
+    if (s->nullity != MPM_UNCOUNTED)
+      MpmPrint(", of them %" PetscInt_FMT " for what no node sees (for each field particles - rank of its map)",
+               s->nullity);
+    MpmPrint("\n");
+  }
+  PetscCall(MpmReportComparison(&s->predictor, &s->comparison));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintCost(const MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  MpmPrint("time: %.3g s to assemble, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->eigen->solve_s,
+           s->wall_s);
+  MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown, of them %.3g for A\n", 1e-6 * s->memory,
+           s->memory / s->op->order, s->op->bytes / s->op->order);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmReportScene(s->scene, "spectrum", s->ranks));
+  MpmPrint("\ngrowth per step\n");
+  PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
+  PetscCall(PrintSymbol(s));
+  PetscCall(PrintSpectrum(s));
+  PetscCall(PrintMeasured(s));
+  PetscCall(PrintOperator(s));
+  PetscCall(MpmTransientPrint(s));
+  PetscCall(MpmReportFinding(&s->finding, s->condition));
+  PetscCall(PrintCost(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

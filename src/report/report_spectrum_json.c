@@ -1,0 +1,50 @@
+/* The task spectrum as a JSON object. */
+#include "report/report.h"
+#include "analysis/spectrum.h"
+#include <math.h>
+
+static json_t *Operator(const MpmSpectrum *s)
+{
+  json_t *object = json_object();
+
+  json_object_set_new(object, "unknowns", json_integer(s->op->order));
+  json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
+  json_object_set_new(object, "period_steps", json_integer(s->op->period));
+  MpmJsonSet(object, "assemble_s", s->op->assemble_s);
+  MpmJsonSet(object, "solve_s", s->eigen->solve_s);
+  json_object_set_new(object, "solver", json_string(s->eigen->solver));
+  json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
+  json_object_set_new(object, "listed", json_integer(s->eigen->n));
+  MpmJsonSet(object, "spectral_radius", s->radius);
+  MpmJsonSet(object, "growth", s->growth);
+  MpmJsonSet(object, "max_residual", s->max_residual);
+  MpmJsonSet(object, "step_mismatch", s->step_mismatch);
+  MpmJsonSet(object, "symbol_mismatch", s->symbol_mismatch);
+  MpmJsonSet(object, "condition", s->condition);
+  if (s->at_one != MPM_UNCOUNTED) json_object_set_new(object, "at_one", json_integer(s->at_one));
+  if (s->nullity != MPM_UNCOUNTED) json_object_set_new(object, "unseen", json_integer(s->nullity));
+  MpmJsonSet(object, "memory_bytes", s->memory);
+  return object;
+}
+
+PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
+{
+  json_t *object = MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s), *run;
+
+  PetscFunctionBegin;
+  MpmJsonSetFinding(object, &s->finding);
+  json_object_set_new(object, "predicted",
+                      MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
+  json_object_set_new(object, "spectrum", Operator(s));
+  if (s->symbol) json_object_set_new(object, "symbol", MpmJsonSymbol(s->symbol));
+  if (s->run && s->run->growth.measured) {
+    run = json_object();
+    json_object_set_new(run, "steps", json_integer(s->run->steps));
+    MpmJsonSet(run, "growth_measured", s->run->growth.per_step);
+    json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
+    json_object_set_new(object, "run", run);
+  }
+  MpmTransientJson(s, object);
+  PetscCall(MpmJsonWrite(s->scene->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

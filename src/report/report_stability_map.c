@@ -1,0 +1,139 @@
+/* A stability map as a picture of letters, and as JSON, CSV and HDF5. */
+#include "io/datafile.h"
+#include "io/output.h"
+#include "report/report.h"
+#include "analysis/stability_map.h"
+#include <math.h>
+
+/* On a terminal: as many rows and columns at most; others are left out. */
+#define MOST_ROWS 25
+#define MOST_COLUMNS 65
+
+static char Letter(const MpmStabilityMap *map, PetscInt point)
+{
+  const PetscReal excess = map->growth[point] - 1;
+
+  if (map->verdict[point] == MPM_UNDECIDED) return '?';
+  if (map->verdict[point] == MPM_STABLE) return '.';
+  return excess < 1e-3 ? '-' : excess < 1e-2 ? '+' : excess < 1e-1 ? 'x' : '#';
+}
+
+/* The first axis goes up, the second to the right. */
+static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
+{
+  const PetscInt rows = map->points[0], columns = map->points[1];
+  const PetscInt down = (rows - 1) / MOST_ROWS + 1, right = (columns - 1) / MOST_COLUMNS + 1;
+
+  PetscFunctionBegin;
+  MpmPrint("\n%s\n", MpmAxisNames[map->scene->axes[0].kind]);
+  for (PetscInt i = (rows - 1) / down * down; i >= 0; i -= down) {
+    char     line[MOST_COLUMNS + 1];
+    PetscInt n = 0;
+
+    for (PetscInt j = 0; j < columns; j += right) line[n++] = Letter(map, i * columns + j);
+    line[n] = '\0';
+    MpmPrint("%8.5g  %s\n", map->at[0][i], line);
+  }
+  MpmPrint("%8s  %s %.6g to %.6g\n", "", MpmAxisNames[map->scene->axes[1].kind], map->at[1][0],
+           map->at[1][columns - 1]);
+  MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
+{
+  const MpmAxis    *axes = map->scene->axes;
+  const MpmFinding *f    = &map->finding;
+  const PetscInt    n    = map->points[0] * map->points[1];
+  PetscMPIInt       ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmReportScene(map->scene, "map", ranks));
+  PetscCall(PrintPicture(map));
+  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt_FMT " phases\n", map->points[0],
+           map->points[1], map->scene->phases);
+  MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
+           100.0 * map->unstable / n, map->undecided);
+  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, MpmAxisNames[axes[0].kind],
+           map->at[0][map->worst / map->points[1]], MpmAxisNames[axes[1].kind],
+           map->at[1][map->worst % map->points[1]]);
+  if (!isnan(map->published_limit))
+    MpmPrint("published  stable up to Courant number %.6g (particles at rest)\n", map->published_limit);
+  MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
+           MpmVerdictNames[f->verdict], f->tolerance, map->unstable, n, f->evidence);
+  MpmPrint("time: %.3g s\n", map->seconds);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static json_t *Numbers(PetscInt n, const PetscReal values[])
+{
+  json_t *array = json_array();
+
+  for (PetscInt i = 0; i < n; i++)
+    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
+  return array;
+}
+
+PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
+{
+  const char *const names[2] = {MpmAxisNames[map->scene->axes[0].kind], MpmAxisNames[map->scene->axes[1].kind]};
+  const int         other    = map->scene->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
+  json_t           *object, *part = json_object();
+  PetscMPIInt       ranks;
+
+  PetscFunctionBegin;
+  PetscCall(MpmStabilityMapLimits(map));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  object = MpmJsonScene(map->scene, "map", ranks, wall_s);
+  MpmJsonSetFinding(object, &map->finding);
+  json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
+  json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
+  for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
+  json_object_set_new(part, "phases", json_integer(map->scene->phases));
+  json_object_set_new(part, "unstable", json_integer(map->unstable));
+  json_object_set_new(part, "undecided", json_integer(map->undecided));
+  if (map->limits) {
+    MpmJsonSetPrediction(part, "published_limit", map->published_limit);
+    json_object_set_new(part, "corrected_limit", Numbers(map->points[other], map->limits));
+  }
+  MpmJsonSet(part, "seconds", map->seconds);
+  json_object_set_new(object, "map", part);
+  PetscCall(MpmJsonWrite(map->scene->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
+{
+  MpmTextFile csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(map->scene->csv, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "%s,%s,growth,beta,verdict\n", MpmAxisNames[map->scene->axes[0].kind],
+            MpmAxisNames[map->scene->axes[1].kind]);
+    for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
+      fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
+      MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
+      MpmTextFileCell(&csv, map->growth[i]);
+      MpmTextFileCell(&csv, map->beta[i]);
+      fprintf(csv.stream, ",%s\n", MpmVerdictNames[map->verdict[i]]);
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
+{
+  MpmDataFile file;
+
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, &file));
+  for (int a = 0; a < 2; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->scene->axes[a].kind], map->points[a], 1, map->at[a]));
+  PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
+  PetscCall(MpmDataFileArray(&file, "/map", "beta", map->points[0], map->points[1], map->beta));
+  PetscCall(MpmDataFileClose(&file, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

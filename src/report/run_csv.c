@@ -1,0 +1,68 @@
+/* The time series of a run: step, time, norm, energy, errors and diagnostics. */
+#include <mpmstab/errors.h>
+#include "report/run_csv.h"
+#include <math.h>
+#include <string.h>
+
+#define LONGEST_HEADER 1024
+
+/* A column for each field. */
+static PetscErrorCode Columns(const MpmTable *table, PetscBool wanted, const char name[], char header[])
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; wanted && table->fields[f]; f++) {
+    PetscCall(PetscStrlcat(header, ",", LONGEST_HEADER));
+    PetscCall(PetscStrlcat(header, name, LONGEST_HEADER));
+    PetscCall(PetscStrlcat(header, table->fields[f], LONGEST_HEADER));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv)
+{
+  const MpmScene *scene                  = run->scene;
+  char            header[LONGEST_HEADER] = "step,time,norm,energy,log10_norm";
+  size_t          length;
+
+  PetscFunctionBegin;
+  PetscCall(Columns(scene->table, run->has_errors, "error_l2_", header));
+  if (scene->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
+  PetscCall(Columns(scene->table, scene->source_term, "source_", header));
+  PetscCall(Columns(scene->table, scene->ringing, "ringing_", header));
+  length = strlen(header);
+  MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
+                "restart %s: its CSV has other columns; allowed: weights, source_term and ringing as before",
+                scene->restart);
+  if (csv->stream && before && *before)
+    fputs(before, csv->stream);
+  else if (csv->stream)
+    fprintf(csv->stream, "%s\n", header);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
+                            PetscReal log_norm, PetscReal energy, const MpmTextFile *csv)
+{
+  const MpmScene *scene = run->scene;
+  const PetscInt  n     = scene->table->nstate;
+  MpmError        error[MPM_MAX_FIELDS];
+
+  PetscFunctionBegin;
+  if (run->has_errors) PetscCall(MpmDiagnosticsErrors(march, error));
+  if (!csv->stream) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(csv->stream, "%" PetscInt64_FMT, march->step);
+  MpmTextFileCell(csv, march->step * scene->dt);
+  MpmTextFileCell(csv, exp(log_norm));
+  MpmTextFileCell(csv, energy);
+  MpmTextFileCell(csv, log_norm / M_LN10);
+  for (PetscInt f = 0; run->has_errors && f < n; f++) MpmTextFileCell(csv, error[f].l2);
+  if (scene->weights) {
+    MpmTextFileCell(csv, exchange->last.c1_mean);
+    MpmTextFileCell(csv, exchange->last.c1_min);
+    MpmTextFileCell(csv, exchange->last.c1_max);
+  }
+  for (PetscInt f = 0; scene->source_term && f < n; f++) MpmTextFileCell(csv, exchange->last.source[f]);
+  for (PetscInt f = 0; scene->ringing && f < n; f++) MpmTextFileCell(csv, exchange->last.ringing[f]);
+  fprintf(csv->stream, "\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

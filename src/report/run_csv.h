@@ -1,0 +1,15 @@
+/* The time series of a run as CSV: a row for each sampled step. */
+#pragma once
+#include "march/transfer_diagnostics.h"
+#include "io/output.h"
+#include "analysis/run.h"
+
+/*
+   Collective. The header of a new file; or, going on from a checkpoint, what was written before it (NULL, "": nothing),
+   refused when its columns are not those of this run.
+*/
+PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv);
+
+/* Collective. A row, with the errors and the diagnostics that the run has; exchange may be NULL. */
+PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
+                            PetscReal log_norm, PetscReal energy, const MpmTextFile *csv);

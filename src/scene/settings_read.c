@@ -1,0 +1,261 @@
+/* Typed settings: each is checked once, here, and refused with what is allowed. */
+#include "scene/settings.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
+
+PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
+{
+  return settings->text[MpmOptionIndex(name)] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[])
+{
+  return settings->source[MpmOptionIndex(name)];
+}
+
+PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[])
+{
+  return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
+{
+  const PetscInt    i    = MpmOptionIndex(name);
+  const char *const dots = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
+
+  PetscFunctionBegin;
+  if (settings->source[i] == MPM_FROM_SCENE)
+    MpmRefuse("%s:%d: %s: %.*s%s: %s", settings->scene, settings->line[i], name, MOST_SHOWN, settings->text[i], dots,
+              why);
+  MpmRefuse("-%s %.*s%s: %s", name, MOST_SHOWN, settings->text[i], dots, why);
+}
+
+static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  char             why[256];
+
+  PetscFunctionBegin;
+  if (option->lo_open && option->hi == PETSC_MAX_REAL)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g", what, (double)option->lo));
+  else if (option->hi == PETSC_MAX_REAL)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s", what));
+  else if (option->kind == MPM_FRACTION && option->hi < 1)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g to below 1", what, (double)option->lo));
+  else
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
+                            (double)option->hi));
+  PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool InRange(const MpmOption *option, PetscReal value)
+{
+  if (!isfinite(value) || value > option->hi) return PETSC_FALSE;
+  return option->lo_open ? value > option->lo : value >= option->lo;
+}
+
+/* As integers: 2^53 + 1 is beyond 2^53, but the same double. */
+static PetscBool InWholeRange(const MpmOption *option, PetscInt64 value)
+{
+  return value >= (PetscInt64)option->lo && value <= (PetscInt64)option->hi ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* strtod takes blanks, hexadecimals, 'inf' and 'nan'; a setting does not. */
+static PetscBool ParseReal(const char text[], PetscReal *value)
+{
+  char *end;
+
+  if (!*text || strspn(text, "0123456789+-.eE") != strlen(text)) return PETSC_FALSE;
+  *value = strtod(text, &end);
+  return *end || !isfinite(*value) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value)
+{
+  const PetscInt i    = MpmOptionIndex(name);
+  const char    *text = settings->text[i];
+  char          *end;
+
+  PetscFunctionBegin;
+  errno  = 0;
+  *value = strtoll(text, &end, 10);
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) || !InWholeRange(&MpmOptions[i], *value))
+    PetscCall(RefuseNumber(settings, name, "a whole number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
+{
+  const PetscInt i = MpmOptionIndex(name);
+
+  PetscFunctionBegin;
+  if (!ParseReal(settings->text[i], value) || !InRange(&MpmOptions[i], *value))
+    PetscCall(RefuseNumber(settings, name, "a finite number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[], MpmFraction *value)
+{
+  const PetscInt i = MpmOptionIndex(name);
+  PetscBool      ok;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(settings->text[i], value, &ok));
+  if (!ok || !InRange(&MpmOptions[i], value->value))
+    PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
+{
+  static const char *const yes[] = {"", "true", "True", "yes", "on", "1"}, *const no[] = {"false", "False", "no", "off",
+                                                                                          "0"};
+  const char *const text = settings->text[MpmOptionIndex(name)];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(yes); i++) {
+    if (!strcmp(text, yes[i])) {
+      *value = PETSC_TRUE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(no); i++) {
+    if (!strcmp(text, no[i])) {
+      *value = PETSC_FALSE;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+  }
+  PetscCall(MpmSettingsRefuse(settings, name, "allowed: true or false"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define SEPARATORS ", -" /* between two words: fixed,free or fixed-free */
+
+/* Refuses a word that is not one of an option's. */
+static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[], const char text[])
+{
+  const PetscInt option = MpmOptionIndex(name);
+  const char    *words[32], *near;
+  char           why[512] = "allowed: ";
+  PetscInt       n        = 0;
+
+  PetscFunctionBegin;
+  for (; MpmOptions[option].word(n); n++) words[n] = MpmOptions[option].word(n);
+  for (PetscInt i = 0; i < n; i++) {
+    if (i) PetscCall(PetscStrlcat(why, i == n - 1 ? " or " : ", ", sizeof why));
+    PetscCall(PetscStrlcat(why, words[i], sizeof why));
+  }
+  near = n > 1 ? MpmSuggest(text, n, words) : NULL;
+  if (near) {
+    PetscCall(PetscStrlcat(why, "; did you mean ", sizeof why));
+    PetscCall(PetscStrlcat(why, near, sizeof why));
+    PetscCall(PetscStrlcat(why, "?", sizeof why));
+  }
+  PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FindWord(const MpmSettings *settings, const char name[], const char text[], PetscInt *index)
+{
+  const PetscInt option = MpmOptionIndex(name);
+
+  PetscFunctionBegin;
+  for (*index = 0; MpmOptions[option].word(*index); ++*index)
+    if (!strcmp(MpmOptions[option].word(*index), text)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(RefuseWord(settings, name, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
+{
+  PetscFunctionBegin;
+  PetscCall(FindWord(settings, name, settings->text[MpmOptionIndex(name)], index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
+{
+  const char  *text = settings->text[MpmOptionIndex(name)];
+  const size_t ends = strcspn(text, SEPARATORS);
+  const char  *rest = text + ends + strspn(text + ends, SEPARATORS);
+  char         first[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(first, text, PetscMin(ends + 1, sizeof first)));
+  PetscCall(FindWord(settings, name, first, &index[0]));
+  PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2])
+{
+  const char *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char        first[64] = "";
+
+  PetscFunctionBegin;
+  if (comma && comma - text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
+    if (ParseReal(first, &range[0]) && ParseReal(comma + 1, &range[1]) && range[0] <= range[1])
+      PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(
+      MpmSettingsRefuse(settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  const char      *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char             first[64] = "", bounds[32], why[256];
+  PetscBool        ok        = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (comma && comma - text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
+    PetscCall(MpmFractionParse(first, &span[0], &ok));
+    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
+  }
+  PetscCall(PetscSNPrintf(bounds, sizeof bounds, option->hi < 1 ? " to below 1" : " to %.6g", (double)option->hi));
+  PetscCall(PetscSNPrintf(
+      why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
+      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));
+  if (!ok || !InRange(option, span[0].value) || !InRange(option, span[1].value) || span[0].value >= span[1].value)
+    PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                               PetscInt list[])
+{
+  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
+  char             why[128], *end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
+                          (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2"));
+  *n = 0;
+  for (const char *text = settings->text[MpmOptionIndex(name)];; text = end + 1) {
+    const long value = strtol(text, &end, 10);
+
+    if (*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) || (*end && *end != ',') ||
+        !InRange(option, (PetscReal)value))
+      PetscCall(MpmSettingsRefuse(settings, name, why));
+    list[(*n)++] = (PetscInt)value;
+    if (!*end) break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path)
+{
+  PetscFunctionBegin;
+  *path = settings->text[MpmOptionIndex(name)];
+  if (*path && !**path) PetscCall(MpmSettingsRefuse(settings, name, "allowed: the name of a file"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,34 @@
+/* The hat function: phi = 1 - abs(x - x_i) / h. Source: the classical MPM (Sulsky, Chen and Schreyer 1994). */
+#define NODES 2
+#define G2P_AFFINE Grad /* phi (x_i - x_p) / D is -1 and 1, though both are 0 on a node */
+#include "scheme/basis/nodes.h"
+
+static inline PetscInt First(PetscReal xi)
+{
+  (void)xi;
+  return 0;
+}
+
+static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
+{
+  (void)width;
+  phi[0] = 1 - xi;
+  phi[1] = xi;
+}
+
+static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+{
+  (void)xi;
+  (void)width;
+  slope[0] = -1;
+  slope[1] = 1;
+}
+
+const MpmBasis MpmLinear = {.name        = "linear",
+                            .summary     = "hat functions, one cell to either side of a node",
+                            .reference   = "Sulsky, Chen and Schreyer 1994",
+                            .reach_left  = 0,
+                            .reach_right = 1,
+                            .slope_sum   = 2,
+                            .hat         = PETSC_TRUE,
+                            KERNELS};

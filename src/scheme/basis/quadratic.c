@@ -1,0 +1,45 @@
+/*
+   Quadratic B-splines with their middle on the nodes: d in cells from the node,
+
+     abs(d) < 1/2          3/4 - d^2
+     abs(d) < 3/2          (3/2 - abs(d))^2 / 2
+
+   so that a particle sees its nearest node, which is the cell's left or right one, and that node's neighbours.
+
+   Source: Steffen, Kirby and Berzins 2008.
+*/
+#define NODES 3
+#include "scheme/basis/nodes.h"
+
+static inline PetscInt First(PetscReal xi)
+{
+  return xi < 0.5 ? -1 : 0;
+}
+
+static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
+{
+  const PetscReal d = xi < 0.5 ? xi : xi - 1; /* from the nearest node */
+
+  (void)width;
+  phi[0] = 0.5 * (0.5 - d) * (0.5 - d);
+  phi[1] = 0.75 - d * d;
+  phi[2] = 0.5 * (0.5 + d) * (0.5 + d);
+}
+
+static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+{
+  const PetscReal d = xi < 0.5 ? xi : xi - 1;
+
+  (void)width;
+  slope[0] = d - 0.5;
+  slope[1] = -2 * d;
+  slope[2] = d + 0.5;
+}
+
+const MpmBasis MpmQuadratic = {.name        = "quadratic",
+                               .summary     = "quadratic B-splines, their middles on the nodes",
+                               .reference   = "Steffen, Kirby and Berzins 2008",
+                               .reach_left  = 1,
+                               .reach_right = 2,
+                               .slope_sum   = 2,
+                               KERNELS};

@@ -1,0 +1,22 @@
+/* Two-by-two analyses that more than one formulation uses. */
+#include "scheme/formulation/closed_forms.h"
+#include <math.h>
+
+const MpmEnergyTerm MpmMomentumEnergy[2] = {{MPM_ON_PARTICLES, 0, PETSC_FALSE}, {MPM_ON_PARTICLES, 1, PETSC_TRUE}};
+
+PetscReal MpmQuadraticRadius(double complex trace, double complex det)
+{
+  const double complex root = csqrt(trace * trace / 4 - det);
+  return fmax(cabs(trace / 2 + root), cabs(trace / 2 - root));
+}
+
+PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal k)
+{
+  return MpmQuadraticRadius(1 + cell->retained - cell->alpha * k * k * cell->kappa, cell->retained);
+}
+
+/* abs(det) <= 1 and abs(trace) <= 1 + det (Jury): alpha s <= 2 (1 + f). */
+PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell)
+{
+  return sqrt(2 * (1 + cell->retained) / (cell->alpha * cell->kappa));
+}

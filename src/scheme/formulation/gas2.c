@@ -1,0 +1,83 @@
+/*
+   Formulation 2 of the slides: one-dimensional gas flow, the density update sees the new velocity.
+
+     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho, so that both updates carry a plus sign; c = a.
+
+   Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 2; after Brackbill 1988.
+*/
+#include "scheme/formulation/closed_forms.h"
+#include <math.h>
+
+#define ROUNDING 1e-13 /* of mu and f */
+
+enum { U, R };     /* particles */
+enum { U_I, R_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    FILTER(U, U_I),        /*    the transfer's filter                        */
+    FILTER(R, R_I),        /*    (flip: none)                                 */
+    P2G(R_I, R),           /* 1. r_i  = sum_p S_ip r_p                        */
+    GRAD(U, R_I, COURANT), /* 2. u_p += k (r_{i+1} - r_i)                     */
+    P2G(U_I, U),           /* 3. u_i  = sum_p S_ip u_p    (the old weights)   */
+    IMPOSE(U_I),           /*    a wall reflects                              */
+    GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)                     */
+    DRIFT,                 /* 5. x_p += U0 dt                                 */
+};
+
+static const MpmEnergyTerm energy[] = {{MPM_ON_PARTICLES, U, PETSC_FALSE}, {MPM_ON_PARTICLES, R, PETSC_FALSE}};
+
+/* The slides print abs(G) for k <= 1/sqrt 2 only. */
+static PetscReal Published(PetscReal k, PetscReal beta)
+{
+  return k <= M_SQRT1_2 ? sqrt(1 - 2 * PetscSqr(k * sin(beta))) : NAN;
+}
+
+/* (gamma^2 + 2)^2 - 4 = gamma^4 + 4 gamma^2, and the lost half restored: G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0. */
+static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
+{
+  return cell->retained * MpmQuadraticRadius(2 + k * k * cell->mu * cell->mu, 1);
+}
+
+/*
+   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse of half axes 1/f + f and 1/f - f around -2. For flip
+   the ellipse is the line from -4 to 0: only a purely imaginary mu (centred particles) lies on it, up to k = 2 /
+   abs(mu).
+*/
+static PetscReal Limit(const MpmCellSymbols *cell)
+{
+  const double complex square = cell->mu * cell->mu;
+  const PetscReal      size = cabs(square), f = cell->retained, a = 1 / f + f, b = 1 / f - f;
+  PetscReal            c, p, q;
+
+  if (size < PetscSqr(ROUNDING) || f == 0) return INFINITY;
+  if (b < ROUNDING) return fabs(creal(cell->mu)) <= ROUNDING ? 2 / sqrt(size) : 0;
+  c = creal(square) / size;
+  p = c * c / (a * a) + (1 - c * c) / (b * b);
+  q = 2 * c / (a * a);
+  return sqrt((-q + sqrt(q * q + p * (1 - 4 / (a * a)))) / p / size);
+}
+
+const MpmFormulation MpmGas2 = {.name              = "gas2",
+                                .summary           = "gas, Formulation 2: density from the new nodal velocity",
+                                .reference         = "Berzins, Kirby and Gritton 2013; Brackbill 1988",
+                                .particle_fields   = {"u", "r"},
+                                .node_fields       = {"u_i", "r_i"},
+                                .nops              = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                .ops               = ops,
+                                .staggered         = U,
+                                .affine            = MPM_NONE,
+                                .conserved         = MPM_NONE,
+                                .nenergy           = PETSC_STATIC_ARRAY_LENGTH(energy),
+                                .energy            = energy,
+                                .wave              = &MpmWaveFirstOrder,
+                                .published_limit   = M_SQRT1_2,
+                                .published_text    = "abs(G) = sqrt(1 - 2 k^2 sin^2 beta), k <= 1/sqrt 2",
+                                .published_slip    = "(gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, not + 2 gamma^2, "
+                                                     "and gamma has lost the half of C1 = C2 = 1/2",
+                                .published_centred = PETSC_TRUE,
+                                .corrected_text    = "G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0",
+                                .limit_text =
+                                    "f abs(g) <= 1; for flip k <= 2 / abs(mu) where Re mu = 0, none elsewhere",
+                                .published = Published,
+                                .corrected = Corrected,
+                                .limit     = Limit};

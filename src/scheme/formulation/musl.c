@@ -1,0 +1,32 @@
+/*
+   Modified update stress last (MUSL): momentum schemes as MPM codes run them.
+
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+
+   Source: Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002.
+*/
+#include "scheme/formulation/closed_forms.h"
+
+enum { V, S };     /* particles */
+enum { V_I, A_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    P2G(V_I, V),                /* 1. v_i  = sum_p S_ip v_p                     */
+    IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
+    FILTER(V, V_I),             /*    v_p  = F v_p, the transfer (flip: none)   */
+    MINUS_DIV(A_I, S, COURANT), /* 2. a_i  = - k sum_p V_p dS_ip/dx s_p         */
+    REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction   */
+    G2P(V, A_I, ONE),           /* 3. v_p += sum_i S_ip a_i                     */
+    P2G(V_I, V),                /* 4. v_i  = sum_p S_ip v_p    (the new v)      */
+    IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
+    GRAD(S, V_I, COURANT),      /* 5. s_p += k sum_i dS_ip/dx v_i               */
+    DRIFT,                      /* 6. x_p += U0 dt                              */
+};
+
+const MpmFormulation MpmMusl = {
+    .name      = "musl",
+    .summary   = "momentum, modified update stress last: stress from the new particles' velocity on the grid",
+    .reference = "Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002",
+    .staggered = V,
+    MOMENTUM,
+    STRESS_AHEAD};

@@ -1,0 +1,30 @@
+/*
+   Update stress first (USF): momentum schemes as MPM codes run them.
+
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+
+   Source: Bardenhagen 2002.
+*/
+#include "scheme/formulation/closed_forms.h"
+
+enum { V, S };     /* particles */
+enum { V_I, A_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    P2G(V_I, V),                /* 1. v_i  = sum_p S_ip v_p                     */
+    IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
+    FILTER(V, V_I),             /*    v_p  = F v_p, the transfer (flip: none)   */
+    GRAD(S, V_I, COURANT),      /* 2. s_p += k sum_i dS_ip/dx v_i               */
+    MINUS_DIV(A_I, S, COURANT), /* 3. a_i  = - k sum_p V_p dS_ip/dx s_p         */
+    REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction   */
+    G2P(V, A_I, ONE),           /* 4. v_p += sum_i S_ip a_i                     */
+    DRIFT,                      /* 5. x_p += U0 dt                              */
+};
+
+const MpmFormulation MpmUsf = {.name = "usf",
+                               .summary =
+                                   "momentum, update stress first: stress from the old nodal velocity, then forces",
+                               .reference = "Bardenhagen 2002",
+                               .staggered = S,
+                               MOMENTUM,
+                               STRESS_AHEAD};

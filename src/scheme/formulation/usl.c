@@ -1,0 +1,49 @@
+/*
+   Update stress last (USL): momentum schemes as MPM codes run them.
+
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+
+   Source: Sulsky, Chen and Schreyer 1994; the name after Bardenhagen 2002.
+*/
+#include "scheme/formulation/closed_forms.h"
+#include <math.h>
+
+enum { V, S };     /* particles */
+enum { V_I, A_I }; /* nodes     */
+
+static const MpmOp ops[] = {
+    P2G(V_I, V),                /* 1. v_i  = sum_p S_ip v_p                     */
+    IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
+    FILTER(V, V_I),             /*    v_p  = F v_p, the transfer (flip: none)   */
+    MINUS_DIV(A_I, S, COURANT), /* 2. a_i  = - k sum_p V_p dS_ip/dx s_p         */
+    REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction   */
+    ADD(V_I, A_I),              /* 3. v_i += a_i                                */
+    IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
+    G2P(V, A_I, ONE),           /* 4. v_p += sum_i S_ip a_i                     */
+    GRAD(S, V_I, COURANT),      /* 5. s_p += k sum_i dS_ip/dx v_i               */
+    DRIFT,                      /* 6. x_p += U0 dt                              */
+};
+
+/* s = k^2 kappa: v' = f v + alpha a, a' = a - s (v + a) for the node's velocity v and increment a. */
+static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
+{
+  const PetscReal s = k * k * cell->kappa, f = cell->retained;
+
+  return MpmQuadraticRadius(1 + f - s, f + (cell->alpha - f) * s);
+}
+
+/* trace >= -(1 + det) (Jury). */
+static PetscReal Limit(const MpmCellSymbols *cell)
+{
+  return sqrt(2 * (1 + cell->retained) / ((1 + cell->retained - cell->alpha) * cell->kappa));
+}
+
+const MpmFormulation MpmUsl = {.name      = "usl",
+                               .summary   = "momentum, update stress last: stress from the new nodal velocity",
+                               .reference = "Sulsky, Chen and Schreyer 1994; Bardenhagen 2002",
+                               .staggered = V,
+                               MOMENTUM,
+                               .corrected_text = "tr = 1 + f - s, det = f + (alpha - f) s, s = k^2 kappa",
+                               .limit_text     = "s = k^2 kappa <= 2 (1 + f) / (1 + f - alpha)",
+                               .corrected      = Corrected,
+                               .limit          = Limit};

@@ -1,0 +1,253 @@
+/* Formulation + transfer + boundary -> table. */
+#include <mpmstab/table.h>
+
+const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};
+const char *const MpmEndSummaries[] = {
+    "no ends (as in the slides)",
+    "velocity 0 at the wall node, and no increment for particles; gas is reflected (Sulsky, Chen and Schreyer 1994)",
+    "the same, but particles get the wall's reaction as their increment (Uintah's 1-D code)",
+    "nothing imposed: no stress (a bar's end)", NULL};
+
+/* What the compilation of one table needs besides the table. */
+typedef struct {
+  const MpmFormulation     *formulation;
+  const MpmTransfer        *transfer;
+  const MpmTransferNumbers *numbers;
+  PetscInt                  kept[MPM_MAX_FIELDS]; /* where a node field's value before the wall is kept, or MPM_NONE */
+  MpmTable                 *table;
+} Builder;
+
+static PetscErrorCode AppendOp(MpmTable *t, MpmOp op)
+{
+  PetscFunctionBegin;
+  if (t->nops == t->room) {
+    t->room = PetscMax(32, 2 * t->room);
+    PetscCall(PetscRealloc(sizeof(*t->ops) * (size_t)t->room, &t->ops));
+  }
+  t->ops[t->nops++] = op;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is done to a field with an affine part is done to that part too. */
+static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
+{
+  PetscFunctionBegin;
+  if (op.kind == MPM_P2G && op.src == t->affine) {
+    op.kind = MPM_P2G_AFFINE;
+    op.src  = t->affine_part;
+  } else if (op.kind == MPM_G2P && op.dst == t->affine) {
+    op.kind = MPM_G2P_AFFINE;
+    op.dst  = t->affine_part;
+  } else if (op.kind == MPM_SCALE && op.dst == t->affine)
+    op.dst = op.src = t->affine_part;
+  else
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(AppendOp(t, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AppendBoth(MpmTable *t, MpmOp op)
+{
+  PetscFunctionBegin;
+  PetscCall(AppendOp(t, op));
+  if (t->affine != MPM_NONE) PetscCall(AppendAffine(t, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableAppend(MpmTable *t, MpmOpKind kind, PetscInt dst, PetscInt src, PetscReal factor)
+{
+  PetscFunctionBegin;
+  PetscCall(AppendBoth(t, (MpmOp){.kind = kind, .dst = dst, .src = src, .coefficient = MPM_ONE, .factor = factor}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
+{
+  PetscFunctionBegin;
+  PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  *node         = t->nnodes++;
+  t->odd[*node] = t->odd[like];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
+{
+  PetscFunctionBegin;
+  PetscCheck(t->nparticles < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  *particle = t->nparticles++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Wall(MpmTable *t, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
+{
+  PetscFunctionBegin;
+  PetscCall(AppendOp(t, (MpmOp){.kind = MPM_WALL, .dst = dst, .src = src, .factor = factor, .end = end}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
+{
+  PetscFunctionBegin;
+  for (PetscInt end = 0; end < 2; end++)
+    if (t->ends[end] == MPM_FIXED && t->odd[node]) PetscCall(Wall(t, end, node, node, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* With a reaction the value before the wall is kept, the first time it is there and if someone asks for it later. */
+static PetscErrorCode ImposeWithReaction(Builder *b, PetscInt node)
+{
+  MpmTable *t      = b->table;
+  PetscBool wanted = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < b->formulation->nops; o++)
+    if (b->formulation->ops[o].kind == MPM_REACT && b->formulation->ops[o].src == node) wanted = PETSC_TRUE;
+  for (PetscInt end = 0; end < 2; end++) {
+    const PetscBool keep = wanted && b->kept[node] == MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+
+    if (t->ends[end] != MPM_FIXED_REACTION) continue;
+    if (keep) {
+      PetscCall(MpmTableNode(t, node, &b->kept[node]));
+      for (PetscInt each = 0; each < 2; each++)
+        if (t->ends[each] == MPM_FIXED_REACTION) PetscCall(Wall(t, each, b->kept[node], node, 1));
+    }
+    PetscCall(Wall(t, end, node, node, 0));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode React(Builder *b, const MpmOp *op)
+{
+  PetscFunctionBegin;
+  for (PetscInt end = 0; end < 2; end++) {
+    if (b->table->ends[end] == MPM_FIXED) PetscCall(Wall(b->table, end, op->dst, op->dst, 0));
+    if (b->table->ends[end] == MPM_FIXED_REACTION) PetscCall(Wall(b->table, end, op->dst, b->kept[op->src], -1));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A filter at the start of a step takes its own P2G; after the table's own it does not need to. */
+static PetscErrorCode Filter(Builder *b, const MpmOp *op)
+{
+  MpmTable *t     = b->table;
+  PetscBool taken = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!b->transfer->filter) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt o = 0; o < t->nops; o++)
+    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == op->src) taken = PETSC_TRUE;
+  if (!taken) {
+    PetscCall(MpmTableAppend(t, MPM_P2G, op->src, op->dst, 1));
+    PetscCall(MpmTableImpose(t, op->src));
+  }
+  PetscCall(b->transfer->filter(t, b->numbers, op->dst, op->src));
+  t->filtered[op->dst] = PETSC_TRUE;
+  t->unfiltered--;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A wall with a reaction is imposed after the filter: particles are to feel what the grid was before. */
+static PetscErrorCode Translate(Builder *b)
+{
+  const MpmFormulation *f = b->formulation;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < f->nops; o++) {
+    const MpmOp    *op = &f->ops[o];
+    const PetscBool filtered =
+        o + 1 < f->nops && op[1].kind == MPM_FILTER && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
+
+    if (op->kind == MPM_IMPOSE) {
+      PetscCall(MpmTableImpose(b->table, op->dst));
+      if (filtered) PetscCall(Filter(b, &f->ops[++o]));
+      PetscCall(ImposeWithReaction(b, op->dst));
+    } else if (op->kind == MPM_FILTER)
+      PetscCall(Filter(b, op));
+    else if (op->kind == MPM_REACT)
+      PetscCall(React(b, op));
+    else
+      PetscCall(AppendBoth(b->table, *op));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt CountNames(const char *const names[])
+{
+  PetscInt n = 0;
+  while (names[n]) n++;
+  return n;
+}
+
+PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
+                              const MpmTransferNumbers *numbers, const MpmEnd ends[2], MpmTable **table)
+{
+  Builder   b = {.formulation = formulation, .transfer = transfer, .numbers = numbers};
+  MpmTable *t;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(table));
+  t       = *table;
+  b.table = t;
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = MPM_NONE;
+  for (PetscInt end = 0; end < 2; end++) t->ends[end] = ends[end];
+  t->nnodes = CountNames(formulation->node_fields);
+  t->nstate = CountNames(formulation->particle_fields);
+  for (PetscInt f = 0; f < t->nstate; f++) t->fields[f] = formulation->particle_fields[f];
+  t->affine = MPM_NONE;
+  if (transfer->affine) {
+    PetscCheck(formulation->affine != MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no field to be affine");
+    t->affine              = formulation->affine;
+    t->affine_part         = t->nstate;
+    t->fields[t->nstate++] = "c";
+  }
+  t->nparticles = t->unfiltered = t->nstate;
+  if (transfer->affine) {
+    t->filtered[t->affine_part] = PETSC_TRUE;
+    t->unfiltered--;
+  }
+  for (PetscInt o = 0; o < formulation->nops; o++)
+    if (formulation->ops[o].kind == MPM_IMPOSE || formulation->ops[o].kind == MPM_REACT)
+      t->odd[formulation->ops[o].dst] = PETSC_TRUE;
+  PetscCall(Translate(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableDestroy(MpmTable **table)
+{
+  PetscFunctionBegin;
+  if (*table) PetscCall(PetscFree((*table)->ops));
+  PetscCall(PetscFree(*table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
+{
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
+
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
+      return &table->ops[o];
+  }
+  return NULL;
+}
+
+PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field)
+{
+  const MpmOp *seen = MpmTableSeenBy(table, field);
+
+  return seen && seen->kind == MPM_P2G ? table->odd[seen->dst] : PETSC_FALSE;
+}
+
+PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
+{
+  for (PetscInt o = 0; o < table->nops; o++)
+    if (table->ops[o].kind == kind) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+MpmProperty MpmTableWeight(const MpmTable *table, MpmOpKind kind)
+{
+  const MpmProperty weight = MpmOpTraitsOf(kind).weight;
+
+  return table->varies[weight] ? weight : MPM_NO_PROPERTY;
+}

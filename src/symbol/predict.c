@@ -1,0 +1,148 @@
+/* The formulations' closed forms over the phases beta = 2 pi m / cells of a grid. */
+#include "scene/layout.h"
+#include "scheme/maps.h"
+#include "symbol/predict.h"
+#include <math.h>
+
+/* Beyond this many phases the maximum is the same to all digits that matter. */
+#define MOST_PHASES 65536
+
+#define NOTHING 1e-24 /* symbol of P2G G2P that only rounding keeps from 0 */
+
+static const char *WhyNot(const MpmScene *scene)
+{
+  if (MpmSceneDrifts(scene)) return "the formulas are for particles at rest";
+  if (!MpmSceneIsPeriodic(scene)) return "the formulas are for a periodic domain";
+  if (!MpmLayoutIsUniform(scene)) return "the formulas are for cells that are all alike";
+  if (!scene->transfer->retains) return "no closed form for this transfer";
+  return NULL;
+}
+
+static const char *WhyNotPublished(const MpmScene *scene)
+{
+  if (!scene->formulation->published) return "the slides do not treat this formulation";
+  if (!scene->basis->hat) return "the slides treat the linear basis";
+  if (scene->transfer->filter) return "the slides treat flip";
+  return WhyNot(scene);
+}
+
+PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *p)
+{
+  const PetscInt reach = MpmMapReach(scene->basis);
+  PetscReal      mean  = 0;
+
+  PetscFunctionBegin;
+  *p = (MpmPredictor){.scene = scene, .why_not = WhyNot(scene), .why_not_published = WhyNotPublished(scene)};
+  if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc3(scene->ppc, &p->node, scene->ppc * reach, &p->value, scene->ppc * reach, &p->slope));
+  for (PetscInt j = 0; j < scene->ppc; j++) {
+    PetscReal xi;
+
+    MpmLayoutPlace(scene, j, &p->node[j], &xi);
+    MpmMapRow(scene->basis, MPM_G2P, xi, scene->width, p->value + j * reach);
+    MpmMapRow(scene->basis, MPM_GRAD, xi, scene->width, p->slope + j * reach);
+    mean += xi / scene->ppc;
+  }
+  p->e = 2 * mean - 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
+{
+  PetscFunctionBegin;
+  if (p->node) PetscCall(PetscFree3(p->node, p->value, p->slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The symbols of phi and of h dphi/dx at particle j. */
+static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], PetscInt j, PetscReal beta)
+{
+  const PetscInt reach = MpmMapReach(p->scene->basis);
+  double complex sum   = 0;
+
+  for (PetscInt d = 0; d < reach; d++) sum += row[j * reach + d] * cexp(I * (beta * (p->node[j] + d)));
+  return sum;
+}
+
+MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
+{
+  const PetscInt ppc  = p->scene->ppc;
+  MpmCellSymbols cell = {.beta = beta};
+
+  for (PetscInt j = 0; j < ppc; j++) {
+    const double complex value = SymbolOf(p, p->value, j, beta), slope = SymbolOf(p, p->slope, j, beta);
+
+    cell.alpha += creal(conj(value) * value) / ppc;
+    cell.kappa += creal(conj(slope) * slope) / ppc;
+    cell.mu += conj(value) * slope / ppc;
+  }
+  if (cell.alpha < NOTHING) cell.alpha = 0;
+  cell.retained = p->scene->transfer->retains(&p->scene->numbers, cell.alpha);
+  return cell;
+}
+
+PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal beta)
+{
+  return p->why_not_published ? NAN : p->scene->formulation->published(p->scene->courant, beta);
+}
+
+PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal beta)
+{
+  MpmCellSymbols cell;
+
+  if (p->why_not) return NAN;
+  cell = MpmPredictorSymbols(p, beta);
+  return p->scene->formulation->corrected(&cell, p->scene->courant);
+}
+
+PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
+{
+  const PetscInt phases = PetscMin(scene->cells, MOST_PHASES);
+  MpmPredictor   predictor;
+
+  PetscFunctionBegin;
+  *predictions = (MpmPredictions){.published = NAN, .corrected = NAN, .corrected_mode = NAN};
+  PetscCall(MpmPredictorCreate(scene, &predictor));
+  for (PetscInt m = 0; m < phases && !predictor.why_not; m++) {
+    const PetscReal beta = MpmSymbolPhase(m, phases);
+
+    predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, beta));
+    predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, beta));
+  }
+  if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
+    predictions->corrected_mode = MpmPredictorCorrected(&predictor, MpmSymbolPhase(scene->mode, scene->cells));
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The larger of two distances, with its phase; the least phase when they are the same to rounding. */
+static void Widest(PetscReal distance, PetscReal beta, PetscReal *widest, PetscReal *at)
+{
+  if (isnan(distance) || distance <= *widest + 1e-12) return;
+  *widest = distance;
+  *at     = beta;
+}
+
+PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const MpmSymbol *s, MpmComparison *comparison)
+{
+  PetscReal   mine[4] = {-1, NAN, -1, NAN}, *all;
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < s->count && s->seen; i++) {
+    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
+
+    Widest(fabs(MpmPredictorPublished(p, beta) - s->seen[i]), beta, &mine[0], &mine[1]);
+    Widest(fabs(MpmPredictorCorrected(p, beta) - s->seen[i]), beta, &mine[2], &mine[3]);
+  }
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(PetscMalloc1(4 * size, &all));
+  PetscCallMPI(MPI_Allgather(mine, 4, MPIU_REAL, all, 4, MPIU_REAL, comm));
+  for (PetscMPIInt r = 0; r < size; r++) {
+    Widest(all[4 * r], all[4 * r + 1], &mine[0], &mine[1]);
+    Widest(all[4 * r + 2], all[4 * r + 3], &mine[2], &mine[3]);
+  }
+  PetscCall(PetscFree(all));
+  *comparison = (MpmComparison){mine[0] < 0 ? NAN : mine[0], mine[1], mine[2] < 0 ? NAN : mine[2], mine[3]};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

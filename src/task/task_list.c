@@ -1,0 +1,110 @@
+/* mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
+#include <mpmstab/scene.h>
+#include "task/task.h"
+#include <slepcsys.h>
+#include <string.h>
+
+static PetscErrorCode ListFormulations(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmFormulations[i]; i++)
+    MpmPrint("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListBases(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmBases[i]; i++)
+    MpmPrint("  %-14s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListTransfers(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmTransfers[i]; i++)
+    MpmPrint("  %-14s %s (%s)\n", MpmTransfers[i]->name, MpmTransfers[i]->summary, MpmTransfers[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListBoundaries(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmEndNames[i]; i++) MpmPrint("  %-14s %s\n", MpmEndNames[i], MpmEndSummaries[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListLayouts(void)
+{
+  PetscFunctionBegin;
+  MpmPrint("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
+           "cluster, ppc or counts in a cell\n",
+           "uniform");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ListOptions(void)
+{
+  PetscFunctionBegin;
+  for (const MpmOption *o = MpmOptions; o->name; o++)
+    MpmPrint("  %-16s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a result rests on: an MPI's own text ends at its first comma or line. */
+static PetscErrorCode ListVersions(void)
+{
+  char     mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+  int      length;
+  PetscInt major, minor, patch;
+
+  PetscFunctionBegin;
+  MpmPrint("  %-14s %s\n", "mpmstab", MPMSTAB_VERSION);
+  PetscCall(PetscGetVersionNumber(&major, &minor, &patch, NULL));
+  MpmPrint("  %-14s %" PetscInt_FMT ".%" PetscInt_FMT ".%" PetscInt_FMT "\n", "PETSc", major, minor, patch);
+  PetscCall(SlepcGetVersionNumber(&major, &minor, &patch, NULL));
+  MpmPrint("  %-14s %" PetscInt_FMT ".%" PetscInt_FMT ".%" PetscInt_FMT "\n", "SLEPc", major, minor, patch);
+  PetscCallMPI(MPI_Get_library_version(mpi, &length));
+  mpi[strcspn(mpi, ",\n")] = 0;
+  MpmPrint("  %-14s %s\n", "MPI", mpi);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const struct {
+  const char *name, *title;
+  PetscErrorCode (*list)(void);
+} lists[] = {{"formulation", "formulations", ListFormulations},
+             {"basis", "bases", ListBases},
+             {"transfer", "transfers", ListTransfers},
+             {"boundary", "ends of the domain", ListBoundaries},
+             {"layout", "layouts", ListLayouts},
+             {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions},
+             {"versions", "versions", ListVersions}};
+
+PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
+{
+  const char *names[PETSC_STATIC_ARRAY_LENGTH(lists)];
+  PetscBool   found = PETSC_FALSE;
+  const char *near;
+
+  PetscFunctionBegin;
+  (void)started;
+  MpmCheckInput(argc <= 1,
+                "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions]",
+                argv[1]);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
+    names[i] = lists[i].name;
+    if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
+    found = PETSC_TRUE;
+    MpmPrint("%s\n", lists[i].title);
+    PetscCall(lists[i].list());
+  }
+  if (!found) {
+    near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options or versions%s%s%s", argv[0],
+              near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  }
+  *status = MPM_EXIT_DONE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,31 @@
+/* mpmstab run [SCENE.yaml] [-option value]... */
+#include <mpmstab/errors.h>
+#include "task/expect.h"
+#include "task/task.h"
+
+static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+{
+  MpmRun *run;
+
+  PetscFunctionBegin;
+  PetscCall(MpmRunCreate(scene, started, &run));
+  *missed = 0;
+  if (run->stopped)
+    MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
+             "; to go on: the same command with -restart %s\n",
+             run->steps, scene->steps, scene->checkpoint);
+  else {
+    PetscCall(MpmRunPrint(run));
+    if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
+    PetscCall(MpmExpectRun(run, missed));
+  }
+  PetscCall(MpmRunDestroy(&run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTaskOnScene("run", Run, argc, argv, started, status));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

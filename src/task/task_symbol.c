@@ -1,0 +1,92 @@
+/* mpmstab symbol [SCENE.yaml] [-option value]... */
+#include "task/expect.h"
+#include "report/report.h"
+#include "io/symbol_files.h"
+#include "task/task.h"
+#include <math.h>
+
+static PetscErrorCode Print(const MpmSymbol *s, const MpmPredictor *p, const MpmPredictions *predictions,
+                            const MpmComparison *comparison, const MpmFinding *finding, PetscMPIInt ranks)
+{
+  char text[128];
+
+  PetscFunctionBegin;
+  PetscCall(MpmReportScene(s->scene, "symbol", ranks));
+  MpmPrint("\ngrowth per step\n");
+  PetscCall(MpmReportPredictions(p, predictions));
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.6g (waves of %.4g cells) of %" PetscInt_FMT " phases",
+                          s->beta_at_max, 2 * PETSC_PI / s->beta_at_max, s->phases));
+  if (s->beta_at_max == 0)
+    PetscCall(PetscSNPrintf(text, sizeof text, "at beta = 0 of %" PetscInt_FMT " phases", s->phases));
+  PetscCall(MpmReportGrowth("symbol", s->growth, text));
+  MpmPrint("\n");
+  PetscCall(MpmReportComparison(p, comparison));
+  PetscCall(MpmReportFinding(finding, s->condition));
+  MpmPrint("time: %.3g s\n", s->seconds);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteJson(const MpmSymbol *s, const MpmPredictions *predictions, const MpmComparison *comparison,
+                                const MpmFinding *finding, PetscMPIInt ranks, PetscReal wall_s)
+{
+  json_t *object = MpmJsonScene(s->scene, "symbol", ranks, wall_s);
+
+  PetscFunctionBegin;
+  MpmJsonSetFinding(object, finding);
+  json_object_set_new(object, "predicted", MpmJsonPredicted(predictions, comparison, s->growth));
+  json_object_set_new(object, "symbol", MpmJsonSymbol(s));
+  PetscCall(MpmJsonWrite(s->scene->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteFiles(const MpmSymbol *s, const MpmPredictor *p)
+{
+  MpmDataFile file;
+
+  PetscFunctionBegin;
+  if (s->scene->csv[0]) PetscCall(MpmSymbolWriteCsv(s, p, s->scene->csv));
+  if (!s->scene->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, s->scene, &file));
+  PetscCall(MpmSymbolWrite(s, p, &file));
+  PetscCall(MpmDataFileClose(&file, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+{
+  PetscMPIInt    ranks;
+  MpmSymbol     *symbol;
+  MpmPredictor   predictor;
+  MpmPredictions predictions;
+  MpmComparison  comparison;
+  MpmFinding     finding = {.tolerance = scene->tolerance};
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(
+      MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->phases, scene->output[0] ? PETSC_TRUE : PETSC_FALSE, &symbol));
+  PetscCall(MpmPredict(scene, &predictions));
+  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  finding.growth      = symbol->growth;
+  finding.uncertainty = symbol->uncertainty;
+  finding.blur        = symbol->blur;
+  finding.verdict     = MpmVerdictOf(&finding);
+  PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
+                          "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
+                          symbol->phases, symbol->phases));
+  PetscCall(Print(symbol, &predictor, &predictions, &comparison, &finding, ranks));
+  PetscCall(WriteFiles(symbol, &predictor));
+  if (scene->json[0]) PetscCall(WriteJson(symbol, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
+  PetscCall(MpmExpectFinding(&scene->expect, &finding, missed));
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTaskOnScene("symbol", Run, argc, argv, started, status));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
