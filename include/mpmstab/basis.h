@@ -32,5 +32,5 @@ const MpmBasis *MpmBasisFind(const char name[]);
 
    Not collective. xi[] must stay while the block is used.
 */
-void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width,
+void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
                    MpmBlock *block);

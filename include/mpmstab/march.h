@@ -35,6 +35,9 @@ typedef struct {
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 
+/* Not collective. The least number of bytes that particles, nodes and output of a march take, on all ranks together. */
+PetscReal MpmMarchBytes(const MpmScene *scene);
+
 /*
    Collective. A pass and those joined to it, with halo sums and the last one's node operations. The
    particles' step moves on with DRIFT; migration is the caller's.

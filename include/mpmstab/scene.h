@@ -1,5 +1,6 @@
 /* Scene: everything a task needs to know, checked and immutable. */
 #pragma once
+#include "base/progress.h"
 #include <mpmstab/basis.h>
 #include <mpmstab/formulation.h>
 #include "scene/settings.h"
@@ -58,7 +59,7 @@ typedef struct {
 
    table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
    first + id of a layout that fills all cells with sites; particles are those that there are. ppc: in the cells that
-   have most. width: half a particle's, in cells. cluster: the part of its cell that particles are spread over.
+   have most. half_width: of a particle, in cells. cluster: the part of its cell that particles are spread over.
 S*/
 typedef struct {
   const MpmFormulation *formulation;
@@ -73,16 +74,17 @@ typedef struct {
   PetscInt64            sites, first, particles, seed, steps, output_every, checkpoint_every;
   MpmCounts             counts;
   MpmMaterial           material;
-  PetscReal             cluster[2], width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
-  MpmFraction           offset, drift;
-  MpmInitial            initial;
-  PetscBool             stagger, has_progress, progress, measure, survey, weights, source_term, ringing;
-  PetscInt              phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
-  MpmAxis               axes[2];
-  char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
-  char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
-  char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
-  MpmExpect             expect;
+  PetscReal       cluster[2], half_width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
+  MpmFraction     offset, drift;
+  MpmInitial      initial;
+  PetscBool       stagger, measure, survey, weights, source_term, ringing;
+  MpmProgressWish progress;
+  PetscInt        phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
+  MpmAxis         axes[2];
+  char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
+  char            json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
+  char            checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
+  MpmExpect       expect;
 } MpmScene;
 
 /*
@@ -139,13 +141,13 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
   return scene->particles == scene->sites && !scene->counts.voids ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/*
-   Not collective. The sign that a node field has beyond each end: nodes there are mirror images of those inside, of the
-   other sign for fields that are 0 at the wall.
-*/
-static inline void MpmSceneMirror(const MpmScene *scene, PetscBool odd, PetscReal sign[2])
+/* Collective. Refuses work on a scene that needs more memory than there is; see MpmMemoryCheck. */
+PetscErrorCode MpmSceneCheckMemory(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[]);
+
+/* Not collective. The grid's one direction: its cells, nodes and ends. */
+static inline MpmDirection MpmSceneDirection(const MpmScene *scene)
 {
-  for (int end = 0; end < 2; end++) sign[end] = odd && MpmEndIsFixed(scene->ends[end]) ? -1 : 1;
+  return (MpmDirection){.cells = scene->cells, .nodes = scene->nodes, .ends = {scene->ends[0], scene->ends[1]}};
 }
 
 /*

@@ -101,7 +101,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
                 scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
-  PetscCall(MpmProgressBegin(scene, "", &probe.progress));
+  PetscCall(MpmProgressBegin(scene->progress, "", &probe.progress));
   PetscCall(Search(&probe, scene->courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {

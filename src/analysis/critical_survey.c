@@ -1,5 +1,5 @@
 /* The limits of all schemes at one layout, one after another. */
-#include "report/critical_report.h"
+#include "report/results.h"
 #include "report/report.h"
 #include <math.h>
 

@@ -269,7 +269,7 @@ PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCr
   PetscCall(MpmBlochCreate(&probe.scene, c->order, &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
-  PetscCall(MpmProgressBegin(scene, "phase", &probe.progress));
+  PetscCall(MpmProgressBegin(scene->progress, "phase", &probe.progress));
   PetscCall(Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
   if (!alone) PetscCall(Asked(&probe, scene->courant, c));

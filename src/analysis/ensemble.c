@@ -125,7 +125,7 @@ static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 static PetscErrorCode Solve(MpmEnsemble *e)
 {
   PetscFunctionBegin;
-  PetscCall(MpmFarm(e->scene, "layout", e->n, JudgeSeed, e));
+  PetscCall(MpmFarm(e->scene->progress, "layout", e->n, JudgeSeed, e));
   PetscCall(MpmFarmSumReals(e->n, e->growth));
   PetscCall(MpmFarmSumReals(e->n, e->uncertainty));
   PetscCall(MpmFarmSumInts(e->n, e->verdict));

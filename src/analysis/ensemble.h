@@ -43,8 +43,3 @@ PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble);
    Source: Wilson 1927, Probable Inference, the Law of Succession, and Statistical Inference, J. Am. Stat. Assoc. 22.
 */
 void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2]);
-
-/* Collective. The table for people; the JSON object, and the CSV with a row for each layout. */
-PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *ensemble);
-PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *ensemble, PetscReal wall_s);
-PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *ensemble);

@@ -194,7 +194,7 @@ PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt po
   for (PetscInt j = 0; j < points; j++) s->re[j] = half * (2.0 * j - (points - 1)) / (points - 1);
   PetscCall(PointsCreate(s, &r, &p));
   p.resolvent = &r;
-  PetscCall(MpmFarm(scene, "point of the pseudospectrum", p.n, Sigma, &p));
+  PetscCall(MpmFarm(scene->progress, "point of the pseudospectrum", p.n, Sigma, &p));
   PetscCall(MpmFarmSumReals(p.n, p.sigma));
   for (PetscInt i = 0; i < points; i++)
     for (PetscInt j = 0; j < points; j++) s->sigma[i * points + j] = p.sigma[PetscMin(i, points - 1 - i) * points + j];

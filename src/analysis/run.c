@@ -4,8 +4,8 @@
 #include <mpmstab/errors.h>
 #include "scene/layout.h"
 #include "scene/material.h"
-#include "base/memory.h"
 #include "io/mode_file.h"
+#include "io/output.h"
 #include "base/progress.h"
 #include "report/run_csv.h"
 #include "base/stop.h"
@@ -142,7 +142,7 @@ static PetscErrorCode March(Loop *loop)
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   if (loop->output) PetscCall(WriteOutput(loop));
-  PetscCall(MpmProgressBegin(scene, "step", &progress));
+  PetscCall(MpmProgressBegin(scene->progress, "step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
   while (loop->march->step < scene->steps && follow && !stop) {
@@ -222,7 +222,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscBool alike; /* on all ranks */
 
   PetscFunctionBegin;
-  PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, scene, MpmMemoryOfMarch(scene), "the march"));
+  PetscCall(MpmSceneCheckMemory(PETSC_COMM_WORLD, scene, MpmMarchBytes(scene), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;

@@ -62,7 +62,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
-  PetscCall(MpmProgressBegin(s->scene, "", &progress));
+  PetscCall(MpmProgressBegin(s->scene->progress, "", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));

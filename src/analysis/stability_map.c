@@ -47,8 +47,7 @@ static void Place(const MpmStabilityMap *map, PetscInt point, MpmScene *scene)
 
     SetParameter(scene, map->scene->axes[a].kind, &value);
   }
-  scene->has_progress = PETSC_TRUE;
-  scene->progress     = PETSC_FALSE;
+  scene->progress = MPM_PROGRESS_NEVER;
 }
 
 /* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
@@ -102,7 +101,7 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   const PetscInt n = map->points[0] * map->points[1];
 
   PetscFunctionBegin;
-  PetscCall(MpmFarm(map->scene, "point", n, SolvePoint, map));
+  PetscCall(MpmFarm(map->scene->progress, "point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
   PetscCall(MpmFarmSumReals(n, map->beta));
   PetscCall(MpmFarmSumInts(n, map->verdict));

@@ -8,7 +8,6 @@
    range.
 */
 #include "scene/layout.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "analysis/transient.h"
 #include <math.h>
@@ -82,8 +81,8 @@ static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Produc
     PetscCall(MatGetInfo(p->step[k], MAT_GLOBAL_SUM, &info));
     p->nonzeros += info.nz_used;
     if (k == 0)
-      PetscCall(MpmMemoryCheck(PetscObjectComm((PetscObject)op->A), op->scene, OF_NONZERO * p->nonzeros * p->period,
-                               "powers, with all steps of the period,"));
+      PetscCall(MpmSceneCheckMemory(PetscObjectComm((PetscObject)op->A), op->scene,
+                                    OF_NONZERO * p->nonzeros * p->period, "powers, with all steps of the period,"));
   }
   PetscCall(MatCreateVecs(p->step[0], &p->work[0], &p->work[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -190,7 +189,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
   for (PetscInt i = 0; i < t->n; i++) work += t->steps[i];
-  PetscCall(MpmProgressBegin(op->scene, "steps of powers", &progress));
+  PetscCall(MpmProgressBegin(op->scene->progress, "steps of powers", &progress));
   for (PetscInt i = 1; i < t->n; i++) {
     PetscReal sigma = NAN;
 

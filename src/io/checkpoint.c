@@ -2,7 +2,7 @@
 #include "io/checkpoint.h"
 #include <mpmstab/errors.h>
 #include "scene/scene_keys.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "base/checksum.h"
 #include "io/slabs.h"
 #include "base/unfinished.h"

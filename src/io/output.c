@@ -1,6 +1,7 @@
 /* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
 #include "io/datafile.h"
 #include "io/output.h"
+#include "base/textfile.h"
 #include <petscviewerhdf5.h>
 #include <math.h>
 #include <string.h>

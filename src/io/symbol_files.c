@@ -1,5 +1,5 @@
 /* The symbol's curves as HDF5 and CSV. */
-#include "io/output.h"
+#include "base/textfile.h"
 #include "io/symbol_files.h"
 
 /* A curve over 0..half, continued to all phases: growth is even in beta. */

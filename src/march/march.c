@@ -64,12 +64,12 @@ static PetscErrorCode Project(const MpmMarch *march, PetscInt field, Vec inverse
   MpmParticles    next    = *march->particles;
 
   PetscFunctionBegin;
-  table.odd[0]  = MpmTableIsAntisymmetric(scene.table, field);
-  scene.table   = &table;
-  view.scene    = &scene;
-  view.nnodes   = 1;
-  view.node[0]  = node;
-  view.spare[0] = NULL;
+  table.antisymmetric[0] = MpmTableIsAntisymmetric(scene.table, field);
+  scene.table            = &table;
+  view.scene             = &scene;
+  view.nnodes            = 1;
+  view.node[0]           = node;
+  view.spare[0]          = NULL;
   if (inverse_mass) {
     next.step++;
     view.particles     = &next;

@@ -46,7 +46,7 @@ static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after
     cell = moved;
     xi   = placed->xi;
   }
-  MpmBlockPlace(scene->basis, n, cell, xi, scene->width, &placed->block);
+  MpmBlockPlace(scene->basis, n, cell, xi, scene->half_width, &placed->block);
 }
 
 void MpmStagePlace(MpmStage *s)

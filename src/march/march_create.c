@@ -2,6 +2,11 @@
 #include <mpmstab/march.h>
 #include <math.h>
 
+#define OF_PARTICLE 24.0 /* bytes of place, number and owner */
+#define OF_OUTPUT 100.0  /* bytes more a particle: its numbers and coordinates by global id */
+#define OF_NODE 20.0     /* bytes of mass and DMDA's numbers */
+#define OF_NUMBER 8.0    /* bytes of each field's value */
+
 /* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more ghosts. */
 #define MOST_SLACK 64
 
@@ -113,4 +118,14 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
   for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(VecScale(march->node[f], factor));
   march->exponent += shift;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmMarchBytes(const MpmScene *scene)
+{
+  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->table->nparticles + (scene->output[0] ? OF_OUTPUT : 0);
+
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (scene->table->varies[w]) particle += OF_NUMBER;
+  return (PetscReal)scene->particles * particle +
+         (PetscReal)scene->nodes * (OF_NODE + OF_NUMBER * scene->table->nnodes);
 }

@@ -3,11 +3,12 @@
 
 void MpmMarchFold(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[], PetscReal mass[])
 {
-  const PetscReal even[2] = {1, 1};
-  PetscReal       sign[2];
+  const PetscReal    even[2]   = {1, 1};
+  const MpmDirection direction = MpmSceneDirection(march->scene);
+  PetscReal          sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmDirectionMirror(&direction, march->scene->table->antisymmetric[pass->sum[s]], sign);
     MpmGridFold(march->grid, sign, field[pass->sum[s]]);
   }
   if (pass->sums_mass) MpmGridFold(march->grid, even, mass);
@@ -15,10 +16,11 @@ void MpmMarchFold(const MpmMarch *march, const MpmPass *pass, PetscReal *const f
 
 void MpmMarchReflect(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[])
 {
-  PetscReal sign[2];
+  const MpmDirection direction = MpmSceneDirection(march->scene);
+  PetscReal          sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmDirectionMirror(&direction, march->scene->table->antisymmetric[pass->sum[s]], sign);
     MpmGridReflect(march->grid, sign, field[pass->sum[s]]);
   }
 }
@@ -73,8 +75,9 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, Petsc
     } else if (op->kind == MPM_WALL)
       SetWall(grid, op, field[op->src], field[op->dst]);
     else
-      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places, march->scene->table->odd[op->dst],
-                                   inverse_mass, field[op->src], field[op->dst]));
+      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places,
+                                   march->scene->table->antisymmetric[op->dst], inverse_mass, field[op->src],
+                                   field[op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

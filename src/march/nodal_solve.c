@@ -48,13 +48,14 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
 /* What a particle at xi in a cell adds to W^T m W. */
 static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi, PetscReal mass)
 {
-  const PetscInt reach = MpmMapReach(s->scene->basis);
-  PetscInt       node[MPM_MAX_REACH];
-  PetscReal      row[MPM_MAX_REACH], sign[MPM_MAX_REACH], square[MPM_MAX_REACH * MPM_MAX_REACH];
+  const MpmDirection direction = MpmSceneDirection(s->scene);
+  const PetscInt     reach     = MpmMapReach(s->scene->basis);
+  PetscInt           node[MPM_MAX_REACH];
+  PetscReal          row[MPM_MAX_REACH], sign[MPM_MAX_REACH], square[MPM_MAX_REACH * MPM_MAX_REACH];
 
   PetscFunctionBegin;
-  MpmMapRow(s->scene->basis, MPM_G2P, xi, s->scene->width, row);
-  MpmNodesSeen(s->scene, cell, s->odd, PETSC_TRUE, node, sign);
+  MpmMapRow(s->scene->basis, MPM_G2P, xi, s->scene->half_width, row);
+  MpmNodesSeen(&direction, s->scene->basis, cell, s->antisymmetric, PETSC_TRUE, node, sign);
   for (PetscInt i = 0; i < reach; i++)
     for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = mass * sign[i] * row[i] * sign[j] * row[j];
   PetscCall(MatSetValues(s->matrix, reach, node, reach, node, square, ADD_VALUES));
@@ -82,24 +83,25 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places, PetscBool odd,
-                                const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[],
-                                KSPConvergedReason *reason)
+PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
+                                PetscBool antisymmetric, const PetscReal inverse_mass[], const PetscReal g[],
+                                PetscReal y[], KSPConvergedReason *reason)
 {
-  const PetscInt   last = s->grid->nodes - 1;
-  const PetscReal *a;
-  PetscReal       *b, mirror[2];
+  const MpmDirection direction = MpmSceneDirection(s->scene);
+  const PetscInt     last      = s->grid->nodes - 1;
+  const PetscReal   *a;
+  PetscReal         *b, mirror[2];
 
   PetscFunctionBegin;
-  if (s->step < 0 || odd != s->odd || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
-    s->odd = odd;
+  if (s->step < 0 || antisymmetric != s->antisymmetric || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
+    s->antisymmetric = antisymmetric;
     PetscCall(Assemble(s, particles, places));
   }
   s->step = particles->step;
   PetscCall(VecGetArray(s->right, &b));
   for (PetscInt i = 0; i < s->grid->nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
   for (PetscInt end = 0; end < 2; end++)
-    if (s->grid->wall[end] && odd && s->scene->ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
+    if (s->grid->wall[end] && antisymmetric && s->scene->ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, reason));
@@ -107,18 +109,19 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
   PetscCall(MpmGridSpread(s->grid, 1, &y));
-  MpmSceneMirror(s->scene, odd, mirror);
+  MpmDirectionMirror(&direction, antisymmetric, mirror);
   MpmGridReflect(s->grid, mirror, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
-                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[])
+                                  PetscBool antisymmetric, const PetscReal inverse_mass[], const PetscReal g[],
+                                  PetscReal y[])
 {
   KSPConvergedReason reason;
 
   PetscFunctionBegin;
-  PetscCall(MpmNodalSolveTry(s, particles, places, odd, inverse_mass, g, y, &reason));
+  PetscCall(MpmNodalSolveTry(s, particles, places, antisymmetric, inverse_mass, g, y, &reason));
   MpmCheckInput(reason > 0,
                 "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
                 "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",

@@ -17,7 +17,7 @@ typedef struct {
   Vec             right, solution;
   KSP             ksp;
   PetscInt64      step;
-  PetscBool       odd;
+  PetscBool       antisymmetric;
 } MpmNodalSolve;
 
 /* Collective. */
@@ -26,14 +26,15 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
    MpmNodalSolveApply - solves at the particles' present places, which follow from their resting places; refuses when it
-   does not converge. Local arrays, ghosts included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the
+   does not converge. Local arrays, ghosts included in y; inverse_mass is 0 where there is no mass. antisymmetric: y is 0 at the
    walls that impose it (fixed without reaction). MpmNodalSolveTry leaves it to the caller: reason is above 0 when it
    converged.
 
    Collective.
 */
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const MpmPlaces *places,
-                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[]);
+                                  PetscBool antisymmetric, const PetscReal inverse_mass[], const PetscReal g[],
+                                  PetscReal y[]);
 PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, const MpmPlaces *places,
-                                PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[],
-                                KSPConvergedReason *reason);
+                                PetscBool antisymmetric, const PetscReal inverse_mass[], const PetscReal g[],
+                                PetscReal y[], KSPConvergedReason *reason);

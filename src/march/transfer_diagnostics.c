@@ -78,7 +78,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
     PetscReal xi, row[MPM_MAX_REACH];
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmMapRow(basis, MPM_P2G, xi, march->scene->width, row);
+    MpmMapRow(basis, MPM_P2G, xi, march->scene->half_width, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
       const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
@@ -171,7 +171,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
     MpmBlock        block;
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmBlockPlace(scene->basis, 1, &cell, &xi, scene->width, &block);
+    MpmBlockPlace(scene->basis, 1, &cell, &xi, scene->half_width, &block);
     scene->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];
@@ -182,8 +182,8 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
 /* node holds P2G of the field at its places. */
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
-  const MpmMarch  *march = x->march;
-  const PetscBool  odd   = MpmTableIsAntisymmetric(march->scene->table, field);
+  const MpmMarch  *march         = x->march;
+  const PetscBool  antisymmetric = MpmTableIsAntisymmetric(march->scene->table, field);
   PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
   const PetscReal *q;
   MpmPlaces        places;
@@ -195,7 +195,7 @@ static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscRe
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
-  PetscCall(MpmNodalSolveTry(x->solve, march->particles, &places, odd, inverse_mass, g, y, &reason));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, &places, antisymmetric, inverse_mass, g, y, &reason));
   PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[field], &q));
   PetscCall(Remainder(march, &places, q, y, sums));
   PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[field], &q));

@@ -74,9 +74,10 @@ PetscErrorCode MpmRegistersDestroy(MpmRegisters *r)
 }
 
 /* A stencil's rows; nodes beyond a wall are images. */
-static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool odd, Mat *map)
+static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool antisymmetric, Mat *map)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const MpmOpTraits  traits    = MpmOpTraitsOf(op->kind);
+  const MpmDirection direction = MpmSceneDirection(r->scene);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
@@ -84,7 +85,7 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool 
   for (PetscInt i = r->first; i < r->first + r->nodes; i++) {
     for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
       PetscReal      sign;
-      const PetscInt j = MpmNodeImage(r->scene, i + d, odd, &sign);
+      const PetscInt j = MpmDirectionImage(&direction, i + d, antisymmetric, &sign);
 
       PetscCall(MatSetValue(*map, i, j, sign * traits.stencil[d + 1], ADD_VALUES));
     }
@@ -141,24 +142,24 @@ static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The maps of a step, each made when it is first used, for even and odd node fields. */
+/* The maps of a step, each made when it is first used, for symmetric and antisymmetric node fields. */
 typedef struct {
   Mat map[MPM_OP_KINDS][2];
 } Maps;
 
 static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps, Mat *map)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscBool   odd    = r->scene->table->odd[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known  = &maps->map[op->kind][odd ? 1 : 0];
+  const MpmOpTraits traits        = MpmOpTraitsOf(op->kind);
+  const PetscBool   antisymmetric = r->scene->table->antisymmetric[traits.dst == MPM_ON_NODES ? op->dst : op->src];
+  Mat              *known         = &maps->map[op->kind][antisymmetric ? 1 : 0];
 
   PetscFunctionBegin;
   if (!*known && op->kind == MPM_SOLVE)
-    PetscCall(MpmRegistersSolve(r, odd, step, known));
+    PetscCall(MpmRegistersSolve(r, antisymmetric, step, known));
   else if (!*known && traits.dst == traits.src)
-    PetscCall(Stencil(r, op, odd, known));
+    PetscCall(Stencil(r, op, antisymmetric, known));
   else if (!*known)
-    PetscCall(MpmRegistersMap(r, op->kind, odd, step, known));
+    PetscCall(MpmRegistersMap(r, op->kind, antisymmetric, step, known));
   *map = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -195,7 +196,7 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
   MpmFloatBegin();
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-    for (int odd = 0; odd < 2; odd++) PetscCall(MatDestroy(&maps.map[k][odd]));
+    for (int antisymmetric = 0; antisymmetric < 2; antisymmetric++) PetscCall(MatDestroy(&maps.map[k][antisymmetric]));
   PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

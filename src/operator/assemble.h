@@ -28,11 +28,12 @@ PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
    MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by
-   the nodal masses (0 where there is none). odd: of the node field, see MpmTable.
+   the nodal masses (0 where there is none). antisymmetric: of the node field, see MpmTable.
 
    Collective.
 */
-PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step,
+                               Mat *map);
 
 /*
    MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose
@@ -40,7 +41,7 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBoo
 
    Collective. By all eigenvalues of W^T W; refuses grids too large for that.
 */
-PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool odd, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool antisymmetric, PetscInt64 step, Mat *map);
 
 /* Collective. The operations of one step, with particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);

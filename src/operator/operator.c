@@ -2,7 +2,6 @@
 #include "operator/assemble.h"
 #include "scene/layout.h"
 #include <mpmstab/march.h>
-#include "base/memory.h"
 #include <mpmstab/operator.h>
 #include <math.h>
 
@@ -51,7 +50,7 @@ static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
                 " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
                 "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
                 scene->cells, scene->ppc, op->period, nonzeros, LARGEST);
-  PetscCall(MpmMemoryCheck(comm, scene, OF_NONZERO * nonzeros, "the spectrum"));
+  PetscCall(MpmSceneCheckMemory(comm, scene, OF_NONZERO * nonzeros, "the spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

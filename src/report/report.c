@@ -1,6 +1,6 @@
 /* The result as a table for people. */
 #include "report/report.h"
-#include "analysis/run.h"
+#include "report/results.h"
 #include <math.h>
 
 /* A number that may be out of range is said to be so, not printed as inf. */

@@ -1,6 +1,6 @@
 /* The largest stable Courant number in words, as JSON and as CSV. */
-#include "report/critical_report.h"
-#include "io/output.h"
+#include "report/results.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 

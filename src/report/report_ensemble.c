@@ -1,6 +1,6 @@
 /* The share of unstable layouts in words, as JSON and as CSV. */
-#include "analysis/ensemble.h"
-#include "io/output.h"
+#include "report/results.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* The result as one JSON object. Keys are a contract; a key that is absent was not computed. */
 #include "report/report.h"
-#include "analysis/run.h"
+#include "report/results.h"
 
 static json_t *Predicted(const MpmRun *run)
 {

@@ -1,7 +1,7 @@
 /* The scene, as every task's table and JSON object begin. */
 #include <mpmstab/errors.h>
 #include "scene/material.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The task spectrum's table. */
 #include "report/report.h"
-#include "analysis/spectrum.h"
+#include "report/results.h"
 #include <math.h>
 
 static PetscErrorCode PrintSymbol(const MpmSpectrum *s)

@@ -5,17 +5,6 @@
 #include "scheme/kernels.h"
 #include "scene/layout.h"
 #include <math.h>
-#include <stdint.h>
-
-PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
-{
-  uint64_t z = (uint64_t)seed + ((uint64_t)id + 1) * 0x9E3779B97F4A7C15u;
-
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  z ^= z >> 31;
-  return (PetscReal)(z >> 11) * 0x1p-53;
-}
 
 void MpmLayoutSite(const MpmScene *scene, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count)
 {

@@ -1,14 +1,7 @@
 /* Layout: where particles start and what random numbers they get, from their global id alone. */
 #pragma once
+#include "base/hash.h"
 #include <mpmstab/scene.h>
-
-/*
-   MpmHash - the random number in [0,1) of a particle: splitmix64 of seed and global id.
-
-   Not collective. The same on any number of ranks. Source: Steele, Lea and Flood 2014, as fixed in theory
-   section 1.
-*/
-PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);
 
 /*
    MpmLayoutSite - the cell of site g, which of the count particles there it is, and how many there are.

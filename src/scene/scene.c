@@ -1,6 +1,7 @@
 /* Settings -> Scene: units, derived numbers, and options that exclude each other. */
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
+#include "base/memory.h"
 #include <mpmstab/scene.h>
 #include <math.h>
 #include <string.h>
@@ -193,6 +194,8 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
 
 static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
 {
+  PetscBool progress;
+
   PetscFunctionBegin;
   PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
   PetscCall(MpmSettingsFiles(settings, scene));
@@ -209,8 +212,10 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
   }
   if (scene->output[0] && scene->particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
-  scene->has_progress = MpmSettingsGiven(settings, "progress");
-  if (scene->has_progress) PetscCall(MpmSettingsSwitch(settings, "progress", &scene->progress));
+  if (MpmSettingsGiven(settings, "progress")) {
+    PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
+    scene->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -271,5 +276,16 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   PetscFunctionBegin;
   PetscCall(MpmTableDestroy(&(*scene)->table));
   PetscCall(PetscFree(*scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneCheckMemory(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[])
+{
+  char size[64];
+
+  PetscFunctionBegin;
+  PetscCall(
+      PetscSNPrintf(size, sizeof size, "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT, scene->cells, scene->ppc));
+  PetscCall(MpmMemoryCheck(comm, size, bytes, what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

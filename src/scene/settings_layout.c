@@ -6,7 +6,7 @@
 void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc)
 {
   scene->ppc              = ppc;
-  scene->width            = 0.5 / ppc;
+  scene->half_width       = 0.5 / ppc;
   scene->counts.of[0]     = ppc;
   scene->counts.before[1] = ppc;
   scene->sites = scene->particles = (PetscInt64)scene->cells * ppc;
@@ -46,8 +46,8 @@ PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene)
                                 : MpmSettingsSource(settings, "ppc") ? "ppc"
                                                                      : "cells",
                                 "cells times ppc is too large; allowed: at most 1073741823 particles"));
-  scene->particles = scene->sites;
-  scene->width     = 0.5 / scene->ppc;
+  scene->particles  = scene->sites;
+  scene->half_width = 0.5 / scene->ppc;
   if (scene->counts.n > 1 && scene->basis->wide)
     PetscCall(MpmSettingsRefuse(settings, "counts",
                                 "particles of different width; allowed: with another basis than gimp, or ppc"));

@@ -10,14 +10,14 @@
    MpmBlock - where a block of particles is: what kernels need to know of them besides the data.
 
    Particles come in the order of their cells for speed (any order is correct). xi[p] in [0,1) is a particle's place in
-   its cell, first[p] the local index of the first node that it sees; width is the particles' half width in cells, for
+   its cell, first[p] the local index of the first node that it sees; half_width is half of a particle's width, in cells, for
    bases that have one. Particles [begin, end) come in runs of length: those of a run see the same nodes, those of the
    next run the nodes one further on. begin = end = n: nothing of the kind.
 S*/
 typedef struct {
   PetscInt         n, begin, end, length, first[MPM_BLOCK];
   const PetscReal *xi;
-  PetscReal        width;
+  PetscReal        half_width;
 } MpmBlock;
 
 /*

@@ -53,7 +53,7 @@ PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *
       b->node[step * ppc + j] = cell - scene->basis->reach_left;
       for (PetscInt kind = 0; kind < KINDS; kind++)
         if (b->used[kind])
-          MpmMapRow(scene->basis, (MpmOpKind)kind, xi, scene->width, (PetscReal *)RowOf(b, step, kind, j));
+          MpmMapRow(scene->basis, (MpmOpKind)kind, xi, scene->half_width, (PetscReal *)RowOf(b, step, kind, j));
       for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
       lowest  = PetscMin(lowest, b->node[step * ppc + j]);
       highest = PetscMax(highest, b->node[step * ppc + j]);

@@ -39,8 +39,8 @@ PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *p)
     PetscReal xi;
 
     MpmLayoutPlace(scene, j, &p->node[j], &xi);
-    MpmMapRow(scene->basis, MPM_G2P, xi, scene->width, p->value + j * reach);
-    MpmMapRow(scene->basis, MPM_GRAD, xi, scene->width, p->slope + j * reach);
+    MpmMapRow(scene->basis, MPM_G2P, xi, scene->half_width, p->value + j * reach);
+    MpmMapRow(scene->basis, MPM_GRAD, xi, scene->half_width, p->slope + j * reach);
     mean += xi / scene->ppc;
   }
   p->e = 2 * mean - 1;

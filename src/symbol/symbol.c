@@ -3,7 +3,6 @@
 #include "linalg/small_eigen.h"
 #include <mpmstab/errors.h>
 #include "scene/layout.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
@@ -94,7 +93,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin(s->scene, "phase", &progress));
+  PetscCall(MpmProgressBegin(s->scene->progress, "phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscInt        largest, exponent;
@@ -180,7 +179,7 @@ static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s, PetscBool kee
   MpmCheckInput(numbers <= PETSC_MAX_INT,
                 "phases %" PetscInt_FMT ": the output would hold %.3g numbers; allowed: at most %d, so fewer phases",
                 s->phases, numbers, PETSC_MAX_INT);
-  PetscCall(MpmMemoryCheck(comm, s->scene, numbers * sizeof(PetscReal), "the symbol"));
+  PetscCall(MpmSceneCheckMemory(comm, s->scene, numbers * sizeof(PetscReal), "the symbol"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,5 @@
 /* mpmstab critical [SCENE.yaml] [-option value]... */
-#include "report/critical_report.h"
+#include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
 #include <slepcsys.h>
