@@ -1,6 +1,6 @@
 /* The largest stable Courant number of a scene, and what limits it. */
 #pragma once
-#include "symbol/predict.h"
+#include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 
 /*S

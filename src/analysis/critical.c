@@ -1,4 +1,5 @@
 /* The largest stable Courant number: by symbol or operator, and by closed form. */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include <math.h>
 

@@ -1,4 +1,5 @@
 /* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "linalg/dense.h"
 #include "scene/layout.h"

@@ -1,5 +1,6 @@
 /* The largest stable Courant number through the symbol. */
 #include "symbol/bloch.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"

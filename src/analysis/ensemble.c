@@ -2,8 +2,9 @@
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
+#include <mpmstab/operator.h>
 #include "analysis/ensemble.h"
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <math.h>
 
 #define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */

@@ -1,6 +1,7 @@
 /* Modes: what eigenvectors look like on particles and grid. */
 #pragma once
 #include "linalg/eigen.h"
+#include <mpmstab/operator.h>
 
 /*S
    MpmModes - for each listed eigenvalue: beta, the phase per cell of the largest Fourier component of its nodal trace

@@ -6,6 +6,7 @@
    from below: the largest over circles outside the unit circle, at evenly spaced angles and at those of the
    eigenvalues near it, then refined about the best of them. A is real: sigma(conj z) = sigma(z).
 */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "analysis/pseudospectrum.h"

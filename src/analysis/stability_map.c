@@ -1,4 +1,5 @@
 /* Growth at the points of a rectangle: the symbol of one scene after another, dealt to the ranks. */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "scene/layout.h"

@@ -1,6 +1,6 @@
 /* Output: the fields of a run as HDF5, with XDMF beside it. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /*S
    MpmOutput - the HDF5 file of a run.

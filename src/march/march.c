@@ -1,5 +1,5 @@
 /* The march: pass after pass, and migration before particles would run out of the ghost layer. */
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 static PetscErrorCode Migrate(MpmMarch *march)
 {

@@ -1,5 +1,5 @@
 /* Setting a march up: how wide the ghost layer is, and what the scene needs of vectors. */
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <math.h>
 
 #define OF_PARTICLE 24.0 /* bytes of place, number and owner */

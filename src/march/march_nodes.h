@@ -1,6 +1,6 @@
 /* What a pass of the march does to nodes alone: images beyond walls, and the operations between node fields. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /*
    Not collective. Nodes beyond a wall are images of those inside. MpmMarchFold gives what the pass has summed to them,

@@ -1,5 +1,5 @@
 /* Norms of the state: of all particle fields, the formulation's energy, and what of it the grid sees. */
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <math.h>
 
 static PetscBool Differ(const MpmTable *table)

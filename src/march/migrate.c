@@ -4,6 +4,7 @@
    particles, so the order of places, on which the passes' speed rests, is restored after.
 */
 #include "march/particles.h"
+#include "scheme/kernels.h"
 #include <stdint.h>
 
 /* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived. */

@@ -1,7 +1,7 @@
 /* The operator of a step or a period, and the proof that it is what the march does. */
 #include "operator/assemble.h"
 #include "scene/layout.h"
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <mpmstab/operator.h>
 #include <math.h>
 

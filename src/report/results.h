@@ -4,6 +4,7 @@
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
 #include "analysis/stability_map.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include <jansson.h>
 

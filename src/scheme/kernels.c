@@ -1,5 +1,5 @@
 /* The maps of THEORY.md, section 2 on arrays. */
-#include <mpmstab/basis.h>
+#include "scheme/kernels.h"
 
 #define LONGEST 4 /* runs for which bases have loops */
 

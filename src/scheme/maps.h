@@ -1,6 +1,6 @@
 /* The maps between particles and nodes as a table's readers ask for them: by operation and basis. */
 #pragma once
-#include <mpmstab/basis.h>
+#include "scheme/kernels.h"
 #include <mpmstab/formulation.h>
 #include <mpmstab/boundary.h>
 

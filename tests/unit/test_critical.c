@@ -3,6 +3,7 @@
    closed form = search for every scheme, walls, an isolated particle, a partly filled end cell, drift.
 */
 #include "oracle.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "scene/layout.h"
 #include <slepcsys.h>

@@ -3,6 +3,7 @@
    drift by a whole cell is none; what the formulas say at rest is where the map turns.
 */
 #include "check.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "analysis/stability_map.h"
 

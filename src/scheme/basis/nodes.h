@@ -12,7 +12,7 @@
    the one before it to be stored.
 */
 #pragma once
-#include <mpmstab/basis.h>
+#include "scheme/kernels.h"
 
 static inline PetscInt First(PetscReal xi);
 static inline void     Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
