@@ -11,6 +11,7 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(os.path.join(ROOT, "scripts", "report"))  # the modules that make pages and pictures
 PROGRAM = os.path.abspath(os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab")))
 
 

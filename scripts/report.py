@@ -122,7 +122,7 @@ def main():
     arguments = parse()
     require_program()
     texts = [read_scene(scene) for scene in arguments.scenes]
-    with open(os.path.join(ROOT, "scripts", "report.css"), encoding="utf-8") as file:
+    with open(os.path.join(ROOT, "scripts", "report", "report.css"), encoding="utf-8") as file:
         style = file.read()
     require_places(arguments)
     known = report_runs.options_known()

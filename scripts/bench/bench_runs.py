@@ -10,7 +10,8 @@ import subprocess
 import sys
 import tempfile
 
-import program
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+import program  # noqa: E402 (the path comes first)
 
 BUILD = os.path.dirname(os.path.abspath(program.PROGRAM))
 FOLDER = os.path.join(BUILD, "bench")

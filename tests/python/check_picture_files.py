@@ -12,8 +12,9 @@ import sys
 import h5py
 import numpy
 
+from checks import check, loaded
 import pictures
-from check_pictures import SCENES, check, check_refused, loaded, make, mpmstab
+from check_pictures import SCENES, check_refused, make, mpmstab
 
 MPMSTAB = sys.argv[1]
 
