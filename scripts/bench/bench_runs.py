@@ -55,7 +55,8 @@ def begin(part, args):
     """What a run of the benchmark keeps, to which its part adds; says on what machine it is."""
     program.require_program()
     if not args.no_history:
-        with open(args.history, "a", encoding="utf-8"):  # refused now, not when all is done
+        program.require_outputs([args.history])
+        with open(args.history, "a", encoding="utf-8"):  # it is refused now, not when all is done
             pass
     result = {"part": part, "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
               **machine(), "repeats": args.repeats}

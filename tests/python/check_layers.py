@@ -14,8 +14,8 @@ from checks import check
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "layers.py")
 GOOD = {"src/base/errors.h": "", "src/base/errors.c": '#include "base/errors.h"\n#include <stdio.h>\n',
         "src/march/grid.h": '#include "base/errors.h"\n', "src/march/grid.c": '#include <mpmstab/grid.h>\n',
-        "src/scheme/basis/hdf5_2.h": '#include <mpmstab/basis.h>\n', "include/mpmstab/grid.h": '#include "base/errors.h"\n',
-        "include/mpmstab/basis.h": ""}
+        "src/scheme/basis/hdf5_2.h": "#include <mpmstab/basis.h>\n", "include/mpmstab/basis.h": "",
+        "include/mpmstab/grid.h": '#include "base/errors.h"\n'}
 FAULTS = {  # what is added to the good tree, and what is said of it
     "an upward include": ({"src/base/memory.c": '#include "march/grid.h"\n'},
                           ["base/memory.c (base) includes march/grid.h (march), which is of a later layer"]),

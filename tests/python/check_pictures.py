@@ -220,11 +220,11 @@ def check_written(kind, says, *paths):
     check(not [name for name in os.listdir(".") if name.endswith(".part")], "a .part is left")
 
 
-def check_refused(arguments, says):
+def check_refused(arguments, says, **how):
     """In one line, with status 2."""
-    done = run_script("pictures.py", *arguments)
+    done = run_script("pictures.py", *arguments, **how)
     check_one_line(done, arguments, says)
-    check(done.stderr.startswith("pictures.py: ") and "; allowed: " in done.stderr, f"{arguments}: {done.stderr}")
+    check(done.stderr.startswith("pictures.py: ") and " allowed: " in done.stderr, f"{arguments}: {done.stderr}")
 
 
 def check_command():

@@ -19,7 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def read(root):
-    """Each file by its name (its path within src/, or mpmstab/NAME.h), with its layer and the names that it includes."""
+    """Each file by its name (its path within src/, or mpmstab/NAME.h): its layer, and the names that it includes."""
     texts = {str(path.relative_to(root / "src")): path for path in root.glob("src/*/**/*.[ch]")}
     public = {f"mpmstab/{path.name}": path for path in root.glob("include/mpmstab/*.h")}
     owners = {}
