@@ -10,17 +10,13 @@ unset OMPI_MCA_mpi_yield_when_idle # there is a core for each rank
 unset OMP_NUM_THREADS              # solvers take the threads that they would anywhere
 
 case ${1:-} in
-spectrum | startup | growth | scaling)
+march | spectrum | startup | growth | scaling)
   part=$1
   shift
   [ "$part" != spectrum ] || install_missing python3-scipy
-  exec "./scripts/bench_$part.py" "$@"
+  exec "./scripts/bench/bench_$part.py" "$@"
   ;;
-march)
-  shift
-  exec ./scripts/bench.py "$@"
-  ;;
--*) exec ./scripts/bench.py "$@" ;;
+-*) exec ./scripts/bench/bench_march.py "$@" ;;
 '') ;;
 *)
   echo "bench.sh: unknown part '$1'; allowed: march, spectrum, startup, growth, scaling" >&2
@@ -28,10 +24,10 @@ march)
   ;;
 esac
 install_missing python3-scipy
-./scripts/bench.py --repeats 2 --no-memory
+./scripts/bench/bench_march.py --repeats 2 --no-memory
 echo
-./scripts/bench_spectrum.py
+./scripts/bench/bench_spectrum.py
 echo
-./scripts/bench_startup.py
+./scripts/bench/bench_startup.py
 echo
-./scripts/bench_growth.py
+./scripts/bench/bench_growth.py

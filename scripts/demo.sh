@@ -27,4 +27,4 @@ python=$(command -v /usr/bin/python3 || command -v python3) # Debian's has matpl
 echo "picture: results/growth.png (.svg); full tables: results/*.txt; what to see: examples/*/README.md"
 echo
 # shellcheck disable=SC2086 # a list of scenes
-"$python" scripts/summary.py results $scenes
+"$python" scripts/report/summary.py results $scenes

@@ -9,14 +9,13 @@ A scene begins with what is expected and why, '# task: ' and, where the program'
 Measured: the growth of a march from random data (run, spectrum), the
 Courant number at which growth leaves the tolerance (critical), the share of unstable layouts (ensemble).
 """
-import argparse
 import fnmatch
 import os
 import re
 import sys
 import time
 
-from program import ROOT, launch, require_program
+from program import ROOT, Parser, end_in_one_line, launch, refuse, require_input, require_program, say
 
 FOLDER = os.path.join(ROOT, "examples", "extreme")
 
@@ -102,16 +101,19 @@ def row(arguments, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--check")
     parser.add_argument("pattern", nargs="*", default=["*"])
     arguments = parser.parse_args()
+    if arguments.ranks < 1:
+        refuse(f"--ranks {arguments.ranks}: allowed: 1 or more")
     require_program()
     known = ""
     if arguments.check:
-        with open(arguments.check, encoding="utf-8") as file:
+        require_input(arguments.check, "a file with the table that this script prints")
+        with open(arguments.check, encoding="utf-8", errors="replace") as file:
             known = file.read()
     good = True
     line = "{:<24} {:<9} {:<16} {:<26} {:<10} {:>7}"
@@ -126,12 +128,13 @@ def main():
         good = good and done
         print(line.format(*cells), flush=True)
         if arguments.check and not same(cells, known):
-            print(f"extremes: {arguments.check} has another row for {cells[0]}", file=sys.stderr)
+            say(f"{arguments.check} has another row for {cells[0]}")
             good = False
     if not count:
-        sys.exit(f"extremes: no scene of {FOLDER} is called {' or '.join(arguments.pattern)}")
+        refuse(f"no scene of {FOLDER} has the name {' or '.join(arguments.pattern)}; allowed: names in that folder, "
+               "with * for any letters")
     sys.exit(0 if good else 1)
 
 
 if __name__ == "__main__":
-    main()
+    end_in_one_line(main)

@@ -13,13 +13,16 @@
 
 Files are those of mpmstab's -output (.h5), -json and -csv. As a module: each kind is a function that returns a figure.
 """
-from program import Parser, end_in_one_line, refuse  # first: see there
+from program import Parser, end_in_one_line, refuse, require_outputs, say  # first: see there
+import os
+import warnings
 
 from picture_files import Refusal
 from picture_maps import growth_map, pseudospectrum, transient
+from picture_process import run_apart
 from picture_runs import frames, growth, spacetime
 from picture_spectra import modes, spectrum, symbol
-from picture_style import save
+from picture_style import names_of, save
 
 KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum")
 
@@ -67,7 +70,7 @@ def draw(args):
     return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
 
 
-def main():
+def parse():
     parser = Parser(__doc__)
     parser.add_argument("kind", choices=KINDS)
     parser.add_argument("files", nargs="+", metavar="FILE")
@@ -75,12 +78,37 @@ def main():
     parser.add_argument("-n", "--number", type=int, choices=range(1, 5), default=2, help="of modes: how many (2)")
     parser.add_argument("-s", "--steps", type=int, help="of growth: the last step shown")
     args = parser.parse_args()
-    try:
-        figure = draw(args)
-        if figure:
-            save(figure, args.output or args.kind)
-    except Refusal as refusal:
-        refuse(refusal)
+    if args.steps is not None and args.steps < 1:
+        refuse(f"-s {args.steps}: allowed: 1 or more steps")
+    args.inputs = args.files[:1] if args.kind == "spacetime" else args.files
+    if args.kind != "frames":
+        besides = [os.path.splitext(path)[0] + ".csv" for path in args.inputs] if args.kind == "growth" else []
+        require_outputs(names_of(args.output or args.kind), [*args.inputs, *besides])
+    return args
+
+
+def draw_and_save(args):
+    """Draws and writes. A damaged file may hold anything, so whatever fails while it is drawn is said of the files."""
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("always")
+        try:
+            figure = draw(args)
+            if figure:
+                save(figure, args.output or args.kind)
+        except Refusal as refusal:
+            refuse(refusal)
+        except Exception as error:
+            if isinstance(error, OSError) and error.filename:
+                raise  # it is of a file that is written
+            why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            refuse(f"{' or '.join(args.inputs)}: cannot be drawn ({why}); allowed: whole files that mpmstab has written")
+    for message in {str(note.message) for note in noted if not issubclass(note.category, RuntimeWarning)}:
+        say(f"warning: {message}")
+
+
+def main():
+    args = parse()
+    run_apart(lambda: draw_and_save(args), args.inputs)
 
 
 if __name__ == "__main__":

@@ -3,19 +3,25 @@
 MPMSTAB names the program (build/mpmstab). Scripts import this first: from here on Ctrl-C ends them in one line.
 """
 import argparse
+import contextlib
 import json
 import os
 import platform
+import secrets
+import stat
 import subprocess
 import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(os.path.join(ROOT, "scripts", "report"))  # the modules that make pages and pictures
 PROGRAM = os.path.abspath(os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab")))
 
 
 def say(message):
-    print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
+    """One line on standard error, whatever letters a file's name or content brings into it."""
+    line = f"{os.path.basename(sys.argv[0])}: {message}"
+    print("".join(letter if letter.isprintable() else " " for letter in line), file=sys.stderr)
 
 
 def refuse(message):
@@ -91,16 +97,54 @@ def launch(task, scene=None, options=(), ranks=1):
         return done.returncode, result_of(out), done.stderr.strip()
 
 
-def write_whole(path, content):
-    """The file, of text or bytes, appears whole or not at all; an error names it."""
-    part = path + ".part"
+def fault_of(path):
+    """Why a file cannot be read from its beginning to its end, in words; None when it can.
+
+    A pipe would wait for a writer and some devices have no end, so only regular files are read.
+    """
     try:
-        with open(part, "wb") as file:
+        mode = os.stat(path).st_mode
+    except OSError as error:
+        return error.strerror.lower()
+    if not stat.S_ISREG(mode):
+        return "is a folder" if stat.S_ISDIR(mode) else "is not a regular file"
+    return None if os.access(path, os.R_OK) else "permission denied"
+
+
+def require_input(path, allowed):
+    """Refuses a file that cannot be read whole."""
+    fault = fault_of(path)
+    if fault:
+        refuse(f"{path}: {fault}; allowed: {allowed}")
+
+
+def require_outputs(outputs, inputs=()):
+    """Refuses to write a file that is also read, by this name or through a link, and what is not a regular file."""
+    for path in filter(os.path.exists, outputs):
+        if not os.path.isfile(path):
+            refuse(f"{path}: is {'a folder' if os.path.isdir(path) else 'not a regular file'}; "
+                   "allowed: a new file, or a regular file that is to be replaced")
+        for other in filter(os.path.exists, inputs):
+            if os.path.samefile(path, other):
+                refuse(f"{path}: would replace the input {other}; allowed: another file")
+
+
+def write_whole(path, content):
+    """Writes a file of text or bytes, which appears whole or not at all; an error names it.
+
+    It is written aside under a name that nobody else has, and then takes its place.
+    """
+    aside = os.path.join(os.path.dirname(path), f"{os.getpid()}-{secrets.token_hex(8)}.part")
+    made = False
+    try:
+        with open(aside, "xb") as file:
+            made = True
             file.write(content if isinstance(content, bytes) else content.encode())
-        os.replace(part, path)
+        os.replace(aside, path)
     except BaseException as error:
-        if os.path.lexists(part):
-            os.remove(part)
+        if made:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(aside)
         if isinstance(error, OSError):
             error.filename, error.filename2 = path, None
         raise

@@ -8,9 +8,11 @@ run time over three grids; what a scene does not support is quoted. The page hol
 Files of the runs stay in FOLDER (report-files beside the page). MPMSTAB names the program (build/mpmstab).
 """
 # First, so that Ctrl-C during the imports below is one line too.
-from program import PROGRAM, ROOT, Parser, end_in_one_line, processor, refuse, require_program, write_whole
+from program import (PROGRAM, ROOT, Parser, end_in_one_line, processor, refuse, require_input, require_outputs,
+                     require_program, write_whole)
 import datetime
 import glob
+import itertools
 import os
 import platform
 import shlex
@@ -52,11 +54,9 @@ def names_of(scenes):
 
 
 def read_scene(path):
-    try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            return file.read()
-    except OSError as error:
-        return refuse(f"{path}: {error.strerror.lower()}; allowed: a scene in YAML")
+    require_input(path, "a scene in YAML")
+    with open(path, encoding="utf-8", errors="replace") as file:
+        return file.read()
 
 
 def attributes_of(asker, answers):
@@ -106,12 +106,17 @@ def facts(arguments):
             ("date", datetime.datetime.now().astimezone().isoformat(" ", "seconds")), ("command", command)]
 
 
-def require_places(arguments):
-    """What cannot be written is said before the runs, not after them."""
-    if os.path.isdir(arguments.output):
-        refuse(f"{arguments.output}: is a folder; allowed: a file that can be written")
-    os.makedirs(arguments.work, exist_ok=True)
-    for folder in (os.path.dirname(os.path.abspath(arguments.output)), arguments.work):
+def require_places(arguments, names):
+    """Refuses places that cannot be written, and to write over a scene, before the runs and not after them."""
+    require_outputs([arguments.output], [*arguments.scenes, PROGRAM])
+    folders = [os.path.join(arguments.work, name) for name in names]
+    for scene, folder in itertools.product(arguments.scenes, folders):
+        real, ending = os.path.realpath(scene), os.path.splitext(scene)[1]
+        if os.path.dirname(real) == os.path.realpath(folder) and ending in report_runs.ENDINGS:
+            refuse(f"{scene}: lies among the files of the runs, which are written anew; allowed: another --work FOLDER")
+    for folder in folders:
+        os.makedirs(folder, exist_ok=True)
+    for folder in (os.path.dirname(os.path.abspath(arguments.output)), *folders):
         try:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
@@ -122,12 +127,13 @@ def main():
     arguments = parse()
     require_program()
     texts = [read_scene(scene) for scene in arguments.scenes]
-    with open(os.path.join(ROOT, "scripts", "report.css"), encoding="utf-8") as file:
+    with open(os.path.join(ROOT, "scripts", "report", "report.css"), encoding="utf-8") as file:
         style = file.read()
-    require_places(arguments)
+    names = names_of(arguments.scenes)
+    require_places(arguments, names)
     known = report_runs.options_known()
     entries = [examine(scene, name, text, arguments, known)
-               for scene, name, text in zip(arguments.scenes, names_of(arguments.scenes), texts)]
+               for scene, name, text in zip(arguments.scenes, names, texts)]
     report_runs.progress("the page")
     body = report_page.body(entries, facts(arguments))
     write_whole(arguments.output, report_html.page(f"mpmstab: {len(entries)} scenes", style, body))

@@ -12,7 +12,8 @@ keeps each run as soon as it is done: after an interruption the same command goe
 NAME.csv has a row for each combination, NAME.png and NAME.svg the picture. MPMSTAB names the program (build/mpmstab).
 """
 # First, so that Ctrl-C during the imports below is one line too.
-from program import PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_program, say, write_whole
+from program import (PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_input, require_outputs,
+                     require_program, say, write_whole)
 import fcntl
 import hashlib
 import itertools
@@ -63,8 +64,6 @@ def digest(path):
 
 def look_at(arguments):
     """What the scene is as it stands, its end, and what the file of runs must have been made from."""
-    if not os.path.exists(arguments.scene):
-        refuse(f"{arguments.scene}: there is no such file; allowed: a scene")
     status, base, said = launch("run", arguments.scene)
     if status not in (0, 3) or not base:  # 3: with this program its expectations are missed, which is not the question
         refuse(f"{arguments.scene} does not run: {said or f'status {status}'}")
@@ -196,6 +195,9 @@ def report(arguments, rows, base, end):
 def main():
     arguments = parse()
     require_program()
+    require_input(arguments.scene, "a scene in YAML")
+    require_outputs([f"{arguments.output}.{ending}" for ending in ("csv", "png", "svg", "runs.jsonl")],
+                    [arguments.scene, PROGRAM])
     base, end, made_from = look_at(arguments)
     as_it_stands = {name: base[name] for name in PARAMETERS}
     values = [getattr(arguments, name) or [as_it_stands[name]] for name in PARAMETERS]

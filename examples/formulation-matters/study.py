@@ -16,7 +16,8 @@ from fractions import Fraction
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCRIPTS = os.path.join(HERE, os.pardir, os.pardir, "scripts")
 sys.path.insert(0, SCRIPTS)
-from program import Parser, end_in_one_line, launch, require_program  # noqa: E402 (the path comes first)
+from program import (Parser, end_in_one_line, launch, require_outputs,  # noqa: E402 (the path comes first)
+                     require_program)
 
 PROBLEMS = {"gas": ("scene.yaml", "gas-drifts.yaml", ("gas1", "gas2"), ("flip", "pic", "blend", "xpic", "nullspace")),
             "bar": ("bar.yaml", "bar-drifts.yaml", ("elastic", "usl", "usf", "musl", "usavg"),
@@ -103,6 +104,8 @@ def main():
     arguments = parser.parse_args()
     require_program()
     os.makedirs(arguments.output, exist_ok=True)
+    require_outputs([os.path.join(arguments.output, f"{name}{drifts}.{ending}") for name in PROBLEMS
+                     for drifts in ("", "-drifts") for ending in ("csv", "png", "svg", "runs.jsonl")])
     everything = [{name for problem in PROBLEMS.values() for name in problem[part]} for part in (2, 3)]
     formulations, transfers = QUICK if arguments.quick else everything
     growth_table(formulations, transfers)

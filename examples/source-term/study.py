@@ -22,7 +22,8 @@ import numpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, os.pardir, os.pardir, "scripts"))
-from program import Parser, end_in_one_line, launch, require_program, write_whole  # noqa: E402 (the path comes first)
+from program import (Parser, end_in_one_line, launch, require_outputs,  # noqa: E402 (the path comes first)
+                     require_program, write_whole)
 
 CELLS = 64
 WAVES = 2 * math.pi * numpy.arange(1, CELLS // 2 + 1) / CELLS
@@ -244,6 +245,8 @@ def main():
     parser.add_argument("-o", "--output", metavar="PICTURE")
     arguments = parser.parse_args()
     require_program()
+    if arguments.output:
+        require_outputs([arguments.output])
     off = removed([case for case in CASES if not arguments.quick or case[2] == 2])
     frozen()
     worst_held()

@@ -10,13 +10,10 @@ import sys
 import tempfile
 import time
 
+from checks import check
+
 OPTIONS = "run -cells 3000 -steps 1000000000000 -output out.h5 -csv out.csv -json out.json".split()
 WITHIN = 20  # seconds; it takes one or two, more on a busy machine
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_dead_rank: {message}")
 
 
 def parent_of(pid):

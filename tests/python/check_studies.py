@@ -11,12 +11,9 @@ import subprocess
 import sys
 import tempfile
 
-EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "examples")
+from checks import ROOT, check
 
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_studies: {message}")
+EXAMPLES = os.path.join(ROOT, "examples")
 
 
 def rows(text, *begin):

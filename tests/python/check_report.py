@@ -21,10 +21,10 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
 os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
+from checks import SCRIPTS, check, check_one_line, run_script, text_of
 import report_page  # noqa: E402 (which program it runs comes first)
 import report_runs  # noqa: E402
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = {"rings": "formulation: gas2\ncells: 8\ncourant: 0.1\ndrift: 1/8\ninitial: random\nsteps: 200\n",
           "rests": "formulation: gas2 # <b>&amp;\ncells: 8\ncourant: 0.5\nsteps: 64\n",
           "jitters": "formulation: elastic\ncells: 8\ncourant: 1\njitter: 0.4\nsteps: 64\n"
@@ -35,13 +35,8 @@ FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --
 WIDTHS = ((360, 740), (1280, 900))
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_report: {message}")
-
-
-def report(*arguments, script=os.path.join(HERE, "report.py"), **how):
-    return subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True, check=False, **how)
+def report(*arguments, **how):
+    return run_script("report.py", *arguments, **how)
 
 
 def make():
@@ -52,8 +47,7 @@ def make():
     check(done.returncode == 0, done.stderr)
     check("Traceback" not in done.stderr and "rests.yaml: error against run time" in done.stderr, done.stderr)
     check(not glob.glob("*.part"), "a .part is left")
-    with open("page.html", encoding="utf-8") as file:
-        return file.read()
+    return text_of("page.html")
 
 
 def result(scene, name):
@@ -214,15 +208,9 @@ def check_refusals():
                             (("rests.yaml", "-o", "files", "--work", "files2"), "files: is a folder"),
                             (("rests.yaml", "--work", "rests.yaml"), "rests.yaml: File exists"),
                             (("rests.yaml", "--ranks", "two"), "invalid int value: 'two'")):
-        refused(report(*arguments), arguments, says)
+        check_one_line(report(*arguments), arguments, says)
     for program, says in (("/etc/passwd", "/etc/passwd cannot be run"), ("none/mpmstab", "there is no ")):
-        refused(report("rests.yaml", env={**os.environ, "MPMSTAB": program}), program, says)
-
-
-def refused(done, what, says, status=2):
-    """In one line, before anything is run."""
-    check(done.returncode == status and len(done.stderr.splitlines()) == 1 and says in done.stderr,
-          f"{what}: {done.returncode} {done.stderr}")
+        check_one_line(report("rests.yaml", env={**os.environ, "MPMSTAB": program}), program, says)
 
 
 def check_places():
@@ -230,19 +218,18 @@ def check_places():
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(os.environ["MPMSTAB"], os.path.join(folder, "mpm"))
         shutil.copy("rests.yaml", folder)
-        shutil.copytree(HERE, os.path.join(folder, "inside", "scripts"))
+        shutil.copytree(SCRIPTS, os.path.join(folder, "inside", "scripts"))
         commit = ["-c", "user.name=a", "-c", "user.email=a", "commit", "-q", "--allow-empty", "-m", "a"]
         for command in (["init", "-q"], commit):
             subprocess.run(["git", *command], cwd=folder, check=True)
         script = os.path.join(folder, "inside", "scripts", "report.py")
-        done = report("rests.yaml", "--no-work-precision", script=script, cwd=folder,
-                      env={**os.environ, "MPMSTAB": "./mpm"})
+        done = run_script(script, "rests.yaml", "--no-work-precision", cwd=folder,
+                          env={**os.environ, "MPMSTAB": "./mpm"})
         check(done.returncode == 0, f"by a relative path: {done.stderr}")
-        with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
-            page = file.read()
+        page = text_of(os.path.join(folder, "report.html"))
         check("1 scene: 1 stable." in page, "by a relative path nothing was run")
         check("<td>git revision</td><td>not known</td>" in page, "another repository's revision")
-    with subprocess.Popen([sys.executable, os.path.join(HERE, "report.py"), "rests.yaml", "-o", "ended.html"],
+    with subprocess.Popen([sys.executable, os.path.join(SCRIPTS, "report.py"), "rests.yaml", "-o", "ended.html"],
                           text=True, stderr=subprocess.PIPE) as process:
         process.stderr.readline()  # it has begun
         process.send_signal(signal.SIGINT)

@@ -10,6 +10,7 @@ from program import PROGRAM, ROOT, command_of, result_of
 SMALL = 256  # unknowns up to which powers and the pseudospectrum are taken
 MOST_OUTPUT = 120  # output steps of a run, about
 PATIENCE = 600  # seconds for one command
+ENDINGS = (".json", ".h5", ".csv", ".jsonl", ".png", ".svg", ".xmf")  # of the files that the runs write
 COLUMNS = ("published", "corrected", "symbol", "spectrum", "measured")
 
 
@@ -48,7 +49,6 @@ class Asker:
 
     def __init__(self, scene, folder, ranks):
         self.scene, self.folder, self.ranks = scene, folder, ranks
-        os.makedirs(folder, exist_ok=True)
 
     def path(self, name):
         return os.path.join(self.folder, name)

@@ -12,14 +12,11 @@ import sys
 import h5py
 import numpy
 
+from checks import check
+
 CELLS, COURANT, LAST, POINTS = 15, 1.9, 40, 9
 TRANSIENT = {"steps", "norm", "largest", "at_step", "seconds"}
 PSEUDOSPECTRUM = {"points", "kreiss", "kreiss_at", "seconds"}
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_transient: {message}")
 
 
 def run(command, name, *options):

@@ -7,11 +7,18 @@ import os
 import h5py
 import numpy
 
+from program import fault_of
+
 
 class Refusal(Exception):
     """Bad input, as the one line that is said."""
 
 
+NUMBER, OPTIONAL = (int, float), (int, float, type(None))
+WORDS = {str: "a text", int: "a whole number", NUMBER: "a number", OPTIONAL: "a number or null", dict: "an object"}
+KINDS = {"task": str, "formulation": str, "basis": str, "transfer": str, "boundary": str, "cells": int, "ppc": NUMBER,
+         "particles": int, "courant": NUMBER, "drift": NUMBER, "growth": OPTIONAL, "predicted": dict, "run": dict,
+         "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}  # in JSON
 SCENE = ("formulation", "basis", "transfer", "boundary", "cells", "ppc", "particles", "courant", "drift")
 
 
@@ -19,9 +26,15 @@ def refuse(path, why, allowed):
     raise Refusal(f"{path}: {why}; allowed: {allowed}")
 
 
+def require_file(path, made_by):
+    """Refuses what is not a file that can be read from its beginning to its end."""
+    fault = fault_of(path)
+    if fault:
+        refuse(path, fault, made_by)
+
+
 def open_hdf5(path):
-    if not os.path.exists(path):
-        refuse(path, "no such file", "an HDF5 file that mpmstab has written with -output")
+    require_file(path, "an HDF5 file that mpmstab has written with -output")
     try:
         return h5py.File(path, "r")
     except OSError:
@@ -31,26 +44,34 @@ def open_hdf5(path):
 def array(file, name, made_by, columns=None):
     """A dataset whole, of so many columns; made_by says which command writes it."""
     made = f"a file that 'mpmstab {made_by}' has written"
-    if not isinstance(file.get(name), h5py.Dataset):
-        refuse(file.filename, f"no /{name} in it", made)
-    values = file[name][()]
+    found = file.get(name)
+    if not isinstance(found, h5py.Dataset):
+        refuse(file.file.filename, f"no /{name} in it", made)
+    if found.dtype.kind in "fiu" and found.size * found.dtype.itemsize > os.path.getsize(file.file.filename):
+        refuse(file.file.filename, f"/{name} is larger than the file, which is damaged", made)
+    values = found[()]
     if not numpy.size(values) or values.dtype.kind not in "fiu":
-        refuse(file.filename, f"no numbers in /{name}", made)
+        refuse(file.file.filename, f"no numbers in /{name}", made)
     if columns and (values.ndim != 2 or values.shape[1] != columns):
-        refuse(file.filename, f"/{name} has the shape {values.shape}", made)
+        refuse(file.file.filename, f"/{name} has the shape {values.shape}", made)
     return values
 
 
 def read_json(path):
+    made = "a file that mpmstab has written with -json"
+    require_file(path, made)
     try:
         with open(path, encoding="utf-8") as file:
             result = json.load(file)
-    except OSError as error:
-        return refuse(path, error.strerror.lower(), "a file that mpmstab has written with -json")
+    except RecursionError:
+        return refuse(path, "is nested too deep", made)
     except ValueError:
-        return refuse(path, "is not JSON", "a file that mpmstab has written with -json")
+        return refuse(path, "is not JSON", made)
     if not isinstance(result, dict) or any(key not in result for key in (*SCENE, "task")):
-        refuse(path, "is not a result of mpmstab", "a file that mpmstab has written with -json")
+        refuse(path, "is not a result of mpmstab", made)
+    for key, kinds in KINDS.items():
+        if key in result and (not isinstance(result[key], kinds) or isinstance(result[key], bool)):
+            refuse(path, f"'{key}' is not {WORDS[kinds]}", made)
     return result
 
 
@@ -62,14 +83,13 @@ def part(result, key, path, made_by):
 
 def read_csv(path, columns, made_by):
     """Rows as dicts of floats, NaN where a cell is empty; every name of columns is there."""
+    require_file(path, f"a file that 'mpmstab {made_by}' has written")
     try:
         with open(path, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file)
             head = reader.fieldnames or []
             rows = [{key: float(text) if text else math.nan for key, text in row.items()} for row in reader]
-    except OSError as error:
-        return refuse(path, error.strerror.lower(), f"a file that 'mpmstab {made_by}' has written")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, csv.Error):
         return refuse(path, "holds what is no number", f"a file that 'mpmstab {made_by}' has written")
     missing = [column for column in columns if column not in head]
     if missing:
@@ -79,13 +99,14 @@ def read_csv(path, columns, made_by):
 
 def read_words(path, column, made_by):
     """One column of a CSV, as texts."""
+    require_file(path, f"a file that 'mpmstab {made_by}' has written")
     try:
         with open(path, newline="", encoding="utf-8") as file:
             return [row[column] for row in csv.DictReader(file)]
-    except OSError as error:
-        return refuse(path, error.strerror.lower(), f"a file that 'mpmstab {made_by}' has written")
     except KeyError:
         return refuse(path, f"no column '{column}' in it", f"a file that 'mpmstab {made_by}' has written")
+    except (ValueError, csv.Error):
+        return refuse(path, "is not CSV", f"a file that 'mpmstab {made_by}' has written")
 
 
 def attributes(file):

@@ -13,6 +13,8 @@ import sys
 import h5py
 import numpy
 
+from checks import check
+
 CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
@@ -23,11 +25,6 @@ SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "so
             "spectral_radius", "growth", "max_residual", "step_mismatch", "symbol_mismatch", "condition", "at_one",
             "unseen", "memory_bytes"}
 SYMBOL = {"phases", "growth", "beta_at_max", "seconds"}
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_spectrum_files: {message}")
 
 
 def run(mpiexec, mpmstab, ranks, task, *options):

@@ -8,20 +8,16 @@ import io
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 
 import numpy
 
+from checks import check, run_script
 import bench_growth
-import bench_runs
 import bench_scaling
 import bench_spectrum
-import program
-
-sys.path.insert(0, bench_runs.SOURCES)
-import scipy_spectrum  # of scripts/bench
+import scipy_spectrum
 
 K = 0.5  # the Courant number of bench_spectrum's scenes
 CSV = """Stage Name,Event Name,Rank,Count,Time,Num Messages,Message Length,Num Reductions,FLOP
@@ -32,11 +28,6 @@ Main Stage,MpmMigrate,1,0,0.1,0.,0.,0.,0.
 """
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_bench: {message}")
-
-
 def near(a, b, within=1e-12):
     return abs(a - b) <= within * max(abs(a), abs(b))
 
@@ -45,9 +36,7 @@ def run(part, *options):
     """The line of JSON that a part adds to a history of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "history.jsonl")
-        script = os.path.join(program.ROOT, "scripts", f"bench_{part}.py")
-        done = subprocess.run([sys.executable, script, "--history", path, *options], capture_output=True, text=True,
-                              check=False)
+        done = run_script(f"bench/bench_{part}.py", "--history", path, *options)
         check(done.returncode == 0 and done.stderr == "", f"{part}: status {done.returncode}: {done.stderr}")
         with open(path, encoding="utf-8") as file:
             lines = [json.loads(line) for line in file]

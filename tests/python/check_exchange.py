@@ -11,6 +11,8 @@ import sys
 import h5py
 import numpy
 
+from checks import check
+
 CELLS, STEPS = 12, 9
 # scene, fields, drift, basis, ranks
 SCENES = [
@@ -21,11 +23,6 @@ SCENES = [
     ("-formulation elastic -drift 0.21 -transfer nullspace -courant 0.4", "uw", 0.21, "linear", (1, 2)),
     ("-formulation usl -boundary fixed,free -ppc 2 -courant 0.4 -initial random", "vs", 0, "walls", (1, 3)),
 ]
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_exchange: {message}")
 
 
 def shapes(x, basis):

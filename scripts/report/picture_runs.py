@@ -10,8 +10,9 @@ from matplotlib.collections import PolyCollection
 
 import picture_files as files
 import picture_style as style
-from program import write_whole
+from program import require_outputs, write_whole
 
+OUTPUT = "run -output -output_every n"
 MOST_ROWS = 300  # output steps in a space-time picture
 MOST_FRAMES = 500
 LONG_GROWTH = 30  # largest over median size beyond which each step of a space-time picture has its own scale
@@ -103,6 +104,11 @@ def cells_around(x, length):
     return left, right
 
 
+def places_of(group):
+    """x of the particles at an output step."""
+    return files.array(group, "particles/coordinates", OUTPUT)[:, 0]
+
+
 def rows_of(file, field, length):
     """The field, how many steps are shown, and of these: numbers, places / L and values."""
     steps = files.steps_of(file)
@@ -111,8 +117,8 @@ def rows_of(file, field, length):
         files.refuse(file.filename, f"no field '{field}' in it", " or ".join(files.fields_of(steps[0][1])))
     thinned = steps[:: -(-len(steps) // MOST_ROWS)]
     shown = f"{len(thinned)} of {len(steps)}" if len(thinned) < len(steps) else f"{len(steps)}"
-    x = [group["particles/coordinates"][:, 0] / length for _, group in thinned]
-    values = [group[f"particles/{field}"][()] for _, group in thinned]
+    x = [places_of(group) / length for _, group in thinned]
+    values = [files.array(group, f"particles/{field}", OUTPUT) for _, group in thinned]
     return field, shown, numpy.array([step for step, _ in thinned]), numpy.array(x), numpy.array(values)
 
 
@@ -155,11 +161,15 @@ def spacetime(path, field=None):
     return figure
 
 
+def largest_of(group, field):
+    return max(map(abs, files.finite_range(files.array(group, f"particles/{field}", OUTPUT))))
+
+
 def frame_limits(steps, fields):
     """The largest abs of each field over all steps, so that frames can be compared; None: it does not stay in sight."""
     limits = {}
     for field in fields:
-        sizes = numpy.array([max(map(abs, files.finite_range(group[f"particles/{field}"][()]))) for _, group in steps])
+        sizes = numpy.array([largest_of(group, field) for _, group in steps])
         limits[field] = None if outgrows(sizes) else sizes.max()
     return limits
 
@@ -167,17 +177,17 @@ def frame_limits(steps, fields):
 def frame(scene, step, group, fields, limits):
     """Particles and nodes over x at one output step."""
     length = float(scene["length"])
-    x = group["particles/coordinates"][:, 0] / length
+    x = places_of(group) / length
     order = numpy.argsort(x, kind="stable")
     figure = style.new_figure(1.4 + 1.7 * len(fields), files.scene_text(scene))
     rows = figure.subplots(len(fields), 1, sharex=True, squeeze=False)[:, 0]
     for axes, field in zip(rows, fields):
-        nodes = group[f"nodes/{field}"][()]
+        nodes = files.array(group, f"nodes/{field}", OUTPUT)
         places = numpy.arange(len(nodes)) / int(scene["cells"])
         axes.plot(places, nodes, "-", color=style.COLOURS[0], linewidth=1.2, label="nodes", gid=f"nodes/{field}",
                   zorder=3)
-        axes.plot(x[order], group[f"particles/{field}"][()][order], "o", color=style.COLOURS[1], markersize=3.5,
-                  label="particles", gid=f"particles/{field}")
+        axes.plot(x[order], files.array(group, f"particles/{field}", OUTPUT)[order], "o", color=style.COLOURS[1],
+                  markersize=3.5, label="particles", gid=f"particles/{field}")
         axes.set_ylabel(field)
         axes.set_xlim(0, 1)
         if limits[field]:
@@ -191,24 +201,23 @@ def frame(scene, step, group, fields, limits):
 
 def frames(path, folder, per_second=12):
     """One PNG for each output step in folder, and of all of them movie.gif; the names of the files."""
-    names = []
     with files.open_hdf5(path) as file:
         scene, steps = files.attributes(file), files.steps_of(file)
         if len(steps) > MOST_FRAMES:
             files.refuse(path, f"{len(steps)} steps in it", f"up to {MOST_FRAMES}, by a larger -output_every")
         fields = files.fields_of(steps[0][1])
         limits = frame_limits(steps, fields)
+        names = [os.path.join(folder, name) for name in (*(f"step_{step:010d}.png" for step, _ in steps), "movie.gif")]
+        require_outputs(names, [path])
         os.makedirs(folder, exist_ok=True)
         movie = PillowWriter(fps=per_second)
-        for step, group in steps:
+        for name, (step, group) in zip(names, steps):
             figure = frame(scene, step, group, fields, limits)
-            names.append(os.path.join(folder, f"step_{step:010d}.png"))
-            write_whole(names[-1], style.encoded(figure, "png"))
-            if len(names) == 1:
+            write_whole(name, style.encoded(figure, "png"))
+            if name == names[0]:
                 movie.setup(figure, "movie.gif", dpi=100)
             movie.fig = figure
             movie.grab_frame()
-    names.append(os.path.join(folder, "movie.gif"))
     write_whole(names[-1], film(movie))
     return names
 

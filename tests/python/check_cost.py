@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 
+from checks import check, loaded
 import program
 
 WITHIN = 0.1
@@ -27,12 +28,10 @@ def instructions(mpmstab, march):
                                f"--callgrind-out-file={out}", mpmstab, "run", "-formulation", formulation, "-basis",
                                basis, "-drift", drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS),
                                "-courant", "0.1"], capture_output=True, text=True, check=False)
-        if done.returncode:
-            sys.exit(f"check_cost: {march}: status {done.returncode}: {done.stderr}")
+        check(done.returncode == 0, f"{march}: status {done.returncode}: {done.stderr}")
         with open(out, encoding="utf-8") as file:
             counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
-    if not counted:
-        sys.exit(f"check_cost: {march}: no instruction was counted in MpmMarchStep")
+    check(counted, f"{march}: no instruction was counted in MpmMarchStep")
     return counted / (CELLS * PPC * STEPS)
 
 
@@ -48,8 +47,7 @@ def main():
         recorded = {"compiler": args.compiler, "instructions": found}
         program.write_whole(args.recorded, json.dumps(recorded, indent=2) + "\n")
         return
-    with open(args.recorded, encoding="utf-8") as file:
-        recorded = json.load(file)
+    recorded = loaded(args.recorded)
     off = []
     for march, now in found.items():
         before = recorded["instructions"][march]
@@ -60,9 +58,8 @@ def main():
     if recorded["compiler"] != args.compiler:
         print(f"recorded with {recorded['compiler']}, this is {args.compiler}: not compared")
         sys.exit(77)
-    if off:
-        sys.exit(f"check_cost: off by more than {WITHIN:.0%}: {', '.join(off)}; if it is meant to be, record it:\n  "
-                 f"{' '.join(sys.argv[:3])} '{args.compiler}' --record")
+    check(not off, f"off by more than {WITHIN:.0%}: {', '.join(off)}; if it is meant to be, record it:\n  "
+                   f"{' '.join(sys.argv[:3])} '{args.compiler}' --record")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ import sys
 
 import numpy
 
+from checks import check
+
 CELLS, PPC, COURANT, JITTER, SEED, LAYOUTS = 20, 2, 1.3, 0.4, 5, 14
 SCENE = (f"-formulation elastic -cells {CELLS} -ppc {PPC} -courant {COURANT} -jitter {JITTER} -seed {SEED} "
          f"-layouts {LAYOUTS}").split()
@@ -20,11 +22,6 @@ TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim",
 ENSEMBLE = {"layouts", "unstable", "undecided", "share", "interval", "growth_min", "growth_median", "growth_max",
             "worst_seed", "tolerance", "seconds"}
 WORD = 2**64 - 1
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_ensemble: {message}")
 
 
 def uniform(seed, particle):

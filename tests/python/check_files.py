@@ -14,6 +14,8 @@ import xml.etree.ElementTree as ElementTree
 import h5py
 import numpy
 
+from checks import check, run_script
+
 CELLS, PPC, STEPS, EVERY, COURANT, LENGTH = 30, 2, 24, 8, 0.2, 3.0
 DRIFT = 1 / 7
 OPTIONS = (f"run -formulation gas2 -cells {CELLS} -ppc {PPC} -steps {STEPS} -courant {COURANT} -drift 1/7 "
@@ -24,11 +26,6 @@ TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim",
        "ranks", "wall_s", "verdict", "growth", "predicted", "run"}
 RUN = {"steps", "time", "loop_s", "ns_per_particle_step", "bytes_per_particle_step", "error", "growth_measured", "growth_kind", "energy",
        "mass_change"}
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_files: {message}")
 
 
 def run(mpiexec, mpmstab, ranks):
@@ -139,13 +136,11 @@ def check_csv(name, result):
 
 def check_scripts(name):
     """The picture and the summary of this run, by what they say."""
-    here = os.path.dirname(os.path.abspath(__file__))
     with open(name + "-spectrum.json", "w") as file:  # what summary.py takes from the task spectrum
         json.dump({"formulation": "gas2", "courant": 0.2, "drift": DRIFT, "verdict": "unstable", "spectrum": {},
                    "predicted": {"published": None, "corrected": None, "symbol": 1.25}}, file)
-    for command in (["pictures.py", "growth", "-o", name, name + ".json"], ["summary.py", ".", name]):
-        done = subprocess.run([sys.executable, os.path.join(here, command[0]), *command[1:]], capture_output=True,
-                              text=True, check=False)
+    for command in (["pictures.py", "growth", "-o", name, name + ".json"], ["report/summary.py", ".", name]):
+        done = run_script(*command)
         check(done.returncode == 0, f"{command[0]}: {done.stderr}")
     with open(name + ".svg") as file:
         picture = file.read()

@@ -48,8 +48,14 @@ def encoded(figure, kind):
     return file.getvalue()
 
 
-def save(figure, name):
-    """NAME.png and NAME.svg, whichever of the two endings name has."""
+def names_of(name):
+    """The files that save() writes: NAME.png and NAME.svg, whichever of the two endings name has."""
     stem = name[:-4] if name.endswith((".png", ".svg")) else name
-    for kind in ("png", "svg"):
-        write_whole(f"{stem}.{kind}", encoded(figure, kind))
+    return f"{stem}.png", f"{stem}.svg"
+
+
+def save(figure, name):
+    """Writes both files when both pictures are there."""
+    contents = [(path, encoded(figure, path[-3:])) for path in names_of(name)]
+    for path, content in contents:
+        write_whole(path, content)

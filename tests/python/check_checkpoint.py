@@ -16,15 +16,12 @@ import time
 import h5py
 import numpy as np
 
+from checks import check
+
 TRIAL, CHECKPOINTS, KILLS = 20000, 100, 4
 SCENE = {"-formulation": "gas2", "-cells": "500", "-courant": "0.2", "-drift": "0.3", "-jitter": "0.5",
          "-steps": str(TRIAL)}
 MPIEXEC, MPMSTAB = sys.argv[1:]
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_checkpoint: {message}")
 
 
 def command(ranks, *more):

@@ -116,7 +116,7 @@ def curves_of(path):
         names = {"symbol": "growth", "published": "published", "corrected": "corrected"}
         columns = {key: files.array(file, f"symbol/{name}", "symbol -output")[half] for key, name in names.items()}
         if "symbol/factors" in file:
-            factors = files.complex_pairs(file["symbol/factors"][half])
+            factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))[half]
             columns["factors"] = abs(factors) ** (1 / files.period(files.attributes(file)))
         return beta[half], columns, files.attributes(file)
 
@@ -240,7 +240,7 @@ def modes(path, count=2):
             for row, field in enumerate(fields):
                 for what, look in (("re", "o-"), ("im", "s--")):
                     colour = style.COLOURS[1 if what == "re" else 0]
-                    values = group[f"{field}_{what}"][()][order]
+                    values = files.array(group, f"{field}_{what}", "spectrum -output -modes n")[order]
                     grid[row, column].plot(x[order], values, look, color=colour, linewidth=1, markersize=2.2,
                                            gid=f"{name}/{field}_{what}",
                                            label={"re": "real part", "im": "imaginary part"}[what])

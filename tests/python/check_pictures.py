@@ -3,7 +3,6 @@
 
 check_pictures.py MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
-import json
 import math
 import os
 import subprocess
@@ -14,20 +13,15 @@ import numpy
 from PIL import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from checks import check, check_one_line, loaded, run_script, text_of
 import pictures
 from picture_files import attributes, steps_of
 from picture_runs import frame, predicted_of, through
 from picture_spectra import published_factors
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = {"gas1": "-formulation gas1 -courant 0.5", "gas2": "-formulation gas2 -courant 0.5",
           "elastic": "-formulation elastic -courant 1", "drift": "-formulation gas2 -courant 0.1 -drift 1/8",
           "jitter": "-formulation gas2 -courant 0.5 -jitter 0.4 -seed 3", "pic": "-formulation gas2 -transfer pic"}
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_pictures: {message}")
 
 
 def close(one, other, message, tolerance=1e-9):
@@ -50,16 +44,6 @@ def line(figure, gid):
     found = [drawn for axes in figure.axes for drawn in axes.lines if drawn.get_gid() == gid]
     check(len(found) > 0, f"nothing is drawn as {gid}")
     return [numpy.asarray(numpy.concatenate([drawn.get_data()[part] for drawn in found]), float) for part in (0, 1)]
-
-
-def text_of(name):
-    with open(name, encoding="utf-8") as file:
-        return file.read()
-
-
-def loaded(name):
-    with open(name, encoding="utf-8") as file:
-        return json.load(file)
 
 
 def make(program):
@@ -96,8 +80,7 @@ def check_spectrum():
         check(len(drawn) == 2 * covered, f"{name}: {len(drawn)} published curves")
         if covered:
             close(abs(published_factors(name, k, beta)).max(axis=0), published, f"{name}: the published factor", 1e-7)
-        with open(f"{name}.json", encoding="utf-8") as file:
-            growth = f"growth {json.load(file)['growth']:.9g} per step"
+        growth = f"growth {loaded(f'{name}.json')['growth']:.9g} per step"
         title = figure.axes[0].get_title()
         check(growth in title and ("a period of 8 steps" in title) == (name == "drift"), f"{name}: {title}")
 
@@ -110,15 +93,13 @@ def check_symbol():
             beta, size = line(figure, column)
             close(size, numpy.sqrt(1 + factor * (k * numpy.sin(beta)) ** 2), f"{path}: {column}", 1e-7)
     measured = [d.get_ydata()[0] for d in figure.axes[0].lines if str(d.get_label()).startswith("measured")]
-    with open("gas1.json", encoding="utf-8") as file:
-        check(measured == [json.load(file)["run"]["growth_measured"]], f"measured growth {measured}")
+    check(measured == [loaded("gas1.json")["run"]["growth_measured"]], f"measured growth {measured}")
     beta, size = line(figure, "eigenvalues")
     with h5py.File("gas1.h5") as file:
         check(len(beta) == numpy.isfinite(file["spectrum/beta"][:]).sum() > 10, f"{len(beta)} eigenvalues by phase")
     close([size.min(), size.max()], [1, math.sqrt(1.25)], "eigenvalues by phase", 1e-6)
     _, size = line(pictures.symbol("drift-symbol.h5", None, "drift.h5"), "eigenvalues")
-    with open("drift.json", encoding="utf-8") as file:
-        check(math.isclose(size.max(), json.load(file)["growth"], rel_tol=1e-9), "growth of a period is not per step")
+    check(math.isclose(size.max(), loaded("drift.json")["growth"], rel_tol=1e-9), "growth of a period is not per step")
 
 
 def hashed(seed, particle):
@@ -165,8 +146,7 @@ def check_growth():
     figure = pictures.growth(["gas1-run.json", "drift-run.json", "drift.json"])
     for number, growth in ((0, math.sqrt(1.25)), (1, None)):
         if growth is None:
-            with open("drift.json", encoding="utf-8") as file:
-                growth = json.load(file)["growth"]
+            growth = loaded("drift.json")["growth"]
         steps, predicted = line(figure, f"predicted{number}")
         slope = numpy.log(predicted[1:] / predicted[:-1]) / numpy.diff(steps)
         close(slope, numpy.full(len(steps) - 1, math.log(growth)), f"predicted slope of run {number}", 1e-9)
@@ -229,14 +209,9 @@ def check_frames():
         close(values, group["nodes/r"][:], "nodes of a frame")
 
 
-def command(*arguments):
-    script = os.path.join(HERE, "pictures.py")
-    return subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True, check=False)
-
-
 def check_written(kind, says, *paths):
     """Both files are written whole, with these texts."""
-    done = command(kind, *paths, "-o", f"out-{kind}")
+    done = run_script("pictures.py", kind, *paths, "-o", f"out-{kind}")
     check(done.returncode == 0 and not done.stderr, f"{kind}: {done.stderr}")
     for text in says:
         check(f">{text}" in text_of(f"out-{kind}.svg"), f"'{text}' is not on the picture {kind}")
@@ -245,12 +220,11 @@ def check_written(kind, says, *paths):
     check(not [name for name in os.listdir(".") if name.endswith(".part")], "a .part is left")
 
 
-def check_refused(arguments, says):
+def check_refused(arguments, says, **how):
     """In one line, with status 2."""
-    done = command(*arguments)
-    lines = done.stderr.splitlines()
-    check(done.returncode == 2 and len(lines) == 1 and lines[0].startswith("pictures.py: ") and says in lines[0] and
-          "; allowed: " in lines[0], f"{arguments}: {done.returncode} {done.stderr}")
+    done = run_script("pictures.py", *arguments, **how)
+    check_one_line(done, arguments, says)
+    check(done.stderr.startswith("pictures.py: ") and " allowed: " in done.stderr, f"{arguments}: {done.stderr}")
 
 
 def check_command():
@@ -263,7 +237,7 @@ def check_command():
                                ("growth", ("gas2, linear basis, flip",), "drift-run.json")):
         check_written(kind, says, *paths)
     before = text_of("out-modes.svg")
-    command("modes", "drift.h5", "-o", "out-modes")
+    run_script("pictures.py", "modes", "drift.h5", "-o", "out-modes")
     check(text_of("out-modes.svg") == before, "the same file gives another picture")
 
 

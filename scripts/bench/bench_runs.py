@@ -10,7 +10,8 @@ import subprocess
 import sys
 import tempfile
 
-import program
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+import program  # noqa: E402 (the path comes first)
 
 BUILD = os.path.dirname(os.path.abspath(program.PROGRAM))
 FOLDER = os.path.join(BUILD, "bench")
@@ -54,7 +55,8 @@ def begin(part, args):
     """What a run of the benchmark keeps, to which its part adds; says on what machine it is."""
     program.require_program()
     if not args.no_history:
-        with open(args.history, "a", encoding="utf-8"):  # refused now, not when all is done
+        program.require_outputs([args.history])
+        with open(args.history, "a", encoding="utf-8"):  # it is refused now, not when all is done
             pass
     result = {"part": part, "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
               **machine(), "repeats": args.repeats}

@@ -12,15 +12,12 @@ from fractions import Fraction
 import h5py
 import numpy
 
+from checks import check
+
 CELLS = 8
 SCENE = f"-cells {CELLS} -ppc 1 -map_courant 1/10,1 -map_drift 0,1/2 -map_points 4,5".split()
 MAP = {"axes", "shape", "courant", "drift", "phases", "unstable", "undecided", "published_limit", "corrected_limit",
        "seconds"}
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_map: {message}")
 
 
 def growth(courant, drift):

@@ -10,8 +10,9 @@ import sys
 import h5py
 import numpy
 
+from checks import check
 import pictures
-from check_pictures import SCENES, check, check_refused, check_written, close, line, mpmstab
+from check_pictures import SCENES, check_refused, check_written, close, line, mpmstab
 
 MPMSTAB = sys.argv[1]
 

@@ -17,22 +17,18 @@ import subprocess
 import sys
 import time
 
+from checks import SCRIPTS, check, check_one_line, run_script
 from precision_picture import draw
 from precision_table import answer, cheapest_of, make_rows, remarks
 from program import PROGRAM, launch
 
-SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "work_precision.py")
+SCRIPT = os.path.join(SCRIPTS, "work_precision.py")
 SCENE = "formulation: gas2\nstagger: true\ncourant: 0.5\ntime: 1\n"
 RANGES = "--cells 16,32,64 --formulation gas1,gas2,usl --transfer flip,apic --repeats 2 --error 1e-2,1e-9".split()
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_work_precision: {message}")
-
-
 def start(*arguments, **how):
-    return subprocess.run([sys.executable, SCRIPT, *arguments], capture_output=True, text=True, check=False, **how)
+    return run_script("work_precision.py", *arguments, **how)
 
 
 def lines_of(path):
@@ -136,8 +132,7 @@ def check_resume():
 
 def one_line(done, status, words):
     """Refused or ended in one line, with nothing half written."""
-    check(done.returncode == status and len(done.stderr.splitlines()) == 1 and words in done.stderr,
-          f"{words}: status {done.returncode}, {done.stdout} {done.stderr}")
+    check_one_line(done, words, words, status)
     check(not glob.glob("*.part"), "a .part is left")
 
 

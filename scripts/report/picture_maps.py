@@ -180,7 +180,7 @@ def axes_of_map(file, shape, result, result_path):
     if result:
         found = files.part(result, "map", result_path, "map -json")
         for name, size in zip(found["axes"], shape):
-            values = file["map"][name][()] if name in file["map"] else numpy.zeros(0)
+            values = files.array(file, f"map/{name}", "map -output") if name in file["map"] else numpy.zeros(0)
             if len(values) != size:
                 files.refuse(f"{file.filename} and {result_path}",
                              f"of different maps: the first has no axis {name} of {size} points", "files of one map")

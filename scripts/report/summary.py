@@ -17,8 +17,13 @@ def ratio(energy):
 
 
 def load(path):
-    with open(path) as file:
-        return json.load(file)
+    try:
+        with open(path, encoding="utf-8") as file:
+            return json.load(file)
+    except (OSError, ValueError, RecursionError) as error:
+        why = getattr(error, "strerror", None) or "is not JSON"
+        print(f"summary.py: {path}: {why}; allowed: a file that mpmstab has written with -json", file=sys.stderr)
+        sys.exit(2)
 
 
 def scheme(result):

@@ -1,0 +1,40 @@
+"""What the checks of this folder share: how a check fails, how it runs a script, and what it reads.
+
+A check imports this module before the modules of scripts/, which are found by their names from then on.
+"""
+import json
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SCRIPTS = os.path.join(ROOT, "scripts")
+sys.path[1:1] = [SCRIPTS, os.path.join(SCRIPTS, "report"), os.path.join(SCRIPTS, "bench")]
+
+
+def check(condition, message):
+    """Ends the check with the message when the condition does not hold."""
+    if not condition:
+        sys.exit(f"{os.path.splitext(os.path.basename(sys.argv[0]))[0]}: {message}")
+
+
+def run_script(name, *arguments, **how):
+    """Runs a script, whose name is its path within scripts/, with this Python, and waits for its end."""
+    return subprocess.run([sys.executable, os.path.join(SCRIPTS, name), *arguments], capture_output=True, text=True,
+                          check=False, **how)
+
+
+def check_one_line(done, what, says, status=2):
+    """The script must have ended with this status and with one line on standard error, which has the words of says."""
+    check(done.returncode == status and len(done.stderr.splitlines()) == 1 and says in done.stderr,
+          f"{what}: status {done.returncode}, standard error: {done.stderr}")
+
+
+def text_of(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def loaded(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
