@@ -1,10 +1,8 @@
 /* Tasks by name. */
 #include <mpmstab/errors.h>
-#include "base/launch.h"
 #include "scene/settings.h"
 #include "base/stop.h"
 #include "task/task.h"
-#include "base/unfinished.h"
 #include <signal.h>
 #include <string.h>
 
@@ -34,7 +32,6 @@ int main(int argc, char **argv)
 {
   int            status = MPM_EXIT_FAILED;
   PetscErrorCode ierr;
-  PetscReal      started;
 
   for (int i = 1; i < argc; i++) /* PETSc would end the program, with its own version or hundreds of lines of help */
     if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h") ||
@@ -44,22 +41,9 @@ int main(int argc, char **argv)
       argv[1] = help;
       argc    = 2;
     }
-  MpmLaunchAlone();
-  if (MpmErrorsOutside()) return MPM_EXIT_FAILED;
-  ierr = PetscInitialize(&argc, &argv, NULL, NULL);
-  if (ierr) return MPM_EXIT_REFUSED;
+  if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
   MpmStopClean();                 /* nor at an end that was asked for */
-  started = MPI_Wtime();
-  ierr    = MpmErrorsInstall();
-  if (!ierr) ierr = Dispatch(argc, argv, started, &status);
-  if (ierr) (void)MpmUnfinishedRemove();
-  if (ierr == PETSC_ERR_USER_INPUT)
-    status = MPM_EXIT_REFUSED;
-  else if (ierr)
-    MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
-  (void)PetscPopErrorHandler();
-  if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
-  ierr = PetscFinalize();
-  return ierr ? MPM_EXIT_REFUSED : status;
+  ierr = Dispatch(argc, argv, MPI_Wtime(), &status);
+  return MpmFinalize(ierr, status);
 }

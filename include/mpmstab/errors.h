@@ -1,49 +1,109 @@
-/* Refusal of bad input: one message, from one rank, and all ranks end. */
+/* How a program that uses mpmstab begins and ends, how bad input is refused, and how the program prints. */
 #pragma once
 #include <mpmstab/compat.h>
 
-/* Exit status of the program. MPM_EXIT_STOPPED is what shells report for a program that SIGTERM has ended. */
+/*E
+   Exit status of a program.
+
+   MPM_EXIT_DONE    - the work is done
+   MPM_EXIT_FAILED  - an error that is not the user's: of this library, PETSc, MPI, or a report that could not be printed
+   MPM_EXIT_REFUSED - bad input: an option, a scene or a file
+   MPM_EXIT_MISSED  - the work is done, but something came out that is not what the scene expects
+   MPM_EXIT_STOPPED - a signal ended the work early; shells report this number for a program that SIGTERM has ended
+E*/
 enum { MPM_EXIT_DONE = 0, MPM_EXIT_FAILED = 1, MPM_EXIT_REFUSED = 2, MPM_EXIT_MISSED = 3, MPM_EXIT_STOPPED = 143 };
 
-/*MC
-   MpmRefuse - ends the task because of what the user gave: an option, a scene or a file.
+/*@C
+   MpmInitialize - starts MPI, PETSc and SLEPc, and installs the handler of errors that MpmErrorsInstall describes.
 
-   Collective: every rank has the same input and refuses it alike; the first rank prints.
+   Collective: all processes call it, before any other function of this library.
+
+   Input Parameters:
++  argc - number of words on the command line
+-  argv - the words; PETSc takes its options from them
+
+   Without mpirun or srun, Open MPI is told that there is one process, so that it starts faster (environment variables
+   that are set already stay as they are).
+
+   Errors: not 0 when PETSc refuses one of its own options, such as -options_file with a file that does not exist. The
+   message is printed; the program can only end, with MPM_EXIT_REFUSED.
+
+   Note: a program that has called PetscInitialize by itself calls SlepcInitialize and MpmErrorsInstall instead.
+@*/
+PetscErrorCode MpmInitialize(int *argc, char ***argv);
+
+/*@C
+   MpmFinalize - ends what MpmInitialize has started, and returns the exit status of the program.
+
+   Collective: all processes call it, as the last function of this library.
+
+   Input Parameters:
++  error  - what the work of the program has returned. PETSC_ERR_USER_INPUT says that input was refused. Another error is
+            not one of input; MPI_Abort then ends all processes with MPM_EXIT_FAILED.
+-  status - the exit status if there was no error
+
+   Returns: status; or MPM_EXIT_REFUSED after refused input, or when PETSc finds fault with an option at its end; or
+   MPM_EXIT_FAILED when standard output has not taken all that was printed.
+
+   Files that were being written when an error occurred are removed.
+@*/
+int MpmFinalize(PetscErrorCode error, int status);
+
+/*MC
+   MpmRefuse - returns from the calling function with PETSC_ERR_USER_INPUT, because of what the user gave: an option, a
+   scene or a file.
+
+   Collective: every process has the same input and refuses it alike. With the handler of MpmErrorsInstall, the first
+   process prints the message, as one line.
 
    Input Parameters: a printf format and its arguments. The message names the option or file, the value
    and what is allowed.
 M*/
 #define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 
-/* Refuses unless the condition holds. */
+/* Collective. MpmRefuse with the rest of the arguments, unless the condition holds. */
 #define MpmCheckInput(condition, ...)                                                                                  \
   do {                                                                                                                 \
     if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                           \
   } while (0)
 
-/*
-   Not collective. Installs the handler for what happens while PETSc starts and ends: nothing of ours is at work then,
-   so
-   that it is one of PETSc's own options which cannot be, such as -options_file with a file that is not there.
-*/
-PetscErrorCode MpmErrorsOutside(void);
+/*@C
+   MpmErrorsInstall - installs an error handler of PETSc that prints a refusal of input as one line on standard error,
+   from the first process, and any other error as PETSc does, with its stack trace.
 
-/*
-   MpmPrint - prints on standard output, from the first rank; a printf format and its arguments.
-
-   Not collective. Whether it has arrived is asked once, at the end: newer PETSc would end the program in a
-   stack trace where the disk is full.
-*/
-void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
-
-/* Not collective. Whether what was printed has not arrived, and says so; a reader that has gone is no loss. */
-PetscBool MpmErrorsReportLost(void);
-
-/* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
+   Not collective. Part of MpmInitialize. PetscPopErrorHandler removes the handler.
+@*/
 PetscErrorCode MpmErrorsInstall(void);
 
-/*
-   Not collective. From here on ("": no more) an error of HDF5 is this file's, which cannot be written: it is said as a
-   refusal by one rank, and the program ends at once on all, since a collective operation half done has no other end.
-*/
+/*@C
+   MpmErrorsOutside - installs the handler for errors that occur while PETSc starts and ends. This library does nothing
+   then, so such an error means that one of PETSc's own options is wrong; the handler says so in one line.
+
+   Not collective. Part of MpmInitialize, which calls it before PETSc starts.
+@*/
+PetscErrorCode MpmErrorsOutside(void);
+
+/*@C
+   MpmPrint - prints on standard output, from the first process.
+
+   Not collective. Input Parameters: a printf format and its arguments. There is no error to check here:
+   MpmFinalize asks once whether all output has arrived.
+@*/
+void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
+
+/*@C
+   MpmErrorsReportLost - whether standard output has not taken all that was printed, as on a full disk; if so, says it in
+   one line on standard error. A pipe whose reader has gone, as with '| head', is no loss.
+
+   Not collective. Part of MpmFinalize.
+@*/
+PetscBool MpmErrorsReportLost(void);
+
+/*@C
+   MpmErrorsBlame - names the file that is being written, so that an error of HDF5 is reported as a refusal that names
+   this file. One process prints it and the program ends at once on all processes, because HDF5's collective operations
+   cannot be left in another way.
+
+   Not collective. Input Parameter: file - the file's name; "" when no file is being written any more.
+@*/
 void MpmErrorsBlame(const char file[]);

@@ -1,4 +1,4 @@
-/* The floating-point flags of a step. */
+/* Clears the floating-point flags before a step (C11, fenv.h) and reads them after it, on all ranks together. */
 #include "base/float_check.h"
 
 #ifndef NDEBUG

@@ -1,22 +1,23 @@
-/* Debug builds look at the processor's floating-point flags after each step of the march and of the assembly. */
+/* Debug builds check the processor's floating-point flags after each step of the march and of the assembly. */
 #pragma once
 #include <mpmstab/compat.h>
 
 /*S
-   MpmFloatCheck - left: whether numbers have left the range of doubles. That is what an unstable scheme does, and
-   infinities make invalid operations of sound ones, so nothing is said from then on.
+   MpmFloatCheck - what the checks of a run remember.
+
+   left says whether a number has left the range of doubles. An unstable scheme does that in the end, and it is no error.
+   From then on sound operations meet infinities and become invalid, so the checks report nothing more.
 S*/
 typedef struct {
   PetscBool left;
 } MpmFloatCheck;
 
 /*
-   MpmFloatBegin, MpmFloatEnd - stand around a step. An invalid operation (0/0, inf - inf, a conversion out of range)
-   or a
-   division by 0 between them is an error that names the work and the step.
+   MpmFloatBegin, MpmFloatEnd - are called before and after a step. An invalid operation between them (0/0, inf - inf, a
+   conversion out of range) or a division by 0 is an error, PETSC_ERR_FP; its message names the work and the step.
 
-   MpmFloatEnd is collective: all ranks end when one of them has failed. Release builds have neither: optimisation may
-   raise flags for numbers that nobody uses.
+   MpmFloatBegin is not collective. MpmFloatEnd is collective on comm: all ranks return the error when one of them has
+   met it. In release builds both do nothing, since optimised code may raise flags for numbers that it does not use.
 */
 #ifdef NDEBUG
 static inline void MpmFloatBegin(void)

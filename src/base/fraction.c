@@ -1,4 +1,4 @@
-/* Exact fractions: n delta without accumulated rounding. */
+/* Exact fractions: their text, and n times a fraction without accumulated rounding. */
 #include <mpmstab/fraction.h>
 #include <ctype.h>
 #include <errno.h>
@@ -40,7 +40,7 @@ static void Reduce(MpmFraction *f, PetscInt64 num, PetscInt64 den)
   f->value = (PetscReal)f->num / (PetscReal)f->den;
 }
 
-/* A decimal with few digits is the ratio it spells: 0.3 is 3/10, not the double below it. */
+/* A decimal with few digits is read as the ratio that it spells: 0.3 is 3/10, not the double nearest to 0.3. */
 static PetscBool ParseDecimal(const char text[], MpmFraction *f)
 {
   PetscInt64  num = 0, den = 1;
@@ -59,7 +59,7 @@ static PetscBool ParseDecimal(const char text[], MpmFraction *f)
   }
   if (*s == 'e' || *s == 'E') {
     char *stop;
-    long  exponent = PetscClipInterval(strtol(s + 1, &stop, 10), -20, 20); /* past that no term is short */
+    long  exponent = PetscClipInterval(strtol(s + 1, &stop, 10), -20, 20); /* terms beyond are too large */
 
     for (; exponent > 0 && num <= LARGEST_TERM; exponent--) num *= 10;
     for (; exponent < 0 && den <= LARGEST_TERM; exponent++) den *= 10;

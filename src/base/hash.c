@@ -1,4 +1,4 @@
-/* Random numbers from a seed and an id: splitmix64, its counter set by the id. */
+/* Random numbers from a seed and an id, by splitmix64 (Steele, Lea and Flood 2014): the id sets its counter. */
 #include "base/hash.h"
 
 PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)

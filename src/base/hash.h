@@ -1,4 +1,4 @@
-/* Hash: random numbers that depend on nothing but the numbers they are made from. */
+/* Hash: random numbers that are functions of a seed and an id, so they are the same on any number of ranks. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* Without mpirun or srun there is nothing to wait for. */
+/* Environment variables of Open MPI for a process without mpirun or srun. */
 #include "base/launch.h"
 #include <stdlib.h>
 
@@ -10,7 +10,7 @@ void MpmLaunchAlone(void)
     if (getenv(launchers[i])) return;
   (void)setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   (void)setenv("OMPI_MCA_pml", "ob1", 0);
-  /* Every isolated process has the same folder for its session, which one makes and removes under the others. */
+  /* All such processes would share one session folder, and the first one that ends would remove it under the others. */
   (void)setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   (void)setenv("OMPI_MCA_sharedfp", "^sm", 0); /* would keep a file there; we share no file pointer */
 }

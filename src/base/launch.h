@@ -1,11 +1,11 @@
-/* How the program is started. */
+/* What Open MPI is told when the program is started without mpirun or srun. */
 #pragma once
 
 /*
-   MpmLaunchAlone - without a launcher, tells Open MPI that there will be one rank and no other process to talk to: it
-   then neither starts a daemon nor looks for a network, which is five sixths of the time that a small task takes (0.36
-   s and 0.06 s). What the environment says already is left as it is; other MPIs do not read it.
+   MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open MPI
+   then neither starts a daemon nor looks for a network. A small task takes 0.06 s instead of 0.36 s.
 
-   Not collective; call before MPI_Init.
+   Not collective. Call it before MPI_Init. It does nothing when a launcher has started the process. Variables that are
+   set already stay as they are. Other MPI libraries do not read them.
 */
 void MpmLaunchAlone(void);

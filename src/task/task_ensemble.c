@@ -2,7 +2,6 @@
 #include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
-#include <slepcsys.h>
 
 static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
 {
@@ -11,7 +10,6 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one layout */
-  PetscCall(SlepcInitializeNoArguments());
   PetscCall(MpmEnsembleCreate(scene, &ensemble));
   PetscCall(MpmEnsemblePrint(ensemble));
   if (scene->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
@@ -19,7 +17,6 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));
-  PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,32 @@
+/*
+   The whole public interface. A program makes a scene, which is a problem with all its numbers, and asks questions of it.
+
+     errors.h       how a program begins and ends, and how bad input comes back as an error code
+     scene.h        a scene from options, text or a file
+     critical.h     the largest stable Courant number
+     symbol.h       amplification factors over the phase, on uniform layouts
+     operator.h     the operator of a step, or of a period of drift, as a sparse matrix
+     march.h        the explicit loop over time steps
+     verdict.h      stable, unstable or undecided, and what that rests on
+
+   What a scheme is made of: formulation.h, transfer.h, basis.h, boundary.h, wave.h, and table.h, which joins them.
+   What the others share: fraction.h, compat.h.
+
+   examples/library has a first program, and how to compile it.
+*/
+#pragma once
+#include <mpmstab/basis.h>
+#include <mpmstab/boundary.h>
+#include <mpmstab/compat.h>
+#include <mpmstab/critical.h>
+#include <mpmstab/errors.h>
+#include <mpmstab/formulation.h>
+#include <mpmstab/fraction.h>
+#include <mpmstab/march.h>
+#include <mpmstab/operator.h>
+#include <mpmstab/scene.h>
+#include <mpmstab/symbol.h>
+#include <mpmstab/table.h>
+#include <mpmstab/transfer.h>
+#include <mpmstab/verdict.h>
+#include <mpmstab/wave.h>

@@ -1,0 +1,27 @@
+/* How a program that uses this library begins and ends. */
+#include "base/launch.h"
+#include "base/unfinished.h"
+#include <mpmstab/errors.h>
+#include <slepcsys.h>
+
+PetscErrorCode MpmInitialize(int *argc, char ***argv)
+{
+  PetscErrorCode ierr;
+
+  MpmLaunchAlone();
+  ierr = MpmErrorsOutside();
+  if (!ierr) ierr = SlepcInitialize(argc, argv, NULL, NULL);
+  return ierr ? ierr : MpmErrorsInstall();
+}
+
+int MpmFinalize(PetscErrorCode ierr, int status)
+{
+  if (ierr) (void)MpmUnfinishedRemove();
+  if (ierr == PETSC_ERR_USER_INPUT)
+    status = MPM_EXIT_REFUSED;
+  else if (ierr)
+    MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
+  (void)PetscPopErrorHandler();
+  if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
+  return SlepcFinalize() ? MPM_EXIT_REFUSED : status;
+}
