@@ -8,12 +8,25 @@
 #include <signal.h>
 #include <string.h>
 
+/* A trap would end the program in PETSc's stack trace at the first overflow, which unstable schemes are about. */
+static PetscErrorCode CheckTrap(void)
+{
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-fp_trap", &given));
+  if (given) PetscCall(PetscSetFPTrap(PETSC_FP_TRAP_OFF));
+  MpmCheckInput(!given, "-fp_trap: a run may leave the range of numbers, and says so; allowed: without it");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *status)
 {
   const char *names[16], *near;
   PetscInt    n = 0;
 
   PetscFunctionBegin;
+  PetscCall(CheckTrap());
   if (argc < 2 || !strcmp(argv[1], "help")) {
     PetscCall(MpmPrintUsage());
     *status = MPM_EXIT_DONE;
@@ -36,6 +49,8 @@ int main(int argc, char **argv)
   PetscErrorCode ierr;
   PetscReal      started;
 
+  MpmLaunchStandardFiles();
+  if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
   for (int i = 1; i < argc; i++) /* PETSc would end the program, with its own version or hundreds of lines of help */
     if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h") ||
         !strcmp(argv[i], "-version") || !strcmp(argv[i], "--version")) {
@@ -49,15 +64,16 @@ int main(int argc, char **argv)
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
-  MpmStopClean();                 /* nor at an end that was asked for */
+  (void)signal(SIGXFSZ, SIG_IGN); /* a file that grows beyond 'ulimit -f' is an error of writing like any other */
+  MpmStopClean();                 /* nor is there a trace at an end that was asked for */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);
-  if (ierr) (void)MpmUnfinishedRemove();
-  if (ierr == PETSC_ERR_USER_INPUT)
-    status = MPM_EXIT_REFUSED;
-  else if (ierr)
-    MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
+  if (ierr) {
+    MpmUnfinishedRemove();
+    status = MpmErrorsStatus(ierr);
+  }
+  if (ierr && ierr != PETSC_ERR_USER_INPUT) MpmErrorsEnd(status); /* the other ranks may be waiting */
   (void)PetscPopErrorHandler();
   if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
   ierr = PetscFinalize();

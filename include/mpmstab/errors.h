@@ -39,11 +39,17 @@ void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
 /* Not collective. Whether what was printed has not arrived, and says so; a reader that has gone is no loss. */
 PetscBool MpmErrorsReportLost(void);
 
-/* Installs the handler that prints a refusal as one line and any other error as PETSc's stack trace. */
+/*
+   Not collective. Installs the handler that prints in one line a refusal, memory that ends, and what PETSc or SLEPc cannot do
+   when options of theirs are given; any other error keeps PETSc's stack trace.
+*/
 PetscErrorCode MpmErrorsInstall(void);
 
-/*
-   Not collective. From here on ("": no more) an error of HDF5 is this file's, which cannot be written: it is said as a
-   refusal by one rank, and the program ends at once on all, since a collective operation half done has no other end.
-*/
-void MpmErrorsBlame(const char file[]);
+/* Not collective. The options of PETSc and SLEPc that the user has given, as '-name value' with blanks between them. */
+PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[]);
+
+/* Not collective. The exit status for an error: MPM_EXIT_REFUSED for those that were said in one line. */
+int MpmErrorsStatus(PetscErrorCode error);
+
+/* Not collective. Ends the program on all ranks, also where this rank alone has failed and others wait for it. */
+void MpmErrorsEnd(int status);

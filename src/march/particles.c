@@ -1,5 +1,4 @@
 /* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
-#include "io/mode_file.h"
 #include "march/particles.h"
 #include <math.h>
 
@@ -199,10 +198,7 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
   PetscCall(Place(scene, grid, *particles));
   PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(scene, *particles));
-  if (scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmModeFileFill(scene, exponent, *particles));
-  else
-    PetscCall(Fill(scene, grid, exponent, *particles));
+  if (scene->initial != MPM_INITIAL_EIGENMODE) PetscCall(Fill(scene, grid, exponent, *particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

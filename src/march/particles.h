@@ -36,7 +36,8 @@ extern const char MpmFieldCell[], MpmFieldXi[];
 /*
    MpmParticlesCreate - places a scene's particles and gives them their initial data, divided by 2^exponent.
 
-   Collective. Only the fields of the scene's formulation are registered.
+   Collective. Only the fields of the scene's formulation are registered. An eigenmode is read from a file: there the
+   caller fills the fields (MpmModeFileFill), which are not set.
 */
 PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
                                   MpmParticles **particles);

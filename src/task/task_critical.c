@@ -13,9 +13,9 @@ static PetscErrorCode One(const MpmScene *scene, PetscReal started, PetscInt *mi
   expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
   if (MpmSymbolWhyNot(scene)) PetscCall(SlepcInitializeNoArguments());
   PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &critical));
-  PetscCall(MpmCriticalPrint(scene, &critical));
   if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, 1, &scene, &critical));
   if (scene->json[0]) PetscCall(MpmCriticalWriteJson(scene, &critical, MPI_Wtime() - started));
+  PetscCall(MpmCriticalPrint(scene, &critical));
   PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
   PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
   if (MpmSymbolWhyNot(scene)) PetscCall(SlepcFinalize());
