@@ -100,10 +100,22 @@ void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
 PetscBool MpmErrorsReportLost(void);
 
 /*@C
-   MpmErrorsBlame - names the file that is being written, so that an error of HDF5 is reported as a refusal that names
-   this file. One process prints it and the program ends at once on all processes, because HDF5's collective operations
-   cannot be left in another way.
+   MpmErrorsGivenOptions - the options of PETSc and SLEPc that the user has given, as '-name value' with blanks between.
 
-   Not collective. Input Parameter: file - the file's name; "" when no file is being written any more.
+   Not collective. Input Parameter: room - of text, with the zero at its end. Output Parameter: text.
 @*/
-void MpmErrorsBlame(const char file[]);
+PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[]);
+
+/*@C
+   MpmErrorsStatus - the exit status for an error: MPM_EXIT_REFUSED for one that was told in one line.
+
+   Not collective. Part of MpmFinalize.
+@*/
+int MpmErrorsStatus(PetscErrorCode error);
+
+/*@C
+   MpmErrorsEnd - ends the program on all processes, also where this one alone has failed and others wait for it.
+
+   Not collective. Part of MpmFinalize.
+@*/
+void MpmErrorsEnd(int status);

@@ -1,14 +1,10 @@
-/* The task run: scene -> particles and grid -> march -> diagnostics -> output. */
-#include "io/checkpoint.h"
+/* A run: scene -> particles and grid -> march -> samples, growth and diagnostics. Files are the callbacks' affair. */
+#include "analysis/run.h"
 #include "march/conserved.h"
-#include <mpmstab/errors.h>
+#include "march/march_private.h"
 #include "scene/layout.h"
 #include "scene/material.h"
-#include "io/mode_file.h"
-#include "io/output.h"
 #include "base/progress.h"
-#include "report/run_csv.h"
-#include "base/stop.h"
 #include "march/traffic.h"
 #include <math.h>
 
@@ -25,13 +21,11 @@
 typedef struct {
   MpmRun                 *run;
   MpmMarch               *march;
-  MpmOutput              *output; /* NULL: none asked */
-  MpmTextFile             csv;
-  MpmTransferDiagnostics *exchange; /* NULL: none asked */
+  const MpmRunCallbacks  *callbacks;
+  MpmTransferDiagnostics *exchange; /* NULL: the scene asks for none */
   PetscInt64              gap;      /* steps between samples */
-  PetscReal               aside_s;
+  PetscReal               aside_s;  /* time that is no part of the loop's */
   MpmConserved            start;
-  char                   *csv_before; /* what a run that this one goes on from had written; NULL: none */
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
@@ -48,15 +42,15 @@ static PetscInt64 SampleGap(const MpmScene *scene)
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
 }
 
-/* What a sample is kept in beside the series; no part of the loop's time. */
+/* What is done with a sample besides the series; no part of the loop's time. */
 static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 {
-  const PetscReal begin = MPI_Wtime();
+  const MpmRunCallbacks *c     = loop->callbacks;
+  const PetscReal        begin = MPI_Wtime();
 
   PetscFunctionBegin;
   if (loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
-  if (loop->run->scene->csv[0])
-    PetscCall(MpmRunCsvRow(loop->run, loop->march, loop->exchange, log_norm, energy, &loop->csv));
+  if (c->sample) PetscCall(c->sample(c->context, loop->run, loop->march, loop->exchange, log_norm, energy));
   loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -103,32 +97,16 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteOutput(Loop *loop)
+/* stop: the caller wants the run to end here. */
+static PetscErrorCode TellStep(Loop *loop, PetscBool *stop)
 {
-  const PetscReal begin = MPI_Wtime();
+  const MpmRunCallbacks *c = loop->callbacks;
+  PetscReal              begin;
 
   PetscFunctionBegin;
-  PetscCall(MpmOutputStep(loop->output, loop->march));
-  loop->aside_s += MPI_Wtime() - begin;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Asks for SIGTERM only where something can be done about it. stop: the ranks have agreed to. */
-static PetscErrorCode Keep(Loop *loop, PetscBool *stop)
-{
-  const MpmScene *scene = loop->run->scene;
-  const PetscReal begin = MPI_Wtime();
-  char           *csv   = NULL;
-
-  PetscFunctionBegin;
-  *stop = PETSC_FALSE;
-  if (!scene->checkpoint[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmStopAgreed(PETSC_COMM_WORLD, stop));
-  if (*stop || loop->march->step % scene->checkpoint_every == 0 || loop->march->step == scene->steps) {
-    PetscCall(MpmTextFileSoFar(&loop->csv, &csv));
-    PetscCall(MpmCheckpointWrite(scene->checkpoint, loop->march, loop->run, csv));
-    PetscCall(PetscFree(csv));
-  }
+  if (!c->step) PetscFunctionReturn(PETSC_SUCCESS);
+  begin = MPI_Wtime();
+  PetscCall(c->step(c->context, loop->run, loop->march, stop));
   loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,7 +120,9 @@ static PetscErrorCode March(Loop *loop)
 
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
-  if (loop->output) PetscCall(WriteOutput(loop));
+  /* a run that resumes at its last step takes no sample, and still has diagnostics to show */
+  if (loop->march->step == scene->steps && loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
+  PetscCall(TellStep(loop, &stop));
   PetscCall(MpmProgressBegin(scene->progress, "step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
@@ -152,56 +132,25 @@ static PetscErrorCode March(Loop *loop)
 
     PetscCall(MpmMarchStep(loop->march, sample));
     if (sample) PetscCall(Sample(loop, &follow));
-    if (loop->output && (step % scene->output_every == 0 || step == scene->steps)) PetscCall(WriteOutput(loop));
-    if (follow) PetscCall(Keep(loop, &stop));
+    PetscCall(TellStep(loop, &stop));
     PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
   }
-  loop->run->stopped = stop;
+  loop->run->stopped = stop && loop->march->step < scene->steps ? PETSC_TRUE : PETSC_FALSE;
   loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every file was tried when the scene was read, and has its name only when the work is done. */
-static PetscErrorCode OpenFiles(Loop *loop)
-{
-  const MpmScene *scene = loop->run->scene;
-
-  PetscFunctionBegin;
-  if (scene->output[0]) PetscCall(MpmOutputCreate(loop->march, &loop->output));
-  if (scene->csv[0]) {
-    PetscCall(MpmTextFileOpen(scene->csv, &loop->csv));
-    PetscCall(MpmRunCsvBegin(loop->run, loop->csv_before, &loop->csv));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A run that was stopped leaves its checkpoint alone. */
-static PetscErrorCode CloseFiles(Loop *loop)
-{
-  const PetscBool keep = loop->run->stopped ? PETSC_FALSE : PETSC_TRUE;
-
-  PetscFunctionBegin;
-  if (loop->output) PetscCall(MpmOutputDestroy(keep, &loop->output));
-  if (loop->run->scene->csv[0] && keep) PetscCall(MpmTextFileClose(&loop->csv));
-  if (!keep) MpmTextFileDrop(&loop->csv);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* From the scene's initial data, or from where another run was. */
 static PetscErrorCode Begin(Loop *loop)
 {
-  const MpmScene *scene = loop->run->scene;
+  const MpmRunCallbacks *c = loop->callbacks;
 
   PetscFunctionBegin;
-  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop->march));
-  if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, loop->march, loop->run, &loop->csv_before));
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, loop->run->scene, &loop->march));
+  if (c->begin) PetscCall(c->begin(c->context, loop->run, loop->march));
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
   PetscCall(MpmTransferDiagnosticsCreate(loop->march, &loop->exchange));
-  if (scene->checkpoint[0]) MpmStopInstall();
-  PetscCall(OpenFiles(loop));
-  PetscCall(PetscFree(loop->csv_before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -216,9 +165,10 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+PetscErrorCode MpmRunCreateWith(const MpmScene *scene, const MpmRunCallbacks *callbacks, PetscReal started,
+                                MpmRun **run)
 {
-  Loop      loop = {.gap = SampleGap(scene)};
+  Loop      loop = {.gap = SampleGap(scene), .callbacks = callbacks};
   MpmRun   *r;
   PetscBool alike; /* on all ranks */
 
@@ -232,12 +182,11 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
   PetscCall(MpmPredict(scene, &r->predictions));
   r->eigenmode = NAN;
-  if (scene->initial == MPM_INITIAL_EIGENMODE) PetscCall(MpmModeFileGrowth(scene, &r->eigenmode));
-  loop.run = r;
+  loop.run     = r;
   PetscCall(Begin(&loop));
   PetscCall(March(&loop));
   PetscCall(Check(&loop));
-  PetscCall(CloseFiles(&loop));
+  if (callbacks->end) PetscCall(callbacks->end(callbacks->context, r, loop.march));
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
   r->steps = loop.march->step;
   alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
@@ -254,6 +203,15 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
   r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
   r->wall_s  = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+{
+  const MpmRunCallbacks none = {.context = NULL};
+
+  PetscFunctionBegin;
+  PetscCall(MpmRunCreateWith(scene, &none, started, run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,8 +8,8 @@
 /*S
    MpmRun - the result of the task run.
 
-   from: the step that a run went on from, 0 without a restart. stopped: SIGTERM ended it, and nothing but the
-   checkpoint is of use. eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN.
+   from: the step at which this run began, 0 unless it resumed from a checkpoint. stopped: a signal ended it before its
+   last step. eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN.
    Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
    of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: of what there was at the start
    of the run (NaN: none to conserve, or the state was lost). lost: one step enlarged the state beyond what rescaling
@@ -33,10 +33,35 @@ typedef struct {
   MpmTransferDiagnosticsSample exchange_first, exchange_last, exchange_most;
 } MpmRun;
 
-/*
-   MpmRunCreate - marches a scene, writes the files it asks for, and measures.
+/*S
+   MpmRunCallbacks - what a caller does while a run marches: restarts, files, signals. The march knows nothing of them.
 
-   Collective on PETSC_COMM_WORLD. started is the MPI_Wtime at which the program began.
+   Each function is collective and gets context; one that is NULL is left out. begin: the march has the scene's initial
+   data; it may replace them and the run's series by those of a checkpoint, and fills what an eigenmode starts from.
+   sample: a step whose norm and energy were recorded; log_norm is the logarithm of the state's norm, exchange NULL where
+   none was asked for. step: after begin, and after each step; run->lost says that the run cannot follow its state, and ends there; stop asks it
+   to end.
+   end: the march is at its end, or was stopped (run->stopped). The time of all but begin and end is taken out of
+   run->loop_s.
+S*/
+typedef struct {
+  void *context;
+  PetscErrorCode (*begin)(void *context, MpmRun *run, MpmMarch *march);
+  PetscErrorCode (*sample)(void *context, const MpmRun *run, const MpmMarch *march,
+                           const MpmTransferDiagnostics *exchange, PetscReal log_norm, PetscReal energy);
+  PetscErrorCode (*step)(void *context, const MpmRun *run, MpmMarch *march, PetscBool *stop);
+  PetscErrorCode (*end)(void *context, const MpmRun *run, MpmMarch *march);
+} MpmRunCallbacks;
+
+/*
+   MpmRunCreate - marches a scene from its initial data and measures; it reads and writes no file.
+
+   Collective on PETSC_COMM_WORLD. started is the MPI_Wtime at which the program began. Data of an eigenmode come from a
+   file: such a scene needs MpmRunCreateWith.
 */
 PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run);
+
+/* The same with callbacks. */
+PetscErrorCode MpmRunCreateWith(const MpmScene *scene, const MpmRunCallbacks *callbacks, PetscReal started,
+                                MpmRun **run);
 PetscErrorCode MpmRunDestroy(MpmRun **run);

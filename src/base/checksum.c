@@ -15,12 +15,12 @@
 
 static const char header[] = "mpmstab checkpoint\nformat %d\nbytes %lld\nsum %llx\n";
 
-/* The sum over words [begin, end) behind the seal; the last one is filled up with zeros. */
+/* The sum over words [begin, end) behind the checksum; the last one is filled up with zeros. */
 static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
 {
   static uint64_t word[CHUNK];
 
-  if (fseeko(file, MPM_SEAL_BYTES + 8 * begin, SEEK_SET)) return errno;
+  if (fseeko(file, MPM_CHECKSUM_BYTES + 8 * begin, SEEK_SET)) return errno;
   while (begin < end) {
     const size_t n = (size_t)PetscMin(end - begin, CHUNK);
 
@@ -50,7 +50,7 @@ static PetscErrorCode Sum(MPI_Comm comm, const char path[], long long *bytes, ui
     if (fstat(fileno(file), &is))
       *error = errno;
     else {
-      const long long words = PetscMax((long long)is.st_size - MPM_SEAL_BYTES + 7, 0) / 8;
+      const long long words = PetscMax((long long)is.st_size - MPM_CHECKSUM_BYTES + 7, 0) / 8;
 
       *bytes = (long long)is.st_size;
       *error = SumWords(file, words * rank / size, words * (rank + 1) / size, sum);
@@ -69,7 +69,7 @@ static int Stamp(const char path[], const char text[])
   int   error = 0;
 
   if (!file) return errno;
-  if (fwrite(text, 1, MPM_SEAL_BYTES, file) != MPM_SEAL_BYTES || fflush(file) || fsync(fileno(file)))
+  if (fwrite(text, 1, MPM_CHECKSUM_BYTES, file) != MPM_CHECKSUM_BYTES || fflush(file) || fsync(fileno(file)))
     error = errno ? errno : EIO;
   if (fclose(file) && !error) error = errno;
   return error;
@@ -77,7 +77,7 @@ static int Stamp(const char path[], const char text[])
 
 PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
 {
-  char        text[MPM_SEAL_BYTES] = "";
+  char        text[MPM_CHECKSUM_BYTES] = "";
   PetscMPIInt rank;
   uint64_t    sum;
   long long   bytes;
@@ -103,31 +103,31 @@ static FILE *Open(const char path[], int *error)
   return file;
 }
 
-/* What rank 0 reads from the seal, on all ranks; text is empty when there is none. */
-static PetscErrorCode ReadSeal(MPI_Comm comm, const char path[], char text[], int *error)
+/* The first bytes as rank 0 reads them, on all ranks; text is empty when there is none. */
+static PetscErrorCode ReadFirstBytes(MPI_Comm comm, const char path[], char text[], int *error)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  memset(text, 0, MPM_SEAL_BYTES + 1);
+  memset(text, 0, MPM_CHECKSUM_BYTES + 1);
   *error = 0;
   if (rank == 0) {
     FILE *file = Open(path, error);
 
     if (file) {
-      if (fread(text, 1, MPM_SEAL_BYTES, file) < MPM_SEAL_BYTES && ferror(file)) *error = errno ? errno : EIO;
+      if (fread(text, 1, MPM_CHECKSUM_BYTES, file) < MPM_CHECKSUM_BYTES && ferror(file)) *error = errno ? errno : EIO;
       fclose(file);
     }
   }
   PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, comm));
-  PetscCallMPI(MPI_Bcast(text, MPM_SEAL_BYTES + 1, MPI_CHAR, 0, comm));
+  PetscCallMPI(MPI_Bcast(text, MPM_CHECKSUM_BYTES + 1, MPI_CHAR, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, char why[])
 {
-  char               text[MPM_SEAL_BYTES + 1];
+  char               text[MPM_CHECKSUM_BYTES + 1];
   int                error, format = 0, fields;
   long long          said     = 0, bytes;
   unsigned long long said_sum = 0;
@@ -135,7 +135,7 @@ PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, c
 
   PetscFunctionBegin;
   why[0] = '\0';
-  PetscCall(ReadSeal(comm, path, text, &error));
+  PetscCall(ReadFirstBytes(comm, path, text, &error));
   fields = sscanf(text, header, &format, &said, &said_sum);
   if (error)
     snprintf(why, room, "cannot be read: %s", strerror(error));
@@ -152,6 +152,6 @@ PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, c
   else if (bytes != said)
     snprintf(why, room, "damaged: it has %lld bytes of %lld", bytes, said);
   else if (sum != said_sum)
-    snprintf(why, room, "damaged: its sum is not the one it was sealed with");
+    snprintf(why, room, "damaged: its bytes do not have the checksum that it was written with");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,17 +1,10 @@
-/* Refusals print one line; errors inside the program keep PETSc's stack trace. */
+/* Refusals print one line, and so does what memory or PETSc's options cause; other errors keep PETSc's stack trace. */
 #include <mpmstab/errors.h>
-#include "base/unfinished.h"
 #include <ctype.h>
 #include <stdarg.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-static char blamed[PETSC_MAX_PATH_LEN];
-
-void MpmErrorsBlame(const char file[])
-{
-  (void)PetscStrncpy(blamed, file, sizeof blamed);
-}
 
 /* One line whatever the input holds: a value may have line ends in it, or a terminal's control sequences. */
 static void PrintLine(const char message[])
@@ -22,32 +15,85 @@ static void PrintLine(const char message[])
   fprintf(stderr, "\n");
 }
 
-/* One rank's write has failed, the others may wait for it: whoever finds the file still there speaks for all. */
-static void LeaveFile(const char message[])
-{
-  char        why[PETSC_MAX_PATH_LEN + 256];
-  PetscMPIInt size = 1;
+/* What the names of PETSc's and SLEPc's options begin with; none of ours does. */
+static const char *const foreign[] = {"mat_", "vec_", "sf_",  "ksp_", "pc_", "eps_",   "st_",    "ds_",    "bv_",
+                                      "rg_",  "fn_",  "svd_", "dm_",  "is_", "nodal_", "swarm_", "petsc_", "mg_"};
 
-  (void)PetscSNPrintf(why, sizeof why, "%s: cannot be written: %s; allowed: a disk with room", blamed, message);
-  if (MpmUnfinishedRemove()) PrintLine(why);
-  MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  if (size == 1) _exit(MPM_EXIT_REFUSED); /* MPI_Abort would have words of its own */
-  MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_REFUSED);
+static PetscBool IsForeign(const char word[])
+{
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(foreign); i++)
+    if (word[0] == '-' && !strncmp(word + 1, foreign[i], strlen(foreign[i]))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* PETSc gives all options as words; a word that begins with '-' and is no number is a name. */
+PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[])
+{
+  char     *all, *next = NULL;
+  PetscBool take = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  text[0] = '\0';
+  PetscCall(PetscOptionsGetAll(NULL, &all));
+  for (char *word = strtok_r(all, " ", &next); word; word = strtok_r(NULL, " ", &next)) {
+    if (word[0] == '-' && isalpha((unsigned char)word[1])) take = IsForeign(word);
+    if (!take || strlen(text) + strlen(word) + 2 > room) continue;
+    if (text[0]) PetscCall(PetscStrlcat(text, " ", room));
+    PetscCall(PetscStrlcat(text, word, room));
+  }
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode explained; /* the error that was said in one line, though it is no refusal */
+
+/* One line for what is no fault of the program; whether there is one. */
+static PetscBool Explain(PetscErrorCode code, const char message[], size_t room, char why[])
+{
+  char given[512] = "";
+
+  if (code == PETSC_ERR_MEM) {
+    (void)snprintf(why, room, "memory ends: %s; allowed: fewer cells or particles, more ranks or more memory", message);
+    return PETSC_TRUE;
+  }
+  if (code == PETSC_ERR_PLIB || code == PETSC_ERR_SIG || MpmErrorsGivenOptions(sizeof given, given) || !given[0])
+    return PETSC_FALSE;
+  (void)snprintf(why, room, "PETSc cannot do what its options ask: %s; given: %s; allowed: see its manual pages",
+                 message, given);
+  return PETSC_TRUE;
 }
 
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
   PetscMPIInt rank = 0;
+  char        why[2048];
 
-  if (code == PETSC_ERR_LIB && kind == PETSC_ERROR_INITIAL && blamed[0]) LeaveFile(message);
-  if (code != PETSC_ERR_USER_INPUT)
+  if (kind != PETSC_ERROR_INITIAL && (code == PETSC_ERR_USER_INPUT || code == explained)) return code;
+  if (code == PETSC_ERR_USER_INPUT)
+    (void)snprintf(why, sizeof why, "%s", message);
+  else if (kind == PETSC_ERROR_INITIAL && Explain(code, message, sizeof why, why))
+    explained = code;
+  else
     return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
-  if (kind == PETSC_ERROR_INITIAL) {
-    MPI_Comm_rank(comm, &rank);
-    if (rank == 0) PrintLine(message);
-  }
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0) PrintLine(why);
   return code;
+}
+
+int MpmErrorsStatus(PetscErrorCode error)
+{
+  return error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
+}
+
+void MpmErrorsEnd(int status)
+{
+  PetscMPIInt size = 1;
+
+  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  fflush(NULL);
+  if (size == 1) _exit(status); /* MPI_Abort would have words of its own */
+  MPI_Abort(PETSC_COMM_WORLD, status);
 }
 
 static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *function, const char *file,

@@ -16,11 +16,11 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv)
 
 int MpmFinalize(PetscErrorCode ierr, int status)
 {
-  if (ierr) (void)MpmUnfinishedRemove();
-  if (ierr == PETSC_ERR_USER_INPUT)
-    status = MPM_EXIT_REFUSED;
-  else if (ierr)
-    MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
+  if (ierr) {
+    MpmUnfinishedRemove();
+    status = MpmErrorsStatus(ierr);
+  }
+  if (ierr && ierr != PETSC_ERR_USER_INPUT) MpmErrorsEnd(status); /* the other ranks may be waiting */
   (void)PetscPopErrorHandler();
   if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
   return SlepcFinalize() ? MPM_EXIT_REFUSED : status;

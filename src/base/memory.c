@@ -1,12 +1,15 @@
 /* What the machine has left, and what is asked of it. */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "base/memory.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdio.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #define PLENTY 1e8 /* bytes: less is not worth asking the machine for */
 #define GB 1073741824.0
+#define LAPACK_BYTES 201326592 /* bytes: OpenBLAS asks for up to 128 MB at once */
 
 /* One number of a file, in bytes; INFINITY when the machine has none such. */
 static PetscReal Number(const char path[], const char format[], PetscReal unit)
@@ -61,5 +64,17 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
                 "%s: %s needs about %.2g GB, %.2g GB on each of %d "
                 "ranks; allowed: %.2g GB a rank, so fewer cells or particles, or more machines",
                 size, what, bytes / GB, bytes / ranks / GB, ranks, least / GB);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMemoryCheckLapack(void)
+{
+  void *buffer = mmap(NULL, LAPACK_BYTES, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  int   fits   = buffer != MAP_FAILED;
+
+  PetscFunctionBegin;
+  if (fits) (void)munmap(buffer, LAPACK_BYTES);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fits, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
+  MpmCheckInput(fits, "memory: the shell grants too little to start with (ulimit -v); allowed: 0.2 GB more");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

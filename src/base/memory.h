@@ -12,3 +12,11 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
 
 /* Collective. The least that a rank may have, if those of a machine share it evenly; INFINITY: not known. */
 PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
+
+/*
+   MpmMemoryCheckLapack - refuses when the shell grants less address space (ulimit -v) than the buffer that OpenBLAS asks
+   for at its first call: it would ask for it for ever.
+
+   Collective on PETSC_COMM_WORLD.
+*/
+PetscErrorCode MpmMemoryCheckLapack(void);

@@ -1,4 +1,4 @@
-/* Signals that ask for an end: unlink() and a flag are all that a handler may touch. */
+/* Signals that ask for an end: a handler calls nothing but unlink, sigaction and raise, and sets a flag. */
 #include "base/stop.h"
 #include "base/unfinished.h"
 #include <signal.h>
@@ -6,35 +6,39 @@
 static volatile sig_atomic_t asked;
 static PetscBool             stopped;
 
+static const int signals[] = {SIGTERM, SIGHUP, SIGINT, SIGXCPU, SIGQUIT};
+
+/* The signal's own action is back already: the program ends as if there were no handler. */
 static void Clean(int signal)
 {
-  (void)MpmUnfinishedRemove();
-  (void)raise(signal); /* its own action is back already */
+  MpmUnfinishedRemove();
+  (void)raise(signal);
 }
 
-static void Ask(int signal)
+static void Install(int signal, void (*handler)(int))
 {
-  (void)signal;
-  asked = 1;
-}
-
-static void Install(void (*handler)(int))
-{
-  const int        signals[] = {SIGTERM, SIGHUP, SIGINT, SIGXCPU};
-  struct sigaction action    = {.sa_handler = handler, .sa_flags = SA_RESETHAND};
+  struct sigaction action = {.sa_handler = handler, .sa_flags = SA_RESETHAND};
 
   (void)sigemptyset(&action.sa_mask);
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(signals); i++) (void)sigaction(signals[i], &action, NULL);
+  (void)sigaction(signal, &action, NULL);
+}
+
+/* A second signal ends the program at once, and still leaves no unfinished file. */
+static void Ask(int signal)
+{
+  asked = 1;
+  Install(signal, Clean);
 }
 
 void MpmStopClean(void)
 {
-  Install(Clean);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(signals); i++) Install(signals[i], Clean);
 }
 
 void MpmStopInstall(void)
 {
-  Install(Ask);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(signals); i++)
+    if (signals[i] != SIGQUIT) Install(signals[i], Ask);
 }
 
 PetscErrorCode MpmStopAgreed(MPI_Comm comm, PetscBool *stop)

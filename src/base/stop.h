@@ -1,11 +1,14 @@
-/* Stop: what the program does when it is asked to end by SIGTERM, SIGHUP, SIGINT or SIGXCPU. */
+/* Stop: what the program does when SIGTERM, SIGHUP, SIGINT, SIGXCPU or SIGQUIT asks it to end. */
 #pragma once
 #include <mpmstab/compat.h>
 
 /* Not collective. From here on such a signal removes the files that are not finished, and ends the program. */
 void MpmStopClean(void);
 
-/* Not collective. From here on the first such signal asks; a second one ends the program. */
+/*
+   Not collective. From here on the first such signal only sets a flag, which MpmStopAgreed reads; a second one ends the
+   program. SIGQUIT ends it at once.
+*/
 void MpmStopInstall(void);
 
 /* Collective. Whether any rank has been asked. */

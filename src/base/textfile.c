@@ -1,9 +1,8 @@
-/* Files that appear whole or not at all: written aside, checked, renamed. */
+/* Text files written aside, checked and renamed; the making and naming of any such file. */
 #include <mpmstab/errors.h>
 #include "base/textfile.h"
 #include "base/unfinished.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,10 +16,10 @@ static const char *Reason(int error)
 }
 
 /* Rank 0's errno on all ranks, so that they refuse together. */
-static PetscErrorCode ShareErrno(int *error)
+static PetscErrorCode ShareErrno(MPI_Comm comm, int *error)
 {
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -34,64 +33,67 @@ static PetscBool IsFirst(void)
 
 PetscErrorCode MpmFileCheck(const char name[], const char path[])
 {
-  char part[PETSC_MAX_PATH_LEN];
-  int  error = 0;
+  int error = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(part, sizeof part, "%s.part", path));
   if (IsFirst()) {
+    char        part[PETSC_MAX_PATH_LEN];
     struct stat is;
-    FILE       *file = NULL;
 
     /* the finished file takes the place of what has its name: no device's, and no link's whose target would stay */
     if (!lstat(path, &is) && !S_ISREG(is.st_mode))
       error = S_ISDIR(is.st_mode) ? EISDIR : NOT_A_FILE;
-    else if (!(file = fopen(part, "ab")))
-      error = errno;
-    else {
-      fclose(file);
-      if (unlink(part)) error = errno;
+    else if (!(error = MpmUnfinishedCreate(path, part))) {
+      MpmUnfinishedDrop(part);
+      MpmUnfinishedClear(path);
     }
   }
-  PetscCall(ShareErrno(&error));
+  PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
   MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path, Reason(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFileReserve(MPI_Comm comm, const char what[], const char part[], PetscInt64 bytes)
+PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_MAX_PATH_LEN], int *error)
 {
   PetscMPIInt rank;
-  int         error = 0;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) {
-    const int file = open(part, O_CREAT | O_WRONLY | O_TRUNC, 0666);
+  part[0] = '\0';
+  *error  = 0;
+  if (rank == 0) *error = MpmUnfinishedCreate(path, part);
+  PetscCall(ShareErrno(comm, error));
+  PetscCallMPI(MPI_Bcast(part, PETSC_MAX_PATH_LEN, MPI_CHAR, 0, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    error = file < 0 ? errno : posix_fallocate(file, 0, (off_t)bytes);
-    if (file >= 0) (void)close(file);
-    (void)unlink(part);
-  }
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
-  MpmCheckInput(!error, "%s: cannot be written: %s; it needs a folder that is there and %.3g MB of room", what,
-                strerror(error), 1e-6 * (PetscReal)bytes);
+PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  *error = 0;
+  if (rank == 0) *error = MpmUnfinishedFinish(part, path);
+  PetscCall(ShareErrno(comm, error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
 {
-  int error = 0;
+  int error;
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
-  PetscCall(PetscSNPrintf(file->part, sizeof file->part, "%s.part", path));
+  PetscCall(MpmFileCreate(PETSC_COMM_WORLD, path, file->part, &error));
   file->stream = NULL;
-  MpmUnfinishedAdd(file->part);
-  if (IsFirst()) {
-    file->stream = fopen(file->part, "w");
+  if (!error && IsFirst()) {
+    const int own = dup(MpmUnfinishedDescriptor(file->part));
+
+    file->stream = own < 0 ? NULL : fdopen(own, "w+");
     if (!file->stream) error = errno;
   }
-  PetscCall(ShareErrno(&error));
+  PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,17 +106,22 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
     fprintf(file->stream, ",");
 }
 
-/* On the rank that writes; returns an errno. */
+/* On the rank that writes, from the open file itself; returns an errno. */
 static int ReadBack(const MpmTextFile *file, char **text)
 {
-  const long end   = fflush(file->stream) ? -1 : ftell(file->stream);
-  FILE      *again = end < 0 ? NULL : fopen(file->part, "r");
-  int        error = again ? 0 : errno;
+  const long end  = fflush(file->stream) ? -1 : ftell(file->stream);
+  long       done = 0;
 
-  if (again && PetscCalloc1((size_t)end + 1, text)) error = ENOMEM;
-  if (!error && fread(*text, 1, (size_t)end, again) < (size_t)end) error = EIO;
-  if (again) fclose(again);
-  return error;
+  if (end < 0) return errno;
+  if (PetscCalloc1((size_t)end + 1, text)) return ENOMEM;
+  while (done < end) {
+    const ssize_t n = pread(fileno(file->stream), *text + done, (size_t)(end - done), done);
+
+    if (n < 0 && errno != EINTR) return errno;
+    if (n == 0) return EIO;
+    if (n > 0) done += n;
+  }
+  return 0;
 }
 
 PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
@@ -124,8 +131,8 @@ PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
   PetscFunctionBegin;
   *text = NULL;
   if (file->stream) error = ReadBack(file, text);
-  PetscCall(ShareErrno(&error));
-  MpmCheckInput(!error, "%s: cannot be read back: %s", file->part, strerror(error));
+  PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
+  MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,8 +140,8 @@ void MpmTextFileDrop(MpmTextFile *file)
 {
   if (!file->stream) return;
   fclose(file->stream);
-  (void)unlink(file->part);
-  MpmUnfinishedDone(file->part);
+  file->stream = NULL;
+  MpmUnfinishedDrop(file->part);
 }
 
 PetscErrorCode MpmTextFileClose(MpmTextFile *file)
@@ -145,11 +152,13 @@ PetscErrorCode MpmTextFileClose(MpmTextFile *file)
   if (file->stream) {
     if (fflush(file->stream) || ferror(file->stream)) error = errno ? errno : EIO;
     if (fclose(file->stream) && !error) error = errno;
-    if (!error && rename(file->part, file->path)) error = errno;
-    if (error) (void)unlink(file->part);
+    file->stream = NULL;
+    if (error)
+      MpmUnfinishedDrop(file->part);
+    else
+      error = MpmUnfinishedFinish(file->part, file->path);
   }
-  MpmUnfinishedDone(file->part);
-  PetscCall(ShareErrno(&error));
+  PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,50 +1,164 @@
-/* The files that have not got their names yet. */
+/* Names aside, and the list of files that this process has not finished. */
 #include "base/unfinished.h"
+#include "base/hash.h"
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
+#include <time.h>
 #include <unistd.h>
 
-#define MOST 8
-#define COMMUNICATORS 16 /* of Open MPI's that may have a file open */
+#define MOST 8       /* files at a time */
+#define MOST_HOST 32 /* characters of the host's name, of the 255 that a file's name may have */
+#define MOST_NAMES 8 /* tries */
 
-static char     parts[MOST][PETSC_MAX_PATH_LEN];
-static PetscInt last;
+static struct {
+  char part[PETSC_MAX_PATH_LEN];
+  int  descriptor;
+} files[MOST];
 
-void MpmUnfinishedAdd(const char part[])
+/* The host's name in characters that are safe in a file's name. */
+static void NameHost(char host[MOST_HOST + 1])
 {
-  for (PetscInt i = 0; i < MOST; i++) {
-    if (parts[i][0]) continue;
-    (void)PetscStrncpy(parts[i], part, sizeof parts[i]);
-    last = i;
-    return;
+  char name[256] = "";
+
+  if (gethostname(name, sizeof name - 1) || !name[0]) (void)snprintf(name, sizeof name, "unknown");
+  (void)snprintf(host, MOST_HOST + 1, "%.*s", MOST_HOST, name);
+  for (char *c = host; *c; c++)
+    if (!isalnum((unsigned char)*c)) *c = '_';
+}
+
+static unsigned Random(void)
+{
+  static uint64_t calls;
+  struct timespec now = {0, 0};
+
+  (void)clock_gettime(CLOCK_REALTIME, &now);
+  return (unsigned)MpmHashMix((uint64_t)now.tv_nsec + ((uint64_t)now.tv_sec << 30) + ((uint64_t)getpid() << 40) +
+                              ++calls * MPM_HASH_INCREMENT);
+}
+
+/* Registered before it is made, so that a signal in between leaves nothing. */
+int MpmUnfinishedCreate(const char path[], char part[PETSC_MAX_PATH_LEN])
+{
+  char host[MOST_HOST + 1];
+  int  i = 0, file = -1;
+
+  while (i < MOST && files[i].part[0]) i++;
+  if (i == MOST) return EMFILE;
+  NameHost(host);
+  for (int tries = 0; file < 0 && tries < MOST_NAMES; tries++) {
+    const int length = snprintf(part, PETSC_MAX_PATH_LEN, "%s.%s-%ld-%08x.part", path, host, (long)getpid(), Random());
+
+    if (length >= PETSC_MAX_PATH_LEN) return ENAMETOOLONG;
+    (void)PetscStrncpy(files[i].part, part, sizeof files[i].part);
+    file = open(part, O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+    if (file < 0) {
+      files[i].part[0] = '\0';
+      if (errno != EEXIST) return errno;
+    }
+  }
+  if (file < 0) return EEXIST;
+  (void)flock(file, LOCK_EX | LOCK_NB); /* a file system without locks leaves the process id to tell who lives */
+  files[i].descriptor = file;
+  return 0;
+}
+
+static int Find(const char part[])
+{
+  for (int i = 0; i < MOST; i++)
+    if (files[i].part[0] && !strcmp(files[i].part, part)) return i;
+  return -1;
+}
+
+int MpmUnfinishedDescriptor(const char part[])
+{
+  const int i = Find(part);
+
+  return i < 0 ? -1 : files[i].descriptor;
+}
+
+static void Forget(int i)
+{
+  files[i].part[0] = '\0';
+  (void)close(files[i].descriptor);
+}
+
+int MpmUnfinishedFinish(const char part[], const char path[])
+{
+  const int i     = Find(part);
+  int       error = 0;
+
+  if (i < 0) return ENOENT;
+  if (rename(part, path)) error = errno;
+  if (error) (void)unlink(part);
+  Forget(i);
+  return error;
+}
+
+void MpmUnfinishedDrop(const char part[])
+{
+  const int i = Find(part);
+
+  if (i < 0) return;
+  (void)unlink(part);
+  Forget(i);
+}
+
+void MpmUnfinishedRemove(void)
+{
+  for (int i = 0; i < MOST; i++) {
+    if (!files[i].part[0]) continue;
+    (void)unlink(files[i].part);
+    files[i].part[0] = '\0';
   }
 }
 
-void MpmUnfinishedDone(const char part[])
+/* Whether the process that a name aside tells is one of this host that has died. */
+static PetscBool IsDead(const char name[], const char before[])
 {
-  for (PetscInt i = 0; i < MOST; i++)
-    if (!strcmp(parts[i], part)) parts[i][0] = '\0';
+  const size_t length = strlen(before);
+  int          end    = 0;
+  long         process;
+  unsigned     random;
+
+  if (strncmp(name, before, length)) return PETSC_FALSE;
+  if (sscanf(name + length, "%ld-%8x.part%n", &process, &random, &end) != 2 || !end || name[length + (size_t)end])
+    return PETSC_FALSE;
+  return process > 0 && kill((pid_t)process, 0) && errno == ESRCH ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* What Open MPI has beside a file that one process keeps open (sharedfp lockedfile), named by communicator and process. */
-static void RemoveLock(const char part[])
+/* A process may be dead here and alive in another container that shares the folder: then it holds the lock. */
+static void RemoveUnlocked(const char part[])
 {
-  char lock[PETSC_MAX_PATH_LEN];
+  const int file = open(part, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
 
-  for (int communicator = 0; communicator < COMMUNICATORS; communicator++)
-    if (snprintf(lock, sizeof lock, "%s-%d-%ld.lock", part, communicator, (long)getpid()) < (int)sizeof lock)
-      (void)unlink(lock);
+  if (file < 0) return;
+  if (!flock(file, LOCK_EX | LOCK_NB)) (void)unlink(part);
+  (void)close(file);
 }
 
-PetscBool MpmUnfinishedRemove(void)
+void MpmUnfinishedClear(const char path[])
 {
-  PetscBool was_there = PETSC_FALSE;
+  const char          *slash  = strrchr(path, '/');
+  const size_t         folder = slash ? (size_t)(slash - path) + 1 : 0;
+  char                 host[MOST_HOST + 1], before[PETSC_MAX_PATH_LEN], part[2 * PETSC_MAX_PATH_LEN];
+  DIR                 *entries;
+  const struct dirent *entry;
 
-  for (PetscInt i = 0; i < MOST; i++) {
-    if (!parts[i][0]) continue;
-    if (!unlink(parts[i]) && i == last) was_there = PETSC_TRUE;
-    RemoveLock(parts[i]);
-    parts[i][0] = '\0';
+  NameHost(host);
+  if (snprintf(before, sizeof before, "%s.%s-", path + folder, host) >= (int)sizeof before) return;
+  (void)snprintf(part, sizeof part, "%.*s.", (int)folder, path);
+  entries = opendir(part);
+  if (!entries) return;
+  while ((entry = readdir(entries)) != NULL) {
+    if (!IsDead(entry->d_name, before)) continue;
+    (void)snprintf(part, sizeof part, "%.*s%s", (int)folder, path, entry->d_name);
+    RemoveUnlocked(part);
   }
-  return was_there;
+  (void)closedir(entries);
 }

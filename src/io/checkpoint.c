@@ -1,29 +1,34 @@
-/* Writing a checkpoint: what it holds, in which arrays. Reading it: checkpoint_read.c. */
+/*
+   A checkpoint: what it holds, in which arrays, written and read. What all ranks hold is checked before it is used, the
+   rest once it is read (checkpoint_check.c).
+*/
 #include "io/checkpoint.h"
+#include "io/checkpoint_file.h"
+#include "io/hdf5.h"
+#include "march/conserved.h"
 #include <mpmstab/errors.h>
 #include "scene/scene_keys.h"
-#include "base/textfile.h"
 #include "base/checksum.h"
-#include "io/slabs.h"
+#include "base/textfile.h"
 #include "base/unfinished.h"
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-/* Arrays of which the first rank writes all. */
-static PetscErrorCode FromFirst(MpmSlabs *s, const char name[], hid_t type, PetscInt64 n, const void *values)
+#define ANY -1 /* length */
+
+/* An array that the first rank holds whole. */
+static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, PetscInt64 n, const void *values)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(s->comm, &rank));
-  PetscCall(MpmSlabsWrite(s, name, type, rank ? 0 : n, values));
+  PetscCall(MpmHdf5Write(s, name, type, rank ? 0 : n, 1, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Lines 'name text'. */
-static PetscErrorCode WriteScene(MpmSlabs *s, const MpmScene *scene)
+static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 {
   MpmSceneKey fact[MPM_MAX_SCENE_KEYS];
   char        text[MPM_MAX_SCENE_KEYS * (MPM_COUNTS_TEXT + 32)] = "";
@@ -40,7 +45,7 @@ static PetscErrorCode WriteScene(MpmSlabs *s, const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteRun(MpmSlabs *s, const MpmMarch *march, const MpmRun *run, const char csv[])
+static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *run, const char csv[])
 {
   const MpmSeries *series    = &run->series;
   const PetscInt64 where[]   = {march->step, march->particles->step, march->particles->rebased, march->exponent,
@@ -58,7 +63,7 @@ static PetscErrorCode WriteRun(MpmSlabs *s, const MpmMarch *march, const MpmRun 
 }
 
 /* Cells of the whole grid: local ones mean nothing on another number of ranks. */
-static PetscErrorCode WriteCells(MpmSlabs *s, const MpmMarch *march)
+static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march)
 {
   const PetscInt  n = march->particles->count;
   const PetscInt *cell;
@@ -68,24 +73,24 @@ static PetscErrorCode WriteCells(MpmSlabs *s, const MpmMarch *march)
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
   PetscCall(PetscMalloc1(n, &global));
   for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->first + cell[p];
-  PetscCall(MpmSlabsWrite(s, MpmFieldCell, H5T_NATIVE_INT64, n, global));
+  PetscCall(MpmHdf5Write(s, MpmFieldCell, H5T_NATIVE_INT64, n, 1, global));
   PetscCall(PetscFree(global));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteField(MpmSlabs *s, const MpmParticles *particles, const char name[], hid_t type)
+static PetscErrorCode WriteField(MpmHdf5 *s, const MpmParticles *particles, const char name[], hid_t type)
 {
   void *values;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, name, &values));
-  PetscCall(MpmSlabsWrite(s, name, type, particles->count, values));
+  PetscCall(MpmHdf5Write(s, name, type, particles->count, 1, values));
   PetscCall(MpmParticlesRestore(particles, name, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteNode(MpmSlabs *s, const char name[], Vec node)
+static PetscErrorCode WriteNode(MpmHdf5 *s, const char name[], Vec node)
 {
   const PetscReal *values;
   PetscInt         n;
@@ -93,12 +98,12 @@ static PetscErrorCode WriteNode(MpmSlabs *s, const char name[], Vec node)
   PetscFunctionBegin;
   PetscCall(VecGetLocalSize(node, &n));
   PetscCall(VecGetArrayRead(node, &values));
-  PetscCall(MpmSlabsWrite(s, name, H5T_NATIVE_DOUBLE, n, values));
+  PetscCall(MpmHdf5Write(s, name, H5T_NATIVE_DOUBLE, n, 1, values));
   PetscCall(VecRestoreArrayRead(node, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteState(MpmSlabs *s, const MpmMarch *march)
+static PetscErrorCode WriteState(MpmHdf5 *s, const MpmMarch *march)
 {
   const PetscInt64 count = march->particles->count;
   PetscInt64       nodes;
@@ -108,8 +113,8 @@ static PetscErrorCode WriteState(MpmSlabs *s, const MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(VecGetLocalSize(march->inverse_mass, &n));
   nodes = n;
-  PetscCall(MpmSlabsWrite(s, "rank_particles", H5T_NATIVE_INT64, 1, &count));
-  PetscCall(MpmSlabsWrite(s, "rank_nodes", H5T_NATIVE_INT64, 1, &nodes));
+  PetscCall(MpmHdf5Write(s, "rank_particles", H5T_NATIVE_INT64, 1, 1, &count));
+  PetscCall(MpmHdf5Write(s, "rank_nodes", H5T_NATIVE_INT64, 1, 1, &nodes));
   PetscCall(WriteField(s, march->particles, DMSwarmField_pid, H5T_NATIVE_INT64));
   PetscCall(WriteField(s, march->particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
   PetscCall(WriteCells(s, march));
@@ -123,41 +128,25 @@ static PetscErrorCode WriteState(MpmSlabs *s, const MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What all arrays together take, and something for HDF5's own. */
-static PetscErrorCode Reserve(const char path[], const char part[], const MpmMarch *march, const MpmRun *run,
-                              const char csv[])
-{
-  char       what[PETSC_MAX_PATH_LEN + 64];
-  PetscInt64 bytes = 8 * (3 + march->scheme->table->nstate) * march->particles->total + 24 * run->series.n + (1 << 20);
-  PetscInt   nodes;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(march->inverse_mass, &nodes));
-  bytes +=
-      8 * (1 + march->nnodes) * ((PetscInt64)march->layout->grid.nodes + nodes) + (csv ? (PetscInt64)strlen(csv) : 0);
-  PetscCall(PetscSNPrintf(what, sizeof what, "checkpoint %s of step %" PetscInt64_FMT, path, march->step));
-  PetscCall(MpmFileReserve(PetscObjectComm((PetscObject)march->grid->da), what, part, bytes));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The file aside gets its name once it is on the disk; whatever goes wrong, the checkpoint before it is still there. */
-static PetscErrorCode Name(MPI_Comm comm, const char part[], const char path[], PetscBool failed, PetscInt64 step)
+static PetscErrorCode Finish(MpmHdf5 *file, const char part[], const char path[], PetscInt64 step)
 {
-  PetscMPIInt rank;
-  int         error = failed ? EIO : 0;
+  int       error = 0;
+  PetscBool failed;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (!failed) PetscCall(MpmChecksumWrite(comm, part, &error));
-  if (rank == 0) {
-    if (!error && rename(part, path)) error = errno;
-    if (error) (void)unlink(part);
-  }
-  PetscCallMPI(MPI_Bcast(&error, 1, MPI_INT, 0, comm));
-  MpmCheckInput(!error,
+  PetscCall(MpmHdf5Failed(file, &failed));
+  if (failed) MpmUnfinishedDrop(part);
+  PetscCall(MpmHdf5Close(file, &failed));
+  if (!failed) PetscCall(MpmChecksumWrite(file->comm, part, &error));
+  if (failed || error)
+    MpmUnfinishedDrop(part);
+  else
+    PetscCall(MpmFileFinish(file->comm, path, part, &error));
+  MpmCheckInput(!failed && !error,
                 "checkpoint %s of step %" PetscInt64_FMT ": cannot be written: %s; allowed: a disk with room for it "
                 "(an earlier one there is untouched)",
-                path, step, failed ? "the disk is full, or HDF5 failed" : strerror(error));
+                path, step, failed ? file->why : strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,19 +154,286 @@ PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, cons
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
   char           part[PETSC_MAX_PATH_LEN];
-  PetscBool      failed;
-  MpmSlabs       slabs;
+  int            error;
+  MpmHdf5        file;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(part, sizeof part, "%s.part", path));
-  PetscCall(Reserve(path, part, march, run, csv));
-  MpmUnfinishedAdd(part);
-  PetscCall(MpmSlabsCreate(comm, part, MPM_SEAL_BYTES, &slabs));
-  PetscCall(WriteScene(&slabs, march->scene));
-  PetscCall(WriteRun(&slabs, march, run, csv));
-  PetscCall(WriteState(&slabs, march));
-  PetscCall(MpmSlabsClose(&slabs, &failed));
-  PetscCall(Name(comm, part, path, failed, march->step));
-  MpmUnfinishedDone(part);
+  PetscCall(MpmFileCreate(comm, path, part, &error));
+  MpmCheckInput(!error,
+                "checkpoint %s of step %" PetscInt64_FMT ": cannot be written: %s; allowed: a folder that is there",
+                path, march->step, strerror(error));
+  PetscCall(MpmHdf5Create(comm, part, MPM_CHECKSUM_BYTES, &file));
+  PetscCall(WriteScene(&file, march->scene));
+  PetscCall(WriteRun(&file, march, run, csv));
+  PetscCall(WriteState(&file, march));
+  PetscCall(Finish(&file, part, path, march->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Require(MpmHdf5 *s, const char path[], const char name[], hid_t type, PetscInt64 length)
+{
+  PetscInt64 has;
+
+  PetscFunctionBegin;
+  PetscCall(MpmHdf5Length(s, name, type, &has));
+  MpmCheckInput(has >= 0 && (length == ANY || has == length),
+                "checkpoint %s: no array '%s' of the right length in it; allowed: one that 'mpmstab run' has written",
+                path, name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* All of an array on every rank, with a zero behind it. n: its length, to be found when it is ANY. */
+static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
+                          void *values)
+{
+  PetscFunctionBegin;
+  PetscCall(Require(s, path, name, type, *n));
+  PetscCall(MpmHdf5Length(s, name, type, n));
+  PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
+  PetscCall(MpmHdf5Read(s, name, type, 0, *n, *(char **)values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadRun(MpmHdf5 *s, MpmCheckpoint *f)
+{
+  const hid_t integer = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
+
+  PetscFunctionBegin;
+  f->scene_length = f->csv_length = f->samples = f->ranks = ANY;
+  PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
+  PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
+  PetscCall(Require(s, f->path, "where", integer, MPM_WHERE));
+  PetscCall(MpmHdf5Read(s, "where", integer, 0, MPM_WHERE, f->where));
+  PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
+  PetscCall(MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
+  PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
+  PetscCall(All(s, f->path, "series_state", real, sizeof *f->log_state, &f->samples, &f->log_state));
+  PetscCall(All(s, f->path, "series_grid", real, sizeof *f->log_grid, &f->samples, &f->log_grid));
+  PetscCall(All(s, f->path, "rank_particles", integer, sizeof *f->rank_particles, &f->ranks, &f->rank_particles));
+  PetscCall(All(s, f->path, "rank_nodes", integer, sizeof *f->rank_nodes, &f->ranks, &f->rank_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Free(MpmCheckpoint *f)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(f->scene));
+  PetscCall(PetscFree(f->csv));
+  PetscCall(PetscFree(f->sample_step));
+  PetscCall(PetscFree(f->log_state));
+  PetscCall(PetscFree(f->log_grid));
+  PetscCall(PetscFree(f->rank_particles));
+  PetscCall(PetscFree(f->rank_nodes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What HDF5 could not read has no value to be checked. */
+static PetscErrorCode CheckRead(MpmHdf5 *s, const char path[])
+{
+  PetscBool failed;
+
+  PetscFunctionBegin;
+  PetscCall(MpmHdf5Failed(s, &failed));
+  MpmCheckInput(!failed, "checkpoint %s: HDF5 cannot read it; allowed: one that 'mpmstab run' has written", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, MpmCheckpoint *file)
+{
+  const char *path = file->path;
+
+  PetscFunctionBegin;
+  PetscCall(ReadRun(s, file));
+  PetscCall(CheckRead(s, path));
+  PetscCall(MpmCheckpointCheckRun(scene, file));
+  PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->layout.particles));
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++)
+    PetscCall(Require(s, path, scene->scheme.table->fields[f], H5T_NATIVE_DOUBLE, scene->layout.particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The file is closed whether it is refused or not. */
+PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
+{
+  MpmCheckpoint  file = {.path = scene->restart};
+  char           why[256];
+  PetscBool      failed;
+  MpmHdf5        hdf5;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(MpmChecksumCheck(PETSC_COMM_WORLD, file.path, sizeof why, why));
+  MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", file.path, why);
+  PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, file.path, &hdf5));
+  ierr = ReadAndCheckRun(&hdf5, scene, &file);
+  PetscCall(Free(&file));
+  PetscCall(MpmHdf5Close(&hdf5, &failed));
+  PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
+{
+  PetscFunctionBegin;
+  march->step               = file->where[MPM_AT_STEP];
+  march->particles->step    = file->where[MPM_AT_PLACES];
+  march->particles->rebased = file->where[MPM_AT_REBASED];
+  march->exponent           = (PetscInt)file->where[MPM_AT_EXPONENT];
+  run->blew_up_at_step      = file->where[MPM_AT_BLEW_UP];
+  run->energy_initial       = file->numbers[MPM_ENERGY_FIRST];
+  run->energy_final         = file->numbers[MPM_ENERGY_LAST];
+  run->energy_ratio         = file->numbers[MPM_ENERGY_RATIO];
+  run->log_energy_first     = file->numbers[MPM_LOG_ENERGY_FIRST];
+  for (PetscInt64 i = 0; i < file->samples; i++)
+    PetscCall(MpmSeriesAppend(&run->series, file->sample_step[i], file->log_state[i], file->log_grid[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which of the file's particles and nodes this rank reads. same: those that it wrote itself. */
+typedef struct {
+  PetscBool  same;
+  PetscInt64 begin, n, node, nodes;
+} Share;
+
+static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const MpmMarch *march, Share *share)
+{
+  PetscMPIInt rank, size;
+  PetscInt    mine;
+  int         same;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
+  same = file->ranks == size && file->rank_nodes[rank] == mine;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
+  *share = (Share){.same = same ? PETSC_TRUE : PETSC_FALSE};
+  if (share->same) {
+    for (PetscMPIInt r = 0; r < rank; r++) {
+      share->begin += file->rank_particles[r];
+      share->node += file->rank_nodes[r];
+    }
+    share->n     = file->rank_particles[rank];
+    share->nodes = mine;
+  } else {
+    share->begin = march->particles->total * rank / size;
+    share->n     = march->particles->total * (rank + 1) / size - share->begin;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadField(MpmHdf5 *s, const Share *share, const MpmParticles *particles, const char name[],
+                                hid_t type)
+{
+  void *values;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, name, &values));
+  PetscCall(MpmHdf5Read(s, name, type, share->begin, share->n, values));
+  PetscCall(MpmParticlesRestore(particles, name, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *march)
+{
+  PetscInt   *cell;
+  PetscInt64 *global;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(share->n, &global));
+  PetscCall(MpmHdf5Read(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
+  for (PetscInt64 p = 0; p < share->n; p++) /* what is off the grid stays so */
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+  PetscCall(PetscFree(global));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadParticles(MpmHdf5 *s, const Share *share, MpmMarch *march)
+{
+  MpmParticles *particles = march->particles;
+
+  PetscFunctionBegin;
+  particles->count = (PetscInt)share->n;
+  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
+  PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
+  PetscCall(ReadField(s, share, particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
+  PetscCall(ReadCells(s, share, march));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(ReadField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNode(MpmHdf5 *s, const Share *share, const char name[], Vec node)
+{
+  PetscReal *values;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(node, &values));
+  PetscCall(MpmHdf5Read(s, name, H5T_NATIVE_DOUBLE, share->node, share->nodes, values));
+  PetscCall(VecRestoreArray(node, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadNodes(MpmHdf5 *s, const char path[], const Share *share, MpmMarch *march)
+{
+  PetscInt64 length = share->nodes;
+  char       name[32];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPIU_INT64, MPI_SUM, s->comm));
+  PetscCall(Require(s, path, "inverse_mass", H5T_NATIVE_DOUBLE, length));
+  PetscCall(ReadNode(s, share, "inverse_mass", march->inverse_mass));
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
+    PetscCall(Require(s, path, name, H5T_NATIVE_DOUBLE, length));
+    PetscCall(ReadNode(s, share, name, march->node[f]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
+                                Share *share)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadAndCheckRun(s, scene, file));
+  PetscCall(TakeRun(file, march, run));
+  PetscCall(FindShare(s->comm, file, march, share));
+  PetscCall(ReadParticles(s, share, march));
+  if (share->same) PetscCall(ReadNodes(s, file->path, share, march));
+  PetscCall(CheckRead(s, file->path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv)
+{
+  MpmCheckpoint  file = {.path = path};
+  PetscBool      failed;
+  Share          share = {.same = PETSC_FALSE};
+  MpmConserved   before;
+  MpmHdf5        hdf5;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(MpmConservedSum(march, &before));
+  PetscCall(MpmHdf5Open(PetscObjectComm((PetscObject)march->grid->da), path, &hdf5));
+  ierr = ReadState(&hdf5, march->scene, &file, march, run, &share);
+  if (!ierr) {
+    *csv     = file.csv;
+    file.csv = NULL;
+  }
+  PetscCall(Free(&file));
+  PetscCall(MpmHdf5Close(&hdf5, &failed));
+  PetscCall(ierr);
+  PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
+  if (share.same)
+    PetscCall(MpmParticlesComparePlaces(march->particles));
+  else
+    PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmParticlesWeigh(march->particles));
+  if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,28 +1,29 @@
-/* Checkpoint: all that a run goes on with, in a file that is whole or not there. */
+/* Checkpoint: a file that holds all that a run needs in order to resume; it is whole or not there. */
 #pragma once
 #include "march/march_private.h"
 #include "analysis/run.h"
 
 /*
-   MpmCheckpointWrite - the state of a run after a step, as PATH; what was there before stays until the new one is whole
-   and on the disk.
+   MpmCheckpointWrite - writes the state of a run after a step as PATH; a file that was there before stays until the new
+   one is whole and on the disk.
 
-   Collective. HDF5 behind a seal (seal.h): scene as text, particle fields in the order in which the ranks hold them,
-   node fields with ghosts, the series behind the growth, and csv, what has been written of the run's CSV (rank 0; NULL:
-   none). A run that goes on from it on as many ranks is the same to the last bit. Refuses when it cannot be written.
+   Collective. The file is HDF5 behind a checksum (checksum.h). It holds the scene as text, particle fields in the order
+   in which the ranks hold them, node fields with ghosts, the series behind the growth, and csv, the rows of the run's
+   CSV so far (on rank 0; NULL: the run writes none). A run that resumes from it on as many ranks is the same to the last
+   bit. Refuses when it cannot be written.
 */
 PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, const MpmRun *run, const char csv[]);
 
 /*
-   MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or that the scene's steps do not go beyond.
+   MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or of a step beyond the scene's last.
 
    Collective. scene->restart names it.
 */
 PetscErrorCode MpmCheckpointCheck(const MpmScene *scene);
 
 /*
-   MpmCheckpointRead - takes march and run to where they were. csv: to be freed with PetscFree, empty where there was
-   none; on all ranks.
+   MpmCheckpointRead - gives march and run the state that was written. csv: the rows so far, on all ranks, empty where
+   the run wrote no CSV; to be freed with PetscFree.
 
    Collective. On another number of ranks particles go to their owners and nodes are summed anew, which changes the last
    bits.

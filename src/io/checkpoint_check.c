@@ -55,14 +55,14 @@ static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The step is one of the scene's before it is reckoned with. */
+/* The step is checked before anything is computed from it. */
 static PetscErrorCode CheckStep(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneDrifts(scene) ? step : 0;
 
   PetscFunctionBegin;
-  MpmCheckInput(step < scene->steps,
-                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: more steps or time",
+  MpmCheckInput(step <= scene->steps,
+                "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: as many steps or more",
                 file->path, step, scene->steps);
   Allow(step >= 0, file->path, "its step is negative");
   Allow(file->where[MPM_AT_PLACES] == places, file->path, "its particles are at another step");

@@ -2,10 +2,13 @@
 #pragma once
 #include "march/march_private.h"
 
-/* Of the array 'where': the step, that of the places, whole cells of drift taken in, exponent, step of the blow-up. */
+/*
+   The entries of the array 'where': the step, the step of the particles' places, whole cells of drift that are in the
+   cells already, exponent, step of the blow-up.
+*/
 enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_UP, MPM_WHERE };
 
-/* Of 'numbers'. */
+/* The entries of the array 'numbers'. */
 enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
 
 /*S
@@ -23,7 +26,7 @@ typedef struct {
 } MpmCheckpoint;
 
 /*
-   MpmCheckpointCheckRun - refuses a checkpoint of another scene, and numbers that no run has.
+   MpmCheckpointCheckRun - refuses a checkpoint of another scene, and numbers that no run can have.
 
    Not collective: the same on every rank.
 */

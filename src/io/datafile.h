@@ -1,18 +1,21 @@
-/* HDF5 files that appear whole or not at all, with scene and version as attributes of the root. */
+/* Data files: results as HDF5 that appear whole or not at all, with scene and version as attributes of the root. */
 #pragma once
+#include "io/hdf5.h"
 #include <mpmstab/scene.h>
-#include <petscviewer.h>
 
 typedef struct {
-  PetscViewer viewer;
-  char        path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
+  MpmHdf5 hdf5;
+  char    path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 } MpmDataFile;
 
-/* Collective. Opens the scene's output, aside. */
+/* Collective. Opens the scene's output under a name aside (unfinished.h). */
 PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile *file);
 
-/* Collective. Gives the file its name; when that fails, refuses and removes it and also (NULL: nothing else). */
-PetscErrorCode MpmDataFileClose(MpmDataFile *file, const char also[]);
+/* Collective. Removes the file and refuses in one line when anything could not be written so far. */
+PetscErrorCode MpmDataFileCheck(MpmDataFile *file);
+
+/* Collective. Checks the file and gives it its name. */
+PetscErrorCode MpmDataFileClose(MpmDataFile *file);
 
 /* Collective. Closes a file and removes it. */
 PetscErrorCode MpmDataFileDrop(MpmDataFile *file);

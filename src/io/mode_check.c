@@ -1,11 +1,10 @@
 /*
-   Whether a file is one that MpmModesWrite has written, for this scene. The first rank alone looks, with plain HDF5:
-   whatever it finds all ranks refuse together, and PETSc then reads what is known to be there.
+   Whether a file is one that MpmModesWrite has written, for this scene. The first rank alone looks; whatever it finds,
+   all ranks refuse together. mode_file.c then reads what is known to be there.
 */
 #include <mpmstab/errors.h>
 #include "scene/material.h"
 #include "io/mode_file.h"
-#include <hdf5.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,7 +15,7 @@
 
 typedef struct {
   const MpmScene *scene;
-  hid_t           file;
+  MpmHdf5         file;
   char            why[1024]; /* "": nothing is wrong */
 } Check;
 
@@ -31,34 +30,13 @@ __attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char for
   va_end(arguments);
 }
 
-/* One value, or nothing: an array would not fit. */
-static PetscBool Attribute(const Check *c, const char object[], const char name[], H5T_class_t kind, hid_t memory,
-                           void *value)
-{
-  const hid_t attribute = H5Aopen_by_name(c->file, object, name, H5P_DEFAULT, H5P_DEFAULT);
-  hid_t       space, type;
-  PetscBool   ok;
-
-  if (attribute < 0) return PETSC_FALSE;
-  space = H5Aget_space(attribute);
-  type  = H5Aget_type(attribute);
-  ok    = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == kind && H5Tis_variable_str(type) <= 0 &&
-               H5Aread(attribute, memory, value) >= 0
-              ? PETSC_TRUE
-              : PETSC_FALSE;
-  (void)H5Tclose(type);
-  (void)H5Sclose(space);
-  (void)H5Aclose(attribute);
-  return ok;
-}
-
 static void SameText(Check *c, const char name[], const char mine[])
 {
   const hid_t text                   = H5Tcopy(H5T_C_S1);
   char        their[MPM_COUNTS_TEXT] = "";
 
   (void)H5Tset_size(text, sizeof their);
-  if (!Attribute(c, "/", name, H5T_STRING, text, their))
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, text, their))
     Wrong(c, "no %s in it; " WRITTEN, name);
   else if (strncmp(mine, their, sizeof their))
     Wrong(c, "its %s is %.*s, the scene's is %s; allowed: the same", name, (int)sizeof their, their, mine);
@@ -69,7 +47,7 @@ static void SameNumber(Check *c, const char name[], PetscReal mine)
 {
   double theirs = NAN;
 
-  if (!Attribute(c, "/", name, H5T_FLOAT, H5T_NATIVE_DOUBLE, &theirs))
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, H5T_NATIVE_DOUBLE, &theirs))
     Wrong(c, "no %s in it; " WRITTEN, name);
   else if (theirs != mine)
     Wrong(c, "its %s is %.17g, the scene's is %.17g; allowed: the same", name, theirs, mine);
@@ -79,7 +57,7 @@ static void SameCount(Check *c, const char name[], PetscInt mine)
 {
   long long theirs = 0;
 
-  if (!Attribute(c, "/", name, H5T_INTEGER, H5T_NATIVE_LLONG, &theirs))
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, H5T_NATIVE_LLONG, &theirs))
     Wrong(c, "no %s in it; " WRITTEN, name);
   else if (theirs != mine)
     Wrong(c, "its %s is %lld, the scene's is %" PetscInt_FMT "; allowed: the same", name, theirs, mine);
@@ -123,30 +101,24 @@ static PetscErrorCode Field(Check *c, const char group[], const char field[], co
 {
   const PetscInt64 n = c->scene->layout.particles;
   char             name[128];
-  hid_t            set, space, type;
+  PetscInt64       length;
   double          *values;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(name, sizeof name, "%s/%s_%s", group, field, part));
-  set   = H5Dopen2(c->file, name, H5P_DEFAULT);
-  space = set < 0 ? -1 : H5Dget_space(set);
-  type  = set < 0 ? -1 : H5Dget_type(set);
-  if (set < 0 || H5Sget_simple_extent_ndims(space) != 1 || H5Sget_simple_extent_npoints(space) != n ||
-      H5Tget_class(type) != H5T_FLOAT)
+  PetscCall(MpmHdf5Length(&c->file, name, H5T_NATIVE_DOUBLE, &length));
+  if (length != n) {
     Wrong(c, "%s is not %" PetscInt64_FMT " numbers; " WRITTEN, name, n);
-  else {
-    PetscCall(PetscMalloc1(n, &values));
-    if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-      Wrong(c, "%s cannot be read; " WRITTEN, name);
-    for (PetscInt64 i = 0; i < n && !c->why[0]; i++) {
-      if (!isfinite(values[i])) Wrong(c, "%s holds a value that is not finite; " WRITTEN, name);
-      *largest = PetscMax(*largest, fabs(values[i]));
-    }
-    PetscCall(PetscFree(values));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (type >= 0) (void)H5Tclose(type);
-  if (space >= 0) (void)H5Sclose(space);
-  if (set >= 0) (void)H5Dclose(set);
+  PetscCall(PetscCalloc1(n, &values));
+  PetscCall(MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values));
+  if (c->file.failed) Wrong(c, "%s cannot be read; " WRITTEN, name);
+  for (PetscInt64 i = 0; i < n && !c->why[0]; i++) {
+    if (!isfinite(values[i])) Wrong(c, "%s holds a value that is not finite; " WRITTEN, name);
+    *largest = PetscMax(*largest, fabs(values[i]));
+  }
+  PetscCall(PetscFree(values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,7 +130,7 @@ static PetscErrorCode Mode(Check *c)
 
   PetscFunctionBegin;
   PetscCall(MpmModeFileGroup(c->scene, group, sizeof group));
-  if (!Attribute(c, group, "growth", H5T_FLOAT, H5T_NATIVE_DOUBLE, &growth))
+  if (!MpmHdf5ReadAttribute(&c->file, group, "growth", H5T_NATIVE_DOUBLE, &growth))
     Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
           c->scene->mode);
   for (PetscInt f = 0; c->scene->scheme.table->fields[f] && !c->why[0]; f++) {
@@ -173,6 +145,7 @@ static PetscErrorCode Mode(Check *c)
 static PetscErrorCode Examine(Check *c, const char path[])
 {
   struct stat is;
+  PetscBool   failed;
   FILE       *file = !stat(path, &is) && S_ISREG(is.st_mode) ? fopen(path, "rb") : NULL;
 
   PetscFunctionBegin;
@@ -181,15 +154,14 @@ static PetscErrorCode Examine(Check *c, const char path[])
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   fclose(file);
-  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* it would print a stack of complaints */
-  c->file = H5Fis_hdf5(path) > 0 ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
-  if (c->file < 0) {
+  PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &c->file));
+  if (c->file.failed) {
     Wrong(c, H5Fis_hdf5(path) > 0 ? "cut short or damaged; " WRITTEN : "not an HDF5 file; " WRITTEN);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(SameScene(c));
   if (!c->why[0]) PetscCall(Mode(c));
-  (void)H5Fclose(c->file);
+  PetscCall(MpmHdf5Close(&c->file, &failed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,7 +1,8 @@
-/* Reading what MpmModesWrite has written. */
+/* Reading what MpmModesWrite has written; MpmModeFileCheck knows that it is there. */
 #include "io/mode_file.h"
+#include <mpmstab/errors.h>
+#include "march/march_private.h"
 #include <math.h>
-#include <petscviewerhdf5.h>
 
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room)
 {
@@ -10,23 +11,37 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The file was whole when the program began. */
+static PetscErrorCode CloseRead(const MpmScene *scene, MpmHdf5 *file)
+{
+  PetscBool failed;
+
+  PetscFunctionBegin;
+  PetscCall(MpmHdf5Close(file, &failed));
+  MpmCheckInput(!failed, "mode_file %s: cannot be read any more; allowed: a file that stays as it is",
+                scene->mode_file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth)
 {
-  PetscViewer viewer;
-  char        group[64];
+  MpmHdf5 file;
+  char    group[64];
 
   PetscFunctionBegin;
   PetscCall(MpmModeFileGroup(scene, group, sizeof group));
-  PetscCall(PetscViewerHDF5Open(PETSC_COMM_WORLD, scene->mode_file, FILE_MODE_READ, &viewer));
-  PetscCall(PetscViewerHDF5ReadAttribute(viewer, group, "growth", PETSC_REAL, NULL, growth));
-  PetscCall(PetscViewerDestroy(&viewer));
+  PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, scene->mode_file, &file));
+  if (!MpmHdf5ReadAttribute(&file, group, "growth", H5T_NATIVE_DOUBLE, growth)) file.failed = PETSC_TRUE;
+  PetscCall(CloseRead(scene, &file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The values of one field and part at this rank's particles. */
-static PetscErrorCode ReadField(const MpmScene *scene, PetscViewer viewer, const char name[],
-                                const MpmParticles *particles, PetscReal values[])
+static PetscErrorCode ReadField(const MpmScene *scene, MpmHdf5 *file, const char name[], const MpmParticles *particles,
+                                PetscReal values[])
 {
+  PetscInt          begin, end;
+  PetscReal        *part;
   const PetscInt64 *id;
   PetscInt         *rows;
   const PetscReal  *a;
@@ -35,10 +50,11 @@ static PetscErrorCode ReadField(const MpmScene *scene, PetscViewer viewer, const
   VecScatter        scatter;
 
   PetscFunctionBegin;
-  PetscCall(
-      VecCreateMPI(PetscObjectComm((PetscObject)viewer), PETSC_DECIDE, (PetscInt)scene->layout.particles, &by_id));
-  PetscCall(PetscObjectSetName((PetscObject)by_id, name));
-  PetscCall(VecLoad(by_id, viewer));
+  PetscCall(VecCreateMPI(file->comm, PETSC_DECIDE, (PetscInt)scene->layout.particles, &by_id));
+  PetscCall(VecGetOwnershipRange(by_id, &begin, &end));
+  PetscCall(VecGetArray(by_id, &part));
+  PetscCall(MpmHdf5Read(file, name, H5T_NATIVE_DOUBLE, begin, end - begin, part));
+  PetscCall(VecRestoreArray(by_id, &part));
   PetscCall(PetscMalloc1(particles->count, &rows));
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   for (PetscInt p = 0; p < particles->count; p++) rows[p] = (PetscInt)id[p];
@@ -59,48 +75,47 @@ static PetscErrorCode ReadField(const MpmScene *scene, PetscViewer viewer, const
 }
 
 /* All fields of one part ("re" or "im") into the particles, and the largest number among them. */
-static PetscErrorCode ReadPart(const MpmScene *scene, PetscViewer viewer, const char part[], MpmParticles *particles,
+static PetscErrorCode ReadPart(const MpmScene *scene, MpmHdf5 *file, const char part[], MpmParticles *particles,
                                PetscReal *largest)
 {
-  char name[128];
+  char group[64], name[128];
 
   PetscFunctionBegin;
+  PetscCall(MpmModeFileGroup(scene, group, sizeof group));
   *largest = 0;
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", scene->scheme.table->fields[f], part));
+    PetscCall(PetscSNPrintf(name, sizeof name, "%s/%s_%s", group, scene->scheme.table->fields[f], part));
     PetscCall(MpmParticlesGet(particles, scene->scheme.table->fields[f], &q));
-    PetscCall(ReadField(scene, viewer, name, particles, q));
+    PetscCall(ReadField(scene, file, name, particles, q));
     for (PetscInt p = 0; p < particles->count; p++) *largest = PetscMax(*largest, fabs(q[p]));
     PetscCall(MpmParticlesRestore(particles, scene->scheme.table->fields[f], &q));
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)viewer)));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPI_MAX, file->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmModeFileFill(MpmMarch *march)
 {
-  PetscReal   largest, imaginary;
-  PetscViewer viewer;
-  char        group[64];
+  const MpmScene *scene     = march->scene;
+  MpmParticles   *particles = march->particles;
+  PetscReal       largest, imaginary;
+  MpmHdf5         file;
 
   PetscFunctionBegin;
-  PetscCall(MpmModeFileGroup(scene, group, sizeof group));
-  PetscCall(
-      PetscViewerHDF5Open(PetscObjectComm((PetscObject)particles->swarm), scene->mode_file, FILE_MODE_READ, &viewer));
-  PetscCall(PetscViewerHDF5PushGroup(viewer, group));
-  PetscCall(ReadPart(scene, viewer, "im", particles, &imaginary));
-  PetscCall(ReadPart(scene, viewer, "re", particles, &largest));
-  if (imaginary > largest) PetscCall(ReadPart(scene, viewer, "im", particles, &largest));
-  PetscCall(PetscViewerHDF5PopGroup(viewer));
-  PetscCall(PetscViewerDestroy(&viewer));
+  PetscCall(MpmHdf5Open(PetscObjectComm((PetscObject)particles->swarm), scene->mode_file, &file));
+  PetscCall(ReadPart(scene, &file, "im", particles, &imaginary));
+  PetscCall(ReadPart(scene, &file, "re", particles, &largest));
+  if (imaginary > largest) PetscCall(ReadPart(scene, &file, "im", particles, &largest));
+  PetscCall(CloseRead(scene, &file));
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 
     PetscCall(MpmParticlesGet(particles, scene->scheme.table->fields[f], &q));
-    for (PetscInt p = 0; p < particles->count; p++) q[p] *= scalbn(scene->amplitude, -(int)exponent) / largest;
+    for (PetscInt p = 0; p < particles->count; p++) q[p] *= scalbn(scene->amplitude, -(int)march->exponent) / largest;
     PetscCall(MpmParticlesRestore(particles, scene->scheme.table->fields[f], &q));
   }
+  PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

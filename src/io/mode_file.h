@@ -2,7 +2,7 @@
 #pragma once
 #include "io/datafile.h"
 #include "linalg/eigen.h"
-#include "march/particles.h"
+#include <mpmstab/march.h>
 #include <mpmstab/operator.h>
 
 /* Collective. Refuses a scene's mode_file unless it is of the same scheme, grid and particles and holds the mode. */
@@ -15,12 +15,12 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
 
 /*
-   MpmModeFileFill - particle fields from the real or the imaginary part of the mode, whichever is larger, scaled to the
-   scene's amplitude and divided by 2^exponent.
+   MpmModeFileFill - gives the particles of a march at its start the real or the imaginary part of the mode, whichever is
+   larger, scaled to the scene's amplitude.
 
-   Collective.
+   Collective. To be called after MpmMarchCreate, which leaves such fields unset.
 */
-PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles);
+PetscErrorCode MpmModeFileFill(MpmMarch *march);
 
 /*
    MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the

@@ -3,7 +3,6 @@
 #include "scene/layout.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
-#include <petscviewerhdf5.h>
 
 static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
 {
@@ -13,9 +12,9 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "re", PETSC_REAL, &re));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "im", PETSC_REAL, &im));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "growth", PETSC_REAL, &growth));
+  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "re", re));
+  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "im", im));
+  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "growth", growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -26,7 +25,7 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
   PetscReal  *x;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)file->viewer), &rank));
+  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
   PetscCall(PetscMalloc1(rank ? 0 : layout->particles, &x));
   for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
     PetscInt  cell;
@@ -37,6 +36,20 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
   }
   PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, 1, x));
   PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One field of the real or the imaginary part of an eigenvector. */
+static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file)
+{
+  const PetscReal *values;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(field, &n));
+  PetscCall(VecGetArrayRead(field, &values));
+  PetscCall(MpmHdf5Write(&file->hdf5, name, H5T_NATIVE_DOUBLE, n, 1, values));
+  PetscCall(VecRestoreArrayRead(field, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -55,18 +68,15 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const 
 
     PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
     PetscCall(MpmOperatorToState(op, x[0], x[1]));
-    PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT, j + 1));
-    PetscCall(PetscViewerHDF5PushGroup(file->viewer, name));
     for (PetscInt f = 0; f < op->fields; f++) {
       for (int part = 0; part < 2; part++) {
         PetscCall(VecSetBlockSize(x[part], op->fields));
         PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
-        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scheme->table->fields[f], parts[part]));
-        PetscCall(PetscObjectSetName((PetscObject)field, name));
-        PetscCall(VecView(field, file->viewer));
+        PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1,
+                                op->scheme->table->fields[f], parts[part]));
+        PetscCall(WriteField(name, field, file));
       }
     }
-    PetscCall(PetscViewerHDF5PopGroup(file->viewer));
     PetscCall(WriteEigenvalue(op, eigen, j, file));
   }
   PetscCall(VecDestroy(&x[0]));

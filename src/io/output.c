@@ -1,10 +1,10 @@
-/* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
+/* Particle and node fields as HDF5, in the order of global ids, with XDMF beside them. */
 #include "io/datafile.h"
 #include "io/output.h"
 #include "base/textfile.h"
-#include <petscviewerhdf5.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 struct MpmOutput_ {
   const MpmScene *scene;
@@ -57,15 +57,24 @@ static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ViewAs(Vec vector, const char name[], PetscViewer viewer)
+/* A vector as PLACE/NAME of the file, its blocks as rows. */
+static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, const char place[], const char name[])
 {
+  const PetscReal *values;
+  PetscInt         n, columns;
+  char             path[128];
+
   PetscFunctionBegin;
-  PetscCall(PetscObjectSetName((PetscObject)vector, name));
-  PetscCall(VecView(vector, viewer));
+  PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", place, name));
+  PetscCall(VecGetLocalSize(vector, &n));
+  PetscCall(VecGetBlockSize(vector, &columns));
+  PetscCall(VecGetArrayRead(vector, &values));
+  PetscCall(MpmHdf5Write(&output->file.hdf5, path, H5T_NATIVE_DOUBLE, n / columns, columns, values));
+  PetscCall(VecRestoreArrayRead(vector, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteCoordinates(const MpmOutput *output, const MpmMarch *march)
+static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], const MpmMarch *march)
 {
   const MpmParticles *particles = march->particles;
   const PetscReal    *xi;
@@ -91,15 +100,17 @@ static PetscErrorCode WriteCoordinates(const MpmOutput *output, const MpmMarch *
   PetscCall(PetscFree(x));
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(ViewAs(output->coordinates, "coordinates", output->file.viewer));
+  PetscCall(WriteVector(output, output->coordinates, place, "coordinates"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *march)
+static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], const MpmMarch *march)
 {
+  char place[80];
+
   PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "particles"));
-  PetscCall(WriteCoordinates(output, march));
+  PetscCall(PetscSNPrintf(place, sizeof place, "%s/particles", group));
+  PetscCall(WriteCoordinates(output, place, march));
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     const char      *name = output->scene->scheme.table->fields[f];
     const PetscReal *q;
@@ -108,16 +119,17 @@ static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *ma
     PetscCall(SetById(march, 1, q, output->by_id));
     PetscCall(MpmParticlesRestore(march->particles, name, &q));
     PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
-    PetscCall(ViewAs(output->by_id, name, output->file.viewer));
+    PetscCall(WriteVector(output, output->by_id, place, name));
   }
-  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
+static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch *march)
 {
+  char place[80];
+
   PetscFunctionBegin;
-  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "nodes"));
+  PetscCall(PetscSNPrintf(place, sizeof place, "%s/nodes", group));
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     PetscReal *from, *to;
 
@@ -127,9 +139,8 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
     for (PetscInt i = 0; i < march->grid->nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
     PetscCall(VecRestoreArray(output->global, &to));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
-    PetscCall(ViewAs(output->global, output->scene->scheme.table->fields[f], output->file.viewer));
+    PetscCall(WriteVector(output, output->global, place, output->scene->scheme.table->fields[f]));
   }
-  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,19 +183,46 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
   fprintf(xmf, "</Grid>\n</Grid>\n");
 }
 
+static PetscErrorCode NameGroup(PetscInt64 step, size_t room, char group[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(group, room, "/step_%010" PetscInt64_FMT, step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOutputHasStep(const MpmScene *scene, PetscInt64 step, PetscBool *has)
+{
+  PetscMPIInt rank;
+  char        group[64];
+
+  PetscFunctionBegin;
+  *has = PETSC_FALSE;
+  PetscCall(NameGroup(step, sizeof group, group));
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0 && !access(scene->output, R_OK) && !access(scene->xmf, R_OK)) {
+    PetscBool failed;
+    MpmHdf5   file;
+
+    PetscCall(MpmHdf5Open(PETSC_COMM_SELF, scene->output, &file));
+    *has = MpmHdf5Has(&file, group);
+    PetscCall(MpmHdf5Close(&file, &failed));
+  }
+  PetscCallMPI(MPI_Bcast(has, 1, MPIU_BOOL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
 {
   const PetscReal time = march->step * march->scene->dt, step = (PetscReal)march->step;
   char            group[64];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, sizeof group, "/step_%010" PetscInt64_FMT, march->step));
-  PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, group));
-  PetscCall(WriteParticles(output, march));
-  PetscCall(WriteNodes(output, march));
-  PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
-  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "time", PETSC_REAL, &time));
-  PetscCall(PetscViewerHDF5WriteAttribute(output->file.viewer, group, "step", PETSC_REAL, &step));
+  PetscCall(NameGroup(march->step, sizeof group, group));
+  PetscCall(WriteParticles(output, group, march));
+  PetscCall(WriteNodes(output, group, march));
+  PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "time", time));
+  PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "step", step));
+  PetscCall(MpmDataFileCheck(&output->file));
   if (output->xmf.stream) DescribeStep(output, output->xmf.stream, group, time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,7 +230,7 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
 static PetscErrorCode NameFiles(MpmOutput *o)
 {
   PetscFunctionBegin;
-  PetscCall(MpmDataFileClose(&o->file, o->xmf.part));
+  PetscCall(MpmDataFileClose(&o->file));
   if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
   PetscCall(MpmTextFileClose(&o->xmf));
   PetscFunctionReturn(PETSC_SUCCESS);

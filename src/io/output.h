@@ -12,9 +12,13 @@
 */
 typedef struct MpmOutput_ MpmOutput;
 
-/* Collective. */
+/* Collective. Opens both files aside; a step that cannot be written is refused at once. */
 PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output);
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march);
 
-/* Collective. Writes PATH.xmf (PATH without .h5) and gives both files their names, or, not keep, removes both. */
+/* Collective. Gives PATH and PATH.xmf (PATH without .h5 or .hdf5) their names, or, when they are not to be kept, removes
+   both. */
 PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output);
+
+/* Collective. Whether the scene's output is there already and holds a step. */
+PetscErrorCode MpmOutputHasStep(const MpmScene *scene, PetscInt64 step, PetscBool *has);

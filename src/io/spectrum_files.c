@@ -88,7 +88,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
     PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->scene->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
     PetscCall(WriteTransient(s, &file));
-    PetscCall(MpmDataFileClose(&file, NULL));
+    PetscCall(MpmDataFileClose(&file));
   }
   PetscCall(MpmModesDestroy(&modes));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,7 +36,7 @@ static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, M
 
 PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
 {
-  const MPI_Comm comm = PetscObjectComm((PetscObject)file->viewer);
+  const MPI_Comm comm = file->hdf5.comm;
   PetscMPIInt    rank;
   PetscReal     *growth, *factors;
 

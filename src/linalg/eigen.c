@@ -24,6 +24,7 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
 static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
 {
   PetscErrorCode error;
+  char           given[512];
 
   PetscFunctionBegin;
   PetscCall(EPSSetProblemType(eps, EPS_NHEP));
@@ -41,7 +42,8 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = EPSSetFromOptions(eps);
   PetscCall(PetscPopErrorHandler());
-  MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them; allowed: see its manual pages");
+  PetscCall(MpmErrorsGivenOptions(sizeof given, given));
+  MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them, given: %s; allowed: see its manual pages", given);
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,4 @@
 /* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
-#include "io/mode_file.h"
 #include "march/particles.h"
 #include <math.h>
 
@@ -168,11 +167,9 @@ PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, Pets
   const PetscReal amplitude = scalbn(scene->amplitude, -(int)exponent);
 
   PetscFunctionBegin;
-  if (scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmModeFileFill(scene, exponent, particles));
-  else if (scene->initial == MPM_INITIAL_RANDOM)
+  if (scene->initial == MPM_INITIAL_RANDOM)
     PetscCall(MpmParticlesFillRandom(particles->layout->seed, amplitude, particles));
-  else
+  else if (scene->initial != MPM_INITIAL_EIGENMODE)
     PetscCall(FillExact(scene, grid, amplitude, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

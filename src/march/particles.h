@@ -45,7 +45,10 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
                                   const MpmGrid *grid, MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
-/* Not collective. Gives the fields a scene's initial data, divided by 2^exponent. */
+/*
+   Not collective. Gives the fields a scene's initial data, divided by 2^exponent. An eigenmode comes from a file: the
+   fields stay 0, and the caller fills them (MpmModeFileFill).
+*/
 PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles);
 
 /* Not collective. Gives every field random numbers in [-amplitude, amplitude), hashed from seed and particle id. */

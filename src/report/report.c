@@ -150,9 +150,12 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
   else
     MpmPrint(", the state stays bounded%s\n",
              run->has_errors ? " (from smooth data; random data excite every mode)" : "");
-  MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
-           1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles),
-           run->wall_s);
+  if (run->steps > run->from)
+    MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
+             1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles),
+             run->wall_s);
+  else
+    MpmPrint("time: %.3g s in all\n", run->wall_s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -73,7 +73,7 @@ static json_t *Run(const MpmRun *run)
   if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));
   MpmJsonSet(object, "time", run->steps * run->scene->dt);
   MpmJsonSet(object, "loop_s", run->loop_s);
-  MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
+  if (work > 0) MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
   MpmJsonSet(object, "bytes_per_particle_step", run->bytes);
   if (run->has_errors) json_object_set_new(object, "error", Errors(run));
   if (run->growth.measured) {

@@ -134,6 +134,6 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
     PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->scene->axes[a].kind], map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
   PetscCall(MpmDataFileArray(&file, "/map", "beta", map->points[0], map->points[1], map->beta));
-  PetscCall(MpmDataFileClose(&file, NULL));
+  PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

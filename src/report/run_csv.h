@@ -5,8 +5,8 @@
 #include "analysis/run.h"
 
 /*
-   Collective. The header of a new file; or, going on from a checkpoint, what was written before it (NULL, "": nothing),
-   refused when its columns are not those of this run.
+   Collective. Writes the header of a new file, or, in a run that resumes, the rows that its checkpoint holds (before;
+   NULL or "": none). Refuses rows whose columns are not those of this run.
 */
 PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv);
 

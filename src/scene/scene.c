@@ -1,6 +1,5 @@
 /* Settings -> Scene: units, derived numbers, and options that exclude each other. */
-#include "io/checkpoint.h"
-#include "io/mode_file.h"
+#include "base/memory.h"
 #include <mpmstab/scene.h>
 #include <math.h>
 #include <string.h>
@@ -123,7 +122,6 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
   PetscCall(PetscStrncpy(scene->mode_file, path, sizeof scene->mode_file));
-  if (wanted) PetscCall(MpmModeFileCheck(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -250,7 +248,6 @@ static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
   PetscCall(CheckSizes(settings, scene));
   PetscCall(ReadOutputs(settings, scene));
   PetscCall(MpmSettingsExpect(settings, scene, &scene->expect));
-  if (scene->restart[0]) PetscCall(MpmCheckpointCheck(scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -19,16 +19,40 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where the ending of a file's name begins, with its point; NULL: it has none. */
+static const char *Ending(const char path[])
+{
+  const char *slash = strrchr(path, '/');
+
+  return strrchr(slash ? slash : path, '.');
+}
+
+/* HDF5 under the name of another kind of file would be taken for that kind. */
+static PetscErrorCode ReadOutput(const MpmSettings *settings, char path[])
+{
+  const char *text, *ending;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsPath(settings, "output", &text));
+  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
+  ending = Ending(text);
+  if (ending && strcmp(ending, ".h5") && strcmp(ending, ".hdf5"))
+    PetscCall(MpmSettingsRefuse(settings, "output",
+                                "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending"));
+  PetscCall(ReadPath(settings, "output", PETSC_TRUE, path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* XDMF names its datasets as FILE:PATH inside XML. */
 static PetscErrorCode NameXmf(const MpmSettings *settings, MpmScene *scene)
 {
-  size_t length = strlen(scene->output);
+  const char *ending = Ending(scene->output);
+  const int   length = (int)(ending ? (size_t)(ending - scene->output) : strlen(scene->output));
 
   PetscFunctionBegin;
   if (strpbrk(scene->output, "<>&\":"))
     PetscCall(MpmSettingsRefuse(settings, "output", "allowed: a name without < > & : and quotes"));
-  if (length > 3 && !strcmp(scene->output + length - 3, ".h5")) length -= 3;
-  PetscCall(PetscSNPrintf(scene->xmf, sizeof scene->xmf, "%.*s.xmf", (int)length, scene->output));
+  PetscCall(PetscSNPrintf(scene->xmf, sizeof scene->xmf, "%.*s.xmf", length, scene->output));
   PetscCall(MpmFileCheck("output", scene->xmf));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -63,23 +87,6 @@ static PetscBool IsInput(const char written[], const char read[])
              : PETSC_FALSE;
 }
 
-/* The file that the second of two would overwrite, finished or not; "": none. */
-static PetscErrorCode FindShared(const char a[], const char b[], char shared[], size_t room)
-{
-  char part[2][PETSC_MAX_PATH_LEN];
-
-  PetscFunctionBegin;
-  shared[0] = '\0';
-  if (!a[0] || !b[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(part[0], sizeof part[0], "%s.part", a));
-  PetscCall(PetscSNPrintf(part[1], sizeof part[1], "%s.part", b));
-  if (IsSameName(a, b) || IsSameName(a, part[1]))
-    PetscCall(PetscStrncpy(shared, a, room));
-  else if (IsSameName(part[0], b))
-    PetscCall(PetscStrncpy(shared, b, room));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 enum { CHECKPOINT = 4, FILES = 5 }; /* of those written */
 enum { RESTART = 2 };               /* of those read */
 
@@ -91,11 +98,11 @@ PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene)
 
   const char *const paths[]   = {scene->output, scene->xmf, scene->json, scene->csv, scene->checkpoint};
   const char *const inputs[]  = {settings->scene, scene->mode_file, scene->restart};
-  char              why[4096] = "", shared[PETSC_MAX_PATH_LEN];
+  char              why[4096] = "";
   PetscMPIInt       rank;
 
   PetscFunctionBegin;
-  PetscCall(ReadPath(settings, "output", PETSC_TRUE, scene->output));
+  PetscCall(ReadOutput(settings, scene->output));
   PetscCall(ReadPath(settings, "json", PETSC_TRUE, scene->json));
   PetscCall(ReadPath(settings, "csv", PETSC_TRUE, scene->csv));
   if (!strcmp(scene->task, "run")) {
@@ -106,10 +113,9 @@ PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene)
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (int i = 0; i < FILES && rank == 0; i++) {
     for (int j = 0; j < i && !why[0]; j++) {
-      PetscCall(FindShared(paths[j], paths[i], shared, sizeof shared));
-      if (shared[0])
+      if (paths[i][0] && paths[j][0] && IsSameName(paths[j], paths[i]))
         PetscCall(PetscSNPrintf(why, sizeof why, "%s and %s would both write %s; allowed: different files", names[j],
-                                names[i], shared));
+                                names[i], paths[j]));
     }
     for (int j = 0; j < 3 && !why[0]; j++) {
       if (i == CHECKPOINT && j == RESTART) continue; /* the next one may take its place */

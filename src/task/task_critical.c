@@ -11,9 +11,9 @@ static PetscErrorCode One(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
   PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &critical));
-  PetscCall(MpmCriticalPrint(scene, &critical));
   if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, 1, &scene, &critical));
   if (scene->json[0]) PetscCall(MpmCriticalWriteJson(scene, &critical, MPI_Wtime() - started));
+  PetscCall(MpmCriticalPrint(scene, &critical));
   PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
   PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
   PetscFunctionReturn(PETSC_SUCCESS);

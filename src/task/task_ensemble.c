@@ -11,9 +11,9 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one layout */
   PetscCall(MpmEnsembleCreate(scene, &ensemble));
-  PetscCall(MpmEnsemblePrint(ensemble));
   if (scene->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
   if (scene->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
+  PetscCall(MpmEnsemblePrint(ensemble));
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));

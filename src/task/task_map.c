@@ -11,10 +11,10 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one point */
   PetscCall(MpmStabilityMapCreate(scene, &map));
-  PetscCall(MpmStabilityMapPrint(map));
   if (scene->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
   if (scene->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
   if (scene->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
+  PetscCall(MpmStabilityMapPrint(map));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,6 +2,7 @@
 #include <mpmstab/errors.h>
 #include "report/results.h"
 #include "task/expect.h"
+#include "task/run_files.h"
 #include "task/task.h"
 
 static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
@@ -9,15 +10,15 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   MpmRun *run;
 
   PetscFunctionBegin;
-  PetscCall(MpmRunCreate(scene, started, &run));
+  PetscCall(MpmRunFilesCreate(scene, started, &run));
   *missed = 0;
   if (run->stopped)
     MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
              "; to go on: the same command with -restart %s\n",
              run->steps, scene->steps, scene->checkpoint);
   else {
-    PetscCall(MpmRunPrint(run));
     if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
+    PetscCall(MpmRunPrint(run));
     PetscCall(MpmExpectRun(run, missed));
   }
   PetscCall(MpmRunDestroy(&run));

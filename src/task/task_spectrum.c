@@ -10,9 +10,9 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
 
   PetscFunctionBegin;
   PetscCall(MpmSpectrumCreate(scene, started, &spectrum));
-  PetscCall(MpmSpectrumPrint(spectrum));
   PetscCall(MpmSpectrumWriteFiles(spectrum));
   if (scene->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
+  PetscCall(MpmSpectrumPrint(spectrum));
   PetscCall(MpmExpectFinding(&scene->expect, &spectrum->finding, missed));
   PetscCall(MpmSpectrumDestroy(&spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -50,7 +50,7 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmSymbol *s, cons
   if (!scene->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, &file));
   PetscCall(MpmSymbolWrite(s, p, &file));
-  PetscCall(MpmDataFileClose(&file, NULL));
+  PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,10 +80,10 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
                           "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
                           symbol->phases, symbol->phases));
-  PetscCall(Print(scene, symbol, &predictor, &predictions, &comparison, &finding, ranks));
   PetscCall(WriteFiles(scene, symbol, &predictor));
   if (scene->json[0])
     PetscCall(WriteJson(scene, symbol, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
+  PetscCall(Print(scene, symbol, &predictor, &predictions, &comparison, &finding, ranks));
   PetscCall(MpmExpectFinding(&scene->expect, &finding, missed));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));

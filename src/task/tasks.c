@@ -1,5 +1,6 @@
 /* The list of tasks and the program's ten lines about itself. */
 #include <mpmstab/errors.h>
+#include "base/memory.h"
 #include "base/stop.h"
 #include "task/task.h"
 
@@ -24,6 +25,7 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
+  PetscCall(MpmMemoryCheckLapack());
   PetscCall(MpmSceneCreate(task, path, &scene));
   PetscCall(work(scene, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));

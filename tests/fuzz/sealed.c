@@ -261,7 +261,7 @@ void SealedWrite(const Sealed *sealed, const char path[])
   int         error;
   hid_t       file;
 
-  (void)H5Pset_userblock(creation, MPM_SEAL_BYTES);
+  (void)H5Pset_userblock(creation, MPM_CHECKSUM_BYTES);
   file = H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT);
   FuzzNeed(file >= 0 ? PETSC_TRUE : PETSC_FALSE, "no file to write to");
   for (int i = 0; i < sealed->n; i++) {

@@ -5,6 +5,7 @@
 #include "check.h"
 #include "analysis/spectrum.h"
 #include "io/spectrum_files.h"
+#include "task/run_files.h"
 
 #define FILE_NAME "test_modes.h5"
 
@@ -104,7 +105,7 @@ static PetscErrorCode CheckGrows(const char options[], PetscInt mode)
                           "%s -initial eigenmode -mode_file " FILE_NAME " -mode %" PetscInt_FMT " -steps 1200", options,
                           mode));
   PetscCall(CheckScene(text, &scene));
-  PetscCall(MpmRunCreate(scene, 0, &run));
+  PetscCall(MpmRunFilesCreate(scene, 0, &run));
   CHECK_NEAR(run->growth.per_step, growth, 1e-4 * (growth - 1));
   CHECK_NEAR(run->eigenmode, growth, 1e-12);
   CHECK(growth > 1.001, "%s: mode %d does not grow", options, (int)mode);

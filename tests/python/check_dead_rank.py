@@ -3,6 +3,7 @@
 
 check_dead_rank.py MPIEXEC MPMSTAB. Silent when all is well.
 """
+import glob
 import os
 import signal
 import subprocess
@@ -43,8 +44,8 @@ def end_one(command, ranks, number, folder):
         job = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=said)
         started = []
         try:
-            part = os.path.join(folder, "out.csv.part")  # opened just before the first step
-            wait_for(lambda: os.path.exists(part) or job.poll() is not None, "the run does not start")
+            part = os.path.join(folder, "out.csv.*.part")  # opened just before the first step
+            wait_for(lambda: glob.glob(part) or job.poll() is not None, "the run does not start")
             check(job.poll() is None, f"{command} ended by itself")
             started = children(job.pid) if ranks > 1 else [job.pid]
             check(len(started) == ranks, f"{len(started)} processes, not {ranks}")
@@ -68,7 +69,7 @@ def end_one(command, ranks, number, folder):
 
 def main(mpiexec, mpmstab):
     for ranks, number in ((3, signal.SIGKILL), (2, signal.SIGTERM), (1, signal.SIGTERM), (1, signal.SIGHUP),
-                          (1, signal.SIGINT), (1, signal.SIGXCPU)):
+                          (1, signal.SIGINT), (1, signal.SIGXCPU), (1, signal.SIGQUIT), (2, signal.SIGQUIT)):
         launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
         with tempfile.TemporaryDirectory() as folder:
             status, said = end_one([*launcher, mpmstab, *OPTIONS], ranks, number, folder)

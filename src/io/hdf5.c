@@ -1,0 +1,366 @@
+/*
+   Arrays and attributes in HDF5: the first rank writes, each rank reads.
+
+   HDF5 does not stand a write that fails: the file can then not be closed, and the library crashes when the program
+   ends. So the disk grants the room before HDF5 is asked to write; when it does not, HDF5 is asked for nothing more.
+*/
+#define _GNU_SOURCE /* fallocate */
+#include "io/hdf5.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#define PIECE 4194304 /* bytes that a rank sends at a time */
+#define TAG 77
+#define SLACK 65536 /* bytes for what HDF5 keeps beside the numbers of one array */
+
+/* Of the descriptions in HDF5's stack of errors the one that tells the system's reason. */
+static herr_t FindReason(unsigned n, const H5E_error2_t *error, void *context)
+{
+  static const char mark[] = "error message = '";
+  const char       *said   = error->desc ? strstr(error->desc, mark) : NULL;
+  char             *why    = context;
+
+  (void)n;
+  if (said && !why[0]) {
+    (void)PetscStrncpy(why, said + strlen(mark), sizeof((MpmHdf5 *)0)->why);
+    why[strcspn(why, "'")] = '\0';
+  }
+  return 0;
+}
+
+/* What HDF5 returns when it fails is negative. */
+static hid_t Try(MpmHdf5 *f, hid_t result)
+{
+  if (result >= 0 || f->failed) return result;
+  f->failed = PETSC_TRUE;
+  (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, FindReason, f->why);
+  if (!f->why[0]) (void)PetscStrncpy(f->why, "HDF5 failed", sizeof f->why);
+  return result;
+}
+
+/*
+   Files that are written have names that are no other program's, so that HDF5's locks, which some file systems do not
+   have, are not needed.
+*/
+static PetscErrorCode Begin(MPI_Comm comm, MpmHdf5 *f)
+{
+  PetscFunctionBegin;
+  *f = (MpmHdf5){.comm = comm, .file = -1, .descriptor = -1};
+  (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
+  PetscCheck(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, comm, PETSC_ERR_LIB, "HDF5 cannot be kept silent");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsWriter(const MpmHdf5 *f)
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(f->comm, &rank);
+  return rank == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void Fail(MpmHdf5 *f, int error)
+{
+  if (f->failed) return;
+  f->failed = PETSC_TRUE;
+  (void)PetscStrncpy(f->why, strerror(error), sizeof f->why);
+}
+
+/* Makes sure of room for so many bytes more, and for HDF5's own; file systems that grant none in advance are trusted. */
+static void Reserve(MpmHdf5 *f, PetscInt64 bytes)
+{
+  hsize_t       size = 0;
+  struct rlimit limit;
+
+  if (f->failed || Try(f, H5Fget_filesize(f->file, &size)) < 0) return;
+  bytes += (PetscInt64)size + SLACK;
+  if (bytes <= f->reserved) return;
+  if (!getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur < (rlim_t)bytes)
+    Fail(f, EFBIG);
+  else if (fallocate(f->descriptor, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes) && errno != EOPNOTSUPP && errno != ENOSYS)
+    Fail(f, errno);
+  else
+    f->reserved = bytes;
+}
+
+PetscErrorCode MpmHdf5Create(MPI_Comm comm, const char path[], PetscInt reserved, MpmHdf5 *f)
+{
+  hid_t creation;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(comm, f));
+  if (!IsWriter(f)) PetscFunctionReturn(PETSC_SUCCESS);
+  f->descriptor = open(path, O_WRONLY | O_CLOEXEC);
+  if (f->descriptor < 0 || fallocate(f->descriptor, FALLOC_FL_KEEP_SIZE, 0, SLACK + reserved)) {
+    if (f->descriptor < 0 || (errno != EOPNOTSUPP && errno != ENOSYS)) Fail(f, errno);
+    if (f->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  creation = Try(f, H5Pcreate(H5P_FILE_CREATE));
+  (void)Try(f, H5Pset_userblock(creation, (hsize_t)reserved));
+  f->file = Try(f, H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT));
+  (void)Try(f, H5Pclose(creation));
+  Reserve(f, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Open(MPI_Comm comm, const char path[], MpmHdf5 *f)
+{
+  PetscFunctionBegin;
+  PetscCall(Begin(comm, f));
+  f->file = Try(f, H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first rank that has failed tells the others why. */
+static PetscErrorCode Agree(MpmHdf5 *f, PetscBool *failed)
+{
+  PetscMPIInt rank, size, first;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(f->comm, &size));
+  first = f->failed ? rank : size;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, f->comm));
+  *failed = first < size ? PETSC_TRUE : PETSC_FALSE;
+  if (*failed) PetscCallMPI(MPI_Bcast(f->why, sizeof f->why, MPI_CHAR, first, f->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Failed(MpmHdf5 *f, PetscBool *failed)
+{
+  unsigned intent = H5F_ACC_RDONLY;
+
+  PetscFunctionBegin;
+  if (f->file >= 0) (void)Try(f, H5Fget_intent(f->file, &intent));
+  if (intent & H5F_ACC_RDWR) (void)Try(f, H5Fflush(f->file, H5F_SCOPE_LOCAL));
+  PetscCall(Agree(f, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What was reserved and not needed goes back to the disk. */
+PetscErrorCode MpmHdf5Close(MpmHdf5 *f, PetscBool *failed)
+{
+  PetscFunctionBegin;
+  if (f->file >= 0) (void)Try(f, H5Fclose(f->file));
+  f->file = -1;
+  if (f->descriptor >= 0) {
+    const off_t size = lseek(f->descriptor, 0, SEEK_END);
+
+    if (size < 0 || ftruncate(f->descriptor, size) || close(f->descriptor)) Fail(f, errno);
+    f->descriptor = -1;
+  }
+  PetscCall(Agree(f, failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rows [begin, begin + n) of an array that the first rank has open. */
+static void WriteRows(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, PetscInt64 begin, PetscInt64 n,
+                      const void *values)
+{
+  const hsize_t offset[] = {(hsize_t)begin, 0}, count[] = {(hsize_t)n, (hsize_t)columns};
+  hid_t         space, memory;
+
+  if (n == 0 || f->failed) return;
+  space  = Try(f, H5Dget_space(array));
+  memory = Try(f, H5Screate_simple(columns > 1 ? 2 : 1, count, NULL));
+  (void)Try(f, H5Sselect_hyperslab(space, H5S_SELECT_SET, offset, NULL, count, NULL));
+  (void)Try(f, H5Dwrite(array, type, memory, space, H5P_DEFAULT, values));
+  (void)Try(f, H5Sclose(memory));
+  (void)Try(f, H5Sclose(space));
+}
+
+static hid_t CreateArray(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns)
+{
+  const hsize_t extent[] = {(hsize_t)rows, (hsize_t)columns};
+  hid_t         array, space, links;
+
+  Reserve(f, rows * columns * (PetscInt64)H5Tget_size(type));
+  if (f->failed) return -1;
+  space = Try(f, H5Screate_simple(columns > 1 ? 2 : 1, extent, NULL));
+  links = Try(f, H5Pcreate(H5P_LINK_CREATE));
+  (void)Try(f, H5Pset_create_intermediate_group(links, 1));
+  array = Try(f, H5Dcreate2(f->file, name, type, space, links, H5P_DEFAULT, H5P_DEFAULT));
+  (void)Try(f, H5Pclose(links));
+  (void)Try(f, H5Sclose(space));
+  return array;
+}
+
+static PetscErrorCode SendRows(MpmHdf5 *f, PetscInt64 rows, size_t width, const char *values)
+{
+  const PetscInt64 piece = PetscMax(1, PIECE / (PetscInt64)width);
+
+  PetscFunctionBegin;
+  for (PetscInt64 done = 0; done < rows; done += piece)
+    PetscCallMPI(MPI_Send(values + (size_t)done * width, (int)((size_t)PetscMin(piece, rows - done) * width), MPI_BYTE,
+                          0, TAG, f->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What has failed already still takes what the other ranks send. */
+static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, size_t width,
+                                    PetscMPIInt ranks, const PetscInt64 rows[])
+{
+  const PetscInt64 piece  = PetscMax(1, PIECE / (PetscInt64)width);
+  PetscInt64       before = rows[0];
+  char            *values;
+
+  PetscFunctionBegin;
+  if (ranks == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((size_t)piece * width, &values));
+  for (PetscMPIInt r = 1; r < ranks; r++) {
+    for (PetscInt64 done = 0; done < rows[r]; done += piece) {
+      const PetscInt64 n = PetscMin(piece, rows[r] - done);
+
+      PetscCallMPI(MPI_Recv(values, (int)((size_t)n * width), MPI_BYTE, r, TAG, f->comm, MPI_STATUS_IGNORE));
+      WriteRows(f, array, type, columns, before + done, n, values);
+    }
+    before += rows[r];
+  }
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns,
+                            const void *part)
+{
+  const size_t width = H5Tget_size(type) * (size_t)columns;
+  PetscMPIInt  rank, size;
+  PetscInt64  *all, total = 0;
+  hid_t        array;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(f->comm, &size));
+  PetscCall(PetscCalloc1(size, &all));
+  PetscCallMPI(MPI_Gather(&rows, 1, MPIU_INT64, all, 1, MPIU_INT64, 0, f->comm));
+  if (rank == 0) {
+    for (PetscMPIInt r = 0; r < size; r++) total += all[r];
+    array = CreateArray(f, name, type, total, columns);
+    WriteRows(f, array, type, columns, 0, rows, part);
+    PetscCall(WriteReceived(f, array, type, columns, width, size, all));
+    if (array >= 0) (void)Try(f, H5Dclose(array));
+  } else
+    PetscCall(SendRows(f, rows, width, part));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)
+{
+  hid_t space, attribute;
+
+  PetscFunctionBegin;
+  if (IsWriter(f)) Reserve(f, 0);
+  if (!IsWriter(f) || f->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  space     = Try(f, H5Screate(H5S_SCALAR));
+  attribute = Try(f, H5Acreate_by_name(f->file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  (void)Try(f, H5Awrite(attribute, type, value));
+  if (attribute >= 0) (void)Try(f, H5Aclose(attribute));
+  (void)Try(f, H5Sclose(space));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5WriteText(MpmHdf5 *f, const char object[], const char name[], const char text[])
+{
+  hid_t type;
+
+  PetscFunctionBegin;
+  type = Try(f, H5Tcopy(H5T_C_S1));
+  (void)Try(f, H5Tset_size(type, strlen(text) + 1));
+  PetscCall(WriteAttribute(f, object, name, type, text));
+  (void)Try(f, H5Tclose(type));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5WriteReal(MpmHdf5 *f, const char object[], const char name[], PetscReal value)
+{
+  PetscFunctionBegin;
+  PetscCall(WriteAttribute(f, object, name, H5T_NATIVE_DOUBLE, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5WriteInteger(MpmHdf5 *f, const char object[], const char name[], PetscInt value)
+{
+  PetscFunctionBegin;
+  PetscCall(WriteAttribute(f, object, name, sizeof value == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmHdf5Has(const MpmHdf5 *f, const char name[])
+{
+  return f->file >= 0 && H5Lexists(f->file, name, H5P_DEFAULT) > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscBool MpmHdf5ReadAttribute(const MpmHdf5 *f, const char object[], const char name[], hid_t memory, void *value)
+{
+  const hid_t attribute = H5Aopen_by_name(f->file, object, name, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t       space, type;
+  PetscBool   ok;
+
+  if (attribute < 0) return PETSC_FALSE;
+  space = H5Aget_space(attribute);
+  type  = H5Aget_type(attribute);
+  ok    = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == H5Tget_class(memory) &&
+               H5Tis_variable_str(type) <= 0 && H5Aread(attribute, memory, value) >= 0
+              ? PETSC_TRUE
+              : PETSC_FALSE;
+  (void)H5Tclose(type);
+  (void)H5Sclose(space);
+  (void)H5Aclose(attribute);
+  return ok;
+}
+
+/* An array of one dimension with numbers of the right class, and its length; more than the file holds is none. */
+static hid_t Find(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
+{
+  hid_t   array, space, has;
+  hsize_t n = 0, bytes = 0;
+
+  *length = -1;
+  if (H5Lexists(f->file, name, H5P_DEFAULT) <= 0) return -1;
+  array = H5Dopen2(f->file, name, H5P_DEFAULT);
+  if (array < 0) return -1;
+  space = H5Dget_space(array);
+  has   = H5Dget_type(array);
+  (void)Try(f, H5Fget_filesize(f->file, &bytes));
+  if (H5Tget_class(has) == H5Tget_class(type) && H5Sget_simple_extent_ndims(space) == 1 &&
+      H5Sget_simple_extent_dims(space, &n, NULL) == 1 && n <= bytes / H5Tget_size(has))
+    *length = (PetscInt64)n;
+  (void)Try(f, H5Tclose(has));
+  (void)Try(f, H5Sclose(space));
+  return array;
+}
+
+PetscErrorCode MpmHdf5Length(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
+{
+  const hid_t array = Find(f, name, type, length);
+
+  PetscFunctionBegin;
+  if (array >= 0) (void)Try(f, H5Dclose(array));
+  PetscCallMPI(MPI_Bcast(length, 1, MPIU_INT64, 0, f->comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
+{
+  const hsize_t offset = (hsize_t)begin, count = (hsize_t)n;
+  PetscInt64    length;
+  hid_t         array, space, memory;
+
+  PetscFunctionBegin;
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  array = Find(f, name, type, &length);
+  if (array < 0 || begin + n > length) f->failed = PETSC_TRUE;
+  space  = Try(f, H5Dget_space(array));
+  memory = Try(f, H5Screate_simple(1, &count, NULL));
+  (void)Try(f, H5Sselect_hyperslab(space, H5S_SELECT_SET, &offset, NULL, &count, NULL));
+  (void)Try(f, H5Dread(array, type, memory, space, H5P_DEFAULT, part));
+  if (memory >= 0) (void)H5Sclose(memory);
+  if (space >= 0) (void)H5Sclose(space);
+  if (array >= 0) (void)H5Dclose(array);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
