@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """Runs the scenes of examples/extreme and prints a table: case, predicted, measured, verdict, time.
 
-extremes.py [--large] [--ranks N] [--check FILE] [PATTERN...]: --large: those that need gigabytes too; --check: the rows
-must be those that FILE holds, numbers to 1e-4 and times left out. MPMSTAB names the program (build/mpmstab).
+extremes.py [--large] [--ranks N] [--check FILE] [PATTERN...]
 
-A scene begins with what is expected and why, '# task: ' and, where the program's own prediction does not cover it,
-'# predicted: ' with a number and its formula, or with the task and options that make another scene of it.
-Measured: the growth of a march from random data (run, spectrum), the
-Courant number at which growth leaves the tolerance (critical), the share of unstable layouts (ensemble).
+PATTERN chooses scenes by name, such as 'drift-*'. The environment variable MPMSTAB names the program (by default
+build/mpmstab).
+
+A scene begins with comments that say what is expected and why. '# task: ' names the task. Where the program does not
+predict the scene itself, '# predicted: ' gives a number and its formula, or a task and options that turn the scene into
+one that the program predicts. The measured column has the growth of a march from random data (tasks run and spectrum),
+the Courant number at which growth leaves the tolerance (critical), or the share of unstable layouts (ensemble).
 """
 import fnmatch
 import os
@@ -21,7 +23,7 @@ FOLDER = os.path.join(ROOT, "examples", "extreme")
 
 
 def header(path):
-    """What a scene's first lines say of its task and prediction."""
+    """Returns the task and the prediction that the comments of a scene state."""
     with open(path, encoding="ascii") as file:
         lines = [line[2:].rstrip() for line in file if line.startswith("# ")]
     return dict(line.split(": ", 1) for line in lines if re.match("(task|predicted): ", line))
@@ -44,7 +46,7 @@ def growth_predicted(found):
 
 
 def columns(task, found, predicted, told):
-    """Predicted and measured; told: a number that the scene's header gives."""
+    """Returns the columns predicted and measured; told is the number that the scene predicts, or None."""
     if task == "critical":
         critical = found["critical"]
         limit = critical.get("critical_courant")
@@ -69,7 +71,7 @@ NUMBER = re.compile(r"\d+\.?\d*(?:e[+-]?\d+)?")
 
 
 def same(cells, known):
-    """Whether a row is the one of its case in a text, but for its time."""
+    """Says whether a text has this row: the same words, numbers to 1e-4, any time."""
     for line in known.splitlines():
         others = [cell.strip() for cell in line.split("  ") if cell.strip()]
         if not others or others[0] != cells[0]:
@@ -102,9 +104,9 @@ def row(arguments, path):
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("--large", action="store_true")
-    parser.add_argument("--ranks", type=int, default=1)
-    parser.add_argument("--check")
+    parser.add_argument("--large", action="store_true", help="also run the scenes that need gigabytes")
+    parser.add_argument("--ranks", type=int, default=1, help="ranks of each run (1)")
+    parser.add_argument("--check", metavar="FILE", help="fail unless FILE has the same rows, but for times")
     parser.add_argument("pattern", nargs="*", default=["*"])
     arguments = parser.parse_args()
     if arguments.ranks < 1:

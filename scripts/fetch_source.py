@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 """Fetches the source of a project's newest release from PyPI, unless it is there, and prints its version.
 
-fetch_source.py NAME FOLDER [SERIES]: into FOLDER/NAME-VERSION; with SERIES (such as 3.26) the newest of that series.
-Nothing of it is run, as pip would do to learn its metadata.
+fetch_source.py NAME FOLDER [SERIES]
+
+The source goes to FOLDER/NAME-VERSION. With SERIES, such as 3.26, it is the newest of that series. The script runs
+nothing of the source; pip would, to learn its metadata.
 """
 import hashlib
 import io
@@ -34,7 +36,7 @@ if not os.path.exists(target):
         data = answer.read()
     if hashlib.sha256(data).hexdigest() != digest:
         sys.exit(f"fetch_source: {url} is not what {PAGE} says it is")
-    # unpacked beside its place and moved there, so that a folder of this name is complete
+    # The source is unpacked elsewhere and then moved, so that a folder of this name is complete.
     with tempfile.TemporaryDirectory(dir=FOLDER) as aside:
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
             archive.extractall(aside)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pictures of what mpmstab has written, as NAME.png and NAME.svg.
+"""Draws what mpmstab has written, as NAME.png and NAME.svg.
 
   pictures.py spectrum SPECTRUM.h5 [RESULT.json]      eigenvalues, unit circle, the symbol's and the published factors
   pictures.py symbol SYMBOL.h5|CSV [SPECTRUM.h5] [RESULT.json]   abs(G) over the phase, in all columns that there are
@@ -11,9 +11,10 @@
   pictures.py transient RESULT.json                   norm of the operator's powers (spectrum -powers)
   pictures.py pseudospectrum SPECTRUM.h5 [RESULT.json]   smallest singular value of z - A (spectrum -pseudospectrum)
 
-Files are those of mpmstab's -output (.h5), -json and -csv. As a module: each kind is a function that returns a figure.
+The files are those that mpmstab writes for -output (.h5), -json and -csv. For other scripts, this module has a function
+for each kind, which returns a figure.
 """
-from program import Parser, end_in_one_line, refuse, require_outputs, say  # first: see there
+from program import Parser, end_in_one_line, refuse, require_outputs, say  # this import comes first: see there
 import os
 import warnings
 
@@ -28,25 +29,25 @@ KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", 
 
 
 def first_two(kind, paths):
-    """FILE [RESULT.json]"""
+    """Returns the file and its JSON (None when it is not given), for kinds that take no more."""
     if len(paths) > 2:
         raise Refusal(f"{paths[2]}: one file too many; allowed: {kind} FILE [RESULT.json]")
     return paths[0], paths[1] if len(paths) > 1 else None
 
 
 def by_ending(kind, paths, endings):
-    """The further files by what they end in."""
+    """Returns the files after the first by the parameter that their ending stands for, each ending once."""
     given = {}
     for path in paths[1:]:
         ending = path[path.rfind("."):]
         if ending not in endings or endings[ending] in given:
-            raise Refusal(f"{path}: not one more that {kind} takes; allowed: one each of {' and '.join(endings)}")
+            raise Refusal(f"{path}: {kind} takes no more such file; allowed: one each of {' and '.join(endings)}")
         given[endings[ending]] = path
     return given
 
 
 def draw(args):
-    """The figure of a kind; None: it has been written."""
+    """Returns the figure, or None for frames, which have been written."""
     kind, paths = args.kind, args.files
     if kind == "symbol":
         return symbol(paths[0], **by_ending(kind, paths, {".h5": "spectrum_path", ".json": "result_path"}))
@@ -74,9 +75,10 @@ def parse():
     parser = Parser(__doc__)
     parser.add_argument("kind", choices=KINDS)
     parser.add_argument("files", nargs="+", metavar="FILE")
-    parser.add_argument("-o", "--output", metavar="NAME", help="default: the kind's name")
-    parser.add_argument("-n", "--number", type=int, choices=range(1, 5), default=2, help="of modes: how many (2)")
-    parser.add_argument("-s", "--steps", type=int, help="of growth: the last step shown")
+    parser.add_argument("-o", "--output", metavar="NAME", help="what is written (by default the kind's name)")
+    parser.add_argument("-n", "--number", type=int, choices=range(1, 5), default=2,
+                        help="for modes: how many are drawn (2)")
+    parser.add_argument("-s", "--steps", type=int, help="for growth: the last step that is shown")
     args = parser.parse_args()
     if args.steps is not None and args.steps < 1:
         refuse(f"-s {args.steps}: allowed: 1 or more steps")
@@ -88,7 +90,7 @@ def parse():
 
 
 def draw_and_save(args):
-    """Draws and writes. A damaged file may hold anything, so whatever fails while it is drawn is said of the files."""
+    """Draws and writes. A damaged file may hold anything, so whatever fails in drawing is said of the files."""
     with warnings.catch_warnings(record=True) as noted:
         warnings.simplefilter("always")
         try:
@@ -99,9 +101,9 @@ def draw_and_save(args):
             refuse(refusal)
         except Exception as error:
             if isinstance(error, OSError) and error.filename:
-                raise  # it is of a file that is written
+                raise  # a file cannot be written, which is said elsewhere
             why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-            refuse(f"{' or '.join(args.inputs)}: cannot be drawn ({why}); allowed: whole files that mpmstab has written")
+            refuse(f"{' or '.join(args.inputs)}: cannot be drawn ({why}); allowed: whole files of mpmstab")
     for message in {str(note.message) for note in noted if not issubclass(note.category, RuntimeWarning)}:
         say(f"warning: {message}")
 

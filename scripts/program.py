@@ -1,6 +1,7 @@
-"""Runs mpmstab for the scripts, and what they share: refusals in one line, files that are whole, the machine.
+"""What the scripts share: they run mpmstab, refuse bad input in one line, write whole files and name the machine.
 
-MPMSTAB names the program (build/mpmstab). Scripts import this first: from here on Ctrl-C ends them in one line.
+The environment variable MPMSTAB names the program (by default build/mpmstab). Scripts import this module first: from
+then on Ctrl-C ends them in one line, and the modules in scripts/report are found.
 """
 import argparse
 import contextlib
@@ -14,24 +15,24 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-sys.path.append(os.path.join(ROOT, "scripts", "report"))  # the modules that make pages and pictures
+sys.path.append(os.path.join(ROOT, "scripts", "report"))
 PROGRAM = os.path.abspath(os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab")))
 
 
 def say(message):
-    """One line on standard error, whatever letters a file's name or content brings into it."""
+    """Prints one line on standard error. Letters that would break the line, as in a file's name, become spaces."""
     line = f"{os.path.basename(sys.argv[0])}: {message}"
     print("".join(letter if letter.isprintable() else " " for letter in line), file=sys.stderr)
 
 
 def refuse(message):
-    """Ends the script as the program ends for bad input."""
+    """Says why the input is bad and ends the script with status 2, as the program does."""
     say(message)
     sys.exit(2)
 
 
 class Parser(argparse.ArgumentParser):
-    """Describes a script by its docstring and refuses in one line."""
+    """A parser of options that prints the script's docstring for --help and refuses bad options in one line."""
 
     def __init__(self, description):
         super().__init__(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -41,7 +42,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def uncaught(kind, error, trace):
-    """Ctrl-C is no fault of the script; what is goes the usual way."""
+    """Ends the script in one line after Ctrl-C. Faults of the script are shown with their trace, as usual."""
     if not issubclass(kind, KeyboardInterrupt):
         sys.__excepthook__(kind, error, trace)
         return
@@ -53,7 +54,7 @@ sys.excepthook = uncaught
 
 
 def end_in_one_line(main):
-    """Runs main; files that cannot be written and a standard output that is full are said, a closed pipe is not."""
+    """Runs main. A file that cannot be written or a full standard output is one line; a closed pipe ends silently."""
     try:
         main()
         if sys.stdout:
@@ -63,7 +64,7 @@ def end_in_one_line(main):
             refuse(f"{error.filename}: {error.strerror}; allowed: a place that can be read and written")
         if not isinstance(error, BrokenPipeError):
             say(f"standard output cannot be written: {error.strerror}")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or the interpreter says it again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else the interpreter complains once more
         sys.exit(1)
 
 
@@ -79,7 +80,7 @@ def command_of(words, ranks=1):
 
 
 def result_of(path):
-    """The JSON that the program has written; {}: none."""
+    """Returns the JSON that the program has written, or {} when there is no file."""
     if not os.path.exists(path):
         return {}
     with open(path, encoding="utf-8") as file:
@@ -87,7 +88,10 @@ def result_of(path):
 
 
 def launch(task, scene=None, options=(), ranks=1):
-    """Status, JSON ({}: none) and what was said on standard error. Options: a list, or a dictionary of values."""
+    """Runs a task and returns its status, its JSON ({} when it wrote none) and its standard error.
+
+    The options are a list of words, or a dictionary of values by name.
+    """
     if isinstance(options, dict):
         options = [word for name, value in options.items() for word in (f"-{name}", str(value))]
     with tempfile.TemporaryDirectory() as folder:
@@ -98,7 +102,7 @@ def launch(task, scene=None, options=(), ranks=1):
 
 
 def fault_of(path):
-    """Why a file cannot be read from its beginning to its end, in words; None when it can.
+    """Returns in words why a file cannot be read from its beginning to its end, or None when it can.
 
     A pipe would wait for a writer and some devices have no end, so only regular files are read.
     """

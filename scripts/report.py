@@ -3,11 +3,12 @@
 
 report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work-precision]
 
-Runs spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples) and error against
-run time over three grids; what a scene does not support is quoted. The page holds its pictures and needs no network.
-Files of the runs stay in FOLDER (report-files beside the page). MPMSTAB names the program (build/mpmstab).
+The script runs the tasks spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples)
+and measures error against run time on three grids. Where a task does not support a scene, the page quotes its refusal.
+The page holds its pictures and needs no network. The files of the runs stay in FOLDER (by default report-files beside
+the page). The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
-# First, so that Ctrl-C during the imports below is one line too.
+# This import comes first, so that Ctrl-C during those below is one line too.
 from program import (PROGRAM, ROOT, Parser, end_in_one_line, processor, refuse, require_input, require_outputs,
                      require_program, write_whole)
 import datetime
@@ -29,10 +30,12 @@ import report_runs
 def parse():
     parser = Parser(__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE.yaml")
-    parser.add_argument("-o", "--output", default="report.html", metavar="PAGE")
-    parser.add_argument("-n", "--ranks", type=int, default=1)
-    parser.add_argument("--work", metavar="FOLDER")
-    parser.add_argument("--no-work-precision", action="store_true", help="no error against run time")
+    parser.add_argument("-o", "--output", default="report.html", metavar="PAGE",
+                        help="the page that is written (report.html)")
+    parser.add_argument("-n", "--ranks", type=int, default=1, help="ranks of each run (1)")
+    parser.add_argument("--work", metavar="FOLDER", help="where the files of the runs stay")
+    parser.add_argument("--no-work-precision", action="store_true",
+                        help="leave out error against run time, which takes longest")
     arguments = parser.parse_args()
     if arguments.ranks < 1:
         refuse(f"-n {arguments.ranks}: allowed: 1 or more ranks")
@@ -42,7 +45,7 @@ def parse():
 
 
 def names_of(scenes):
-    """Short names, each once: the folder's of a scene.yaml, else the file's."""
+    """Returns a short name for each scene: its folder for a scene.yaml, else its file. No two are the same."""
     names = []
     for scene in scenes:
         folder, file = os.path.split(os.path.abspath(scene))
@@ -60,7 +63,7 @@ def read_scene(path):
 
 
 def attributes_of(asker, answers):
-    """The scene as the program wrote it into its files."""
+    """Returns the parameters of the scene, as the program wrote them into its HDF5 files."""
     for name, path in (("output", "output.h5"), ("spectrum", "spectrum.h5"), ("symbol", "symbol.h5")):
         if name in answers and answers[name].done:
             with picture_files.open_hdf5(asker.path(path)) as file:
@@ -69,7 +72,7 @@ def attributes_of(asker, answers):
 
 
 def examine(path, name, text, arguments, known):
-    """All that the page says of a scene."""
+    """Runs the tasks on a scene and returns all that the page says of it."""
     asker, answers = report_runs.ask_all(path, os.path.join(arguments.work, name), arguments.ranks, known)
     run = answers["run"]
     exact = run.done and "error" in run.result["run"] and run.result["verdict"] == "stable"
@@ -88,7 +91,7 @@ def first_line(*command):
 
 
 def revision():
-    """Of this project; it may lie inside the repository of another."""
+    """Returns the git revision of this project, unless the project lies inside a repository of another one."""
     if os.path.realpath(first_line("git", "rev-parse", "--show-toplevel") or os.sep) != os.path.realpath(ROOT):
         return "not known"
     changed = ", with changes that are not committed" if first_line("git", "status", "--porcelain", "-uno") else ""
@@ -96,7 +99,7 @@ def revision():
 
 
 def facts(arguments):
-    """What the numbers rest on."""
+    """Returns the versions, machine, revision and command with which the numbers were made, as pairs of words."""
     done = subprocess.run([PROGRAM, "list", "versions"], capture_output=True, text=True, check=False)
     versions = [tuple(line.split(None, 1)) for line in done.stdout.splitlines()[1:]]
     command = shlex.join(["scripts/report.py", *map(report_runs.shown, sys.argv[1:])])
@@ -107,14 +110,14 @@ def facts(arguments):
 
 
 def require_places(arguments, names):
-    """Refuses places that cannot be written, and to write over a scene, before the runs and not after them."""
+    """Refuses places that cannot be written, and to write over a scene. This comes before the runs, which take long."""
     require_outputs([arguments.output], [*arguments.scenes, PROGRAM])
     folders = [os.path.join(arguments.work, name) for name in names]
     for scene, folder in itertools.product(arguments.scenes, folders):
         real, ending = os.path.realpath(scene), os.path.splitext(scene)[1]
         if os.path.dirname(real) == os.path.realpath(folder) and ending in report_runs.ENDINGS:
             refuse(f"{scene}: lies among the files of the runs, which are written anew; allowed: another --work FOLDER")
-    for folder in folders:
+    for folder in (arguments.work, *folders):
         os.makedirs(folder, exist_ok=True)
     for folder in (os.path.dirname(os.path.abspath(arguments.output)), *folders):
         try:

@@ -5,13 +5,14 @@ work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2
                   [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 5] [--error 1e-2,1e-3]
                   [--time T] [-o NAME]
 
-All run to the same time: --time, or the end of the scene as it stands. The error is the largest l2 over fields against
-the exact solution at the end, relative to its amplitude; the time is that of the loop, without start-up. Every round
-runs all combinations once, in an order of its own, so that what slows the machine down hits all alike. NAME.runs.jsonl
-keeps each run as soon as it is done: after an interruption the same command goes on, and more of any range adds to it.
-NAME.csv has a row for each combination, NAME.png and NAME.svg the picture. MPMSTAB names the program (build/mpmstab).
+All combinations run to the same time, which is that of --time, or the end of the scene as it stands. The error is the
+largest l2 error over the fields at the end, against the exact solution and relative to its amplitude. The time is that
+of the loop, without start-up. Each of the --repeats rounds runs all combinations once, in an order of its own, so that
+a slow machine slows all of them alike. NAME.runs.jsonl keeps each run as soon as it is done: give the same command
+again to resume after an interruption, or a wider range to add to it. NAME.csv has a row for each combination, NAME.png
+and NAME.svg have the picture. The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
-# First, so that Ctrl-C during the imports below is one line too.
+# This import comes first, so that Ctrl-C during those below is one line too.
 from program import (PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_input, require_outputs,
                      require_program, say, write_whole)
 import fcntl
@@ -32,10 +33,10 @@ KINDS = {"cells": int, "courant": float, "ppc": int, "ranks": int, "formulation"
 
 
 def ranged(kind):
-    """A list with commas, each value once."""
+    """Returns a reader of values that commas separate; it keeps each value once."""
     def read(text):
         return list(dict.fromkeys(kind(word) for word in text.split(",")))
-    read.__name__ = f"list of {kind.__name__}"  # argparse names it when it refuses
+    read.__name__ = f"list of {kind.__name__}"  # argparse shows this name when it refuses
     return read
 
 
@@ -63,9 +64,9 @@ def digest(path):
 
 
 def look_at(arguments):
-    """What the scene is as it stands, its end, and what the file of runs must have been made from."""
+    """Runs the scene as it stands. Returns its result, its end time, and what the file of runs must be made from."""
     status, base, said = launch("run", arguments.scene)
-    if status not in (0, 3) or not base:  # 3: with this program its expectations are missed, which is not the question
+    if status not in (0, 3) or not base:  # 3: an expectation is missed, which does not matter here
         refuse(f"{arguments.scene} does not run: {said or f'status {status}'}")
     if "error" not in base["run"]:
         refuse(f"{arguments.scene}: these data have no exact solution; allowed: initial mode, pulse or step")
@@ -76,7 +77,7 @@ def look_at(arguments):
 
 
 def lock(path):
-    """The file of runs, open and held: of two at once the second is refused."""
+    """Returns the file of runs, open and locked. When another script has locked it, this one is refused."""
     file = open(path, "a", encoding="utf-8")
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -86,7 +87,7 @@ def lock(path):
 
 
 def add_line(path, record):
-    """At once and whole to the file; an error names it."""
+    """Adds a line to the file at once; an error names the file."""
     try:
         with open(path, "a", encoding="utf-8") as file:
             file.write(json.dumps(record) + "\n")
@@ -96,10 +97,10 @@ def add_line(path, record):
 
 
 def read_runs(path, made_from):
-    """The runs there are already; those that failed are run again."""
+    """Returns the runs that are in the file, but for those that failed, which are run again."""
     with open(path, "rb") as file:
         text = file.read()
-    whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off by the end of an earlier start is run again
+    whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off is run again
     if not whole and json.dumps(made_from).encode().startswith(text):
         os.truncate(path, 0)
         add_line(path, made_from)
@@ -117,7 +118,7 @@ def read_runs(path, made_from):
 
 
 def measure(arguments, combination, end, first):
-    """One run, as a record; the first of a combination also asks the symbol what all waves do."""
+    """Returns one run as a record. The first run of a combination also asks the symbol how all waves grow."""
     given = {name: combination[name] for name in KINDS if name != "ranks" and getattr(arguments, name)}
     status, found, said = launch("run", arguments.scene, {**given, "time": end}, combination["ranks"])
     if status not in (0, 3) or not found:
@@ -129,7 +130,7 @@ def measure(arguments, combination, end, first):
                   note=None)
     unstable = found["verdict"] == "unstable"
     if first:
-        _, symbol, _ = launch("symbol", arguments.scene, given)  # refuses what it does not cover
+        _, symbol, _ = launch("symbol", arguments.scene, given)  # {} where the symbol does not cover the scene
         record["growth_all_waves"] = symbol.get("growth")
         unstable = unstable or symbol.get("verdict") == "unstable"
     record["status"] = "unstable" if unstable else "ok"
@@ -144,7 +145,7 @@ def progress(done, total, begin, already):
 
 
 def run_all(arguments, combinations, end, records, path):
-    """Adds the runs that are missing to records and the file, round by round."""
+    """Runs what is missing, round by round, and adds it to the records and to the file."""
     have = {(key(record), record["round"]) for record in records}
     over = {key(record) for record in records if record["status"] == "refused"}
     total, begin, already = arguments.repeats * len(combinations), time.monotonic(), 0
@@ -176,7 +177,7 @@ def title(arguments, rows, end):
 
 
 def report(arguments, rows, base, end):
-    """Table and words to standard output, CSV and picture to files."""
+    """Prints the table and its conclusions; writes the CSV and the picture."""
     write_whole(f"{arguments.output}.csv", csv_text(rows))
     save(precision_picture.draw(rows, title(arguments, rows, end)), arguments.output)
     print(f"error against run time: {arguments.scene} to time {end:g}"

@@ -1,4 +1,4 @@
-"""What the program has written, read for pictures and reports; and what is said when a file is not that."""
+"""Reads what the program has written, for pictures and reports, and refuses files that it has not written."""
 import csv
 import json
 import math
@@ -11,14 +11,15 @@ from program import fault_of
 
 
 class Refusal(Exception):
-    """Bad input, as the one line that is said."""
+    """Bad input; its text is the one line that is said."""
 
 
 NUMBER, OPTIONAL = (int, float), (int, float, type(None))
 WORDS = {str: "a text", int: "a whole number", NUMBER: "a number", OPTIONAL: "a number or null", dict: "an object"}
+# The types of values in JSON.
 KINDS = {"task": str, "formulation": str, "basis": str, "transfer": str, "boundary": str, "cells": int, "ppc": NUMBER,
          "particles": int, "courant": NUMBER, "drift": NUMBER, "growth": OPTIONAL, "predicted": dict, "run": dict,
-         "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}  # in JSON
+         "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}
 SCENE = ("formulation", "basis", "transfer", "boundary", "cells", "ppc", "particles", "courant", "drift")
 
 
@@ -42,7 +43,7 @@ def open_hdf5(path):
 
 
 def array(file, name, made_by, columns=None):
-    """A dataset whole, of so many columns; made_by says which command writes it."""
+    """Returns a whole dataset of numbers, with so many columns; made_by names the command that writes it."""
     made = f"a file that 'mpmstab {made_by}' has written"
     found = file.get(name)
     if not isinstance(found, h5py.Dataset):
@@ -82,7 +83,7 @@ def part(result, key, path, made_by):
 
 
 def read_csv(path, columns, made_by):
-    """Rows as dicts of floats, NaN where a cell is empty; every name of columns is there."""
+    """Returns the rows as dicts of floats, NaN where a cell is empty. The file must have all these columns."""
     require_file(path, f"a file that 'mpmstab {made_by}' has written")
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -98,7 +99,7 @@ def read_csv(path, columns, made_by):
 
 
 def read_words(path, column, made_by):
-    """One column of a CSV, as texts."""
+    """Returns one column of a CSV, as texts."""
     require_file(path, f"a file that 'mpmstab {made_by}' has written")
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -110,7 +111,7 @@ def read_words(path, column, made_by):
 
 
 def attributes(file):
-    """The scene of an HDF5 file."""
+    """Returns the scene that an HDF5 file holds in its attributes."""
     scene = {}
     for key, value in file.attrs.items():
         scene[key] = value.decode() if isinstance(value, bytes) else value
@@ -121,17 +122,17 @@ def attributes(file):
 
 
 def complex_pairs(values):
-    """Rows of re, im, re, im, ... as complex numbers."""
+    """Returns rows of re, im, re, im, ... as complex numbers."""
     return values[:, 0::2] + 1j * values[:, 1::2]
 
 
 def period(scene):
-    """Steps after which drifting particles are back in their places."""
+    """Returns the number of steps after which drifting particles lie in their cells as before."""
     return int(str(scene.get("drift_exact", "0/1")).rsplit("/", maxsplit=1)[-1])
 
 
 def steps_of(file):
-    """The output steps of a run: their numbers and groups."""
+    """Returns the numbers and groups of the output steps of a run."""
     names = sorted(name for name in file if name.startswith("step_"))
     if not names:
         refuse(file.filename, "no /step_... in it", "a file that 'mpmstab run -output -output_every n' has written")
@@ -139,7 +140,7 @@ def steps_of(file):
 
 
 def fields_of(group):
-    """The fields that nodes and particles have, displacement or velocity first."""
+    """Returns the fields that both nodes and particles have, with displacement or velocity first."""
     return sorted((name for name in group["nodes"] if name in group["particles"]), key="uvrwsc".find)
 
 
@@ -151,7 +152,7 @@ def drift_text(scene):
 
 
 def scene_parts(scene):
-    """What a scene is, as texts by key, from the attributes of an HDF5 file or a JSON object."""
+    """Describes a scene, as texts by key. It comes from the attributes of an HDF5 file or from a JSON object."""
     layout = [f"offset {float(scene.get('offset', 0.5)):.6g}"]
     jitter = float(scene.get("jitter", 0))
     if jitter:
@@ -181,7 +182,7 @@ def scene_parts(scene):
 
 
 def compared(scene):
-    """The parts of a scene as they must agree for numbers of two files to go together; JSON has drift as a number."""
+    """Returns the parts of a scene that must agree in two files. Drift is a number here, as in JSON."""
     material = scene.get("material", "uniform")
     inclusion = material.get("inclusion", (0, 0)) if isinstance(material, dict) else (0, 0)
     if material == "two":
@@ -200,7 +201,10 @@ def require_same(path, scene, other_path, other):
 
 
 def result_beside(path, scene, result_path, *tasks):
-    """The JSON of one of these tasks on the scene that a file is of (None: the file does not say)."""
+    """Returns a JSON result, which must be of one of these tasks and of the scene of another file.
+
+    The scene is None when that file does not say it.
+    """
     result = read_json(result_path)
     if result["task"] not in tasks:
         refuse(f"{path} and {result_path}", f"the second is of the task {result['task']}", " or ".join(tasks))

@@ -1,4 +1,4 @@
-"""Pictures of maps over two axes, of powers of the operator and of pseudospectra. Each function returns the figure."""
+"""Draws maps over two axes, powers of the operator, and pseudospectra. Each public function returns the figure."""
 import numpy
 from matplotlib import colors, patheffects
 from matplotlib.collections import LineCollection
@@ -13,10 +13,10 @@ MAP_LABELS = {"courant": "Courant number k = c dt / h", "drift": "drift / cells 
 
 
 def transient(path):
-    """norm(A^n) over n beside the powers of the growth per step."""
+    """Draws norm(A^n) over n beside the powers of the growth per step."""
     result = files.read_json(path)
     found = files.part(result, "transient", path, "spectrum -powers N -json")
-    steps, norm = numpy.array(found["steps"]), numpy.array(found["norm"], float)  # null: beyond the range of doubles
+    steps, norm = numpy.array(found["steps"]), numpy.array(found["norm"], float)  # null is NaN: beyond doubles
     growth = files.part(result, "growth", path, "spectrum -json")
     figure = style.new_figure(4.2, files.scene_text(result))
     axes = figure.add_subplot()
@@ -38,7 +38,7 @@ def transient(path):
 
 
 def kreiss_on(real, imaginary, sigma):
-    """The largest (abs z - 1) / sigma_min outside the unit circle, and where."""
+    """Returns the largest (abs z - 1) / sigma_min outside the unit circle, and the z that has it."""
     z = real[None, :] + 1j * imaginary[:, None]
     with numpy.errstate(divide="ignore", invalid="ignore"):
         ratio = numpy.where(abs(z) > 1, (abs(z) - 1) / sigma, -numpy.inf)
@@ -47,7 +47,7 @@ def kreiss_on(real, imaginary, sigma):
 
 
 def pseudospectrum(path, result_path=None):
-    """Contours of log10 of the smallest singular value of z - A, with eigenvalues, unit circle and Kreiss point."""
+    """Draws contours of log10 of the smallest singular value of z - A, eigenvalues, unit circle and Kreiss point."""
     with files.open_hdf5(path) as file:
         scene, values = files.attributes(file), spectra.eigenvalues_of(file)
         real, imaginary, sigma = (files.array(file, f"pseudospectrum/{name}", "spectrum -pseudospectrum P -output")
@@ -86,9 +86,9 @@ def pseudospectrum(path, result_path=None):
 
 
 def growth_map(path, result_path=None, csv_path=None):
-    """Growth - 1 over two axes: log colours where unstable, plain where stable, with the limits at rest.
+    """Draws growth - 1 over two axes, in colours on a log scale where it is unstable and plain where it is stable.
 
-    The JSON of the same map has the limits and how many points are unstable, its CSV says which are undecided.
+    The JSON of the same map adds the limits at rest and the number of unstable points, the CSV the undecided points.
     """
     with files.open_hdf5(path) as file:
         scene = files.attributes(file)
@@ -121,13 +121,13 @@ def growth_map(path, result_path=None, csv_path=None):
 
 
 def draw_growth(figure, axes, places, growth, beyond):
-    """Colours, and the border between what grows and what does not."""
+    """Draws the colours and the border between unstable and stable points."""
     x, y = (edges_of(values) for values in places)
     excess = numpy.ma.masked_where(~beyond, growth - 1)
     if excess.count():
         low, top = files.finite_range(numpy.asarray(excess.compressed()))
         top = max(top, 2 * low)
-        excess = numpy.ma.minimum(excess, 2 * top)  # infinite: beyond the range of doubles
+        excess = numpy.ma.minimum(excess, 2 * top)  # infinite means beyond the range of doubles
         mesh = axes.pcolormesh(x, y, excess.T, cmap="viridis", rasterized=True, norm=colors.LogNorm(low, top))
         figure.colorbar(mesh, ax=axes, label="growth per step - 1 (grey: stable)")
     axes.add_collection(LineCollection(outline(x, y, beyond), colors="black", linewidths=0.9))
@@ -136,7 +136,7 @@ def draw_growth(figure, axes, places, growth, beyond):
 
 
 def undecided_of(path, csv_path, names, places):
-    """The points that the CSV of a map calls undecided."""
+    """Returns which points the CSV of a map calls undecided."""
     shape = (len(places[0]), len(places[1]))
     if not csv_path:
         return numpy.zeros(shape, bool)
@@ -155,20 +155,20 @@ def require_axis(path, values, other_path, name, others):
 
 
 def edges_of(values):
-    """Between the values and half a step beyond them."""
+    """Returns the middles between values, and an edge half a step beyond the first and the last."""
     middles = (values[1:] + values[:-1]) / 2
     return numpy.concatenate(([2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]))
 
 
 def outline(x, y, inside):
-    """The sides of the boxes between x and y that lie between one that is inside and one that is not."""
+    """Returns the sides that boxes inside share with boxes outside; x and y are the edges of the boxes."""
     upright = [((x[i + 1], y[j]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[1:] != inside[:-1])]
     level = [((x[i], y[j + 1]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[:, 1:] != inside[:, :-1])]
     return upright + level
 
 
 def map_footer(scene, names):
-    """What the two axes sweep is not said as if it were one number."""
+    """Describes the scene without the two parameters that the axes sweep."""
     parts = files.scene_parts(scene)
     shown = [text for key, text in parts.items()
              if key not in names and not (key == "layout" and "offset" in names)]
@@ -176,7 +176,7 @@ def map_footer(scene, names):
 
 
 def axes_of_map(file, shape, result, result_path):
-    """The names of the two axes, in their order."""
+    """Returns the names of the two axes, in their order."""
     if result:
         found = files.part(result, "map", result_path, "map -json")
         for name, size in zip(found["axes"], shape):
@@ -195,7 +195,7 @@ def axes_of_map(file, shape, result, result_path):
 
 
 def draw_limits(axes, names, values, found):
-    """The largest stable Courant numbers that formulas for particles at rest give, the corrected by the other axis."""
+    """Draws the largest stable Courant numbers at rest: the published one, and the corrected over the other axis."""
     if "courant" not in names:
         return
     at = list(names).index("courant")

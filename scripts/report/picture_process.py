@@ -1,6 +1,6 @@
 """Draws in a process of its own, since a damaged file may end the HDF5 library, and its process with it, by a signal.
 
-What that process refuses it says itself. When a signal ends it, its parent says so in one line that names the files.
+That process says itself what it refuses. When a signal ends it, its parent says so in one line that names the files.
 """
 import os
 import signal
@@ -10,12 +10,12 @@ import traceback
 
 from program import end_in_one_line, refuse, say
 
-LONGEST = 600  # seconds: a damaged file may also keep the library busy for ever
+LONGEST = 600  # seconds; a damaged file may also keep the library busy for ever
 
 
 def run_apart(work, files):
     """Calls work() in a child process and ends as that ends; returns when all went well."""
-    with tempfile.TemporaryFile() as said:  # the C library writes to standard error when it aborts
+    with tempfile.TemporaryFile() as said:  # the C library writes there when it aborts
         sys.stdout.flush()
         child = os.fork()
         if not child:
@@ -41,7 +41,7 @@ def status_of(work):
     except KeyboardInterrupt:
         say("interrupted")
         status = 130
-    except BaseException:  # a fault of the scripts, which is shown as everywhere else
+    except BaseException:  # a fault of the scripts, which is shown with its trace
         traceback.print_exc()
         status = 1
     sys.stderr.flush()
@@ -49,7 +49,7 @@ def status_of(work):
 
 
 def wait_for(child):
-    """The status of the child. Ctrl-C ends the child too, which removes what it has written aside."""
+    """Returns the status of the child. After Ctrl-C the child ends too, and removes what it has written aside."""
     try:
         return os.waitpid(child, 0)[1]
     except KeyboardInterrupt:

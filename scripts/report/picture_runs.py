@@ -1,4 +1,4 @@
-"""Pictures of runs: growth, space-time, frames and a movie. Each function returns a figure, frames() their names."""
+"""Draws runs: growth, space-time, frames and a movie. frames() returns the names of files, the others a figure."""
 import io
 import math
 import os
@@ -15,13 +15,13 @@ from program import require_outputs, write_whole
 OUTPUT = "run -output -output_every n"
 MOST_ROWS = 300  # output steps in a space-time picture
 MOST_FRAMES = 500
-LONG_GROWTH = 30  # largest over median size beyond which each step of a space-time picture has its own scale
+LONG_GROWTH = 30  # if the largest size is beyond this many medians, each step of a picture has its own scale
 
 
 def size_of(path):
-    """Steps and the size of the state relative to the start, of RUN.json from the RUN.csv beside it."""
+    """Returns the steps and the size of the state relative to its start, from the RUN.csv beside RUN.json."""
     rows = files.read_csv(os.path.splitext(path)[0] + ".csv", ["step", "energy"], "run -csv")
-    rows = [row for row in rows if math.isfinite(row["energy"])]  # empty: out of the range of doubles
+    rows = [row for row in rows if math.isfinite(row["energy"])]  # an empty one is beyond doubles
     if not rows or rows[0]["energy"] <= 0:
         files.refuse(path, "no energy to begin with in its CSV", "a run that starts from data that are not zero")
     energy = numpy.array([row["energy"] for row in rows])
@@ -29,7 +29,7 @@ def size_of(path):
 
 
 def predicted_of(result, spectra):
-    """Growth per step of the run's initial data, by its own file or by the spectrum of the same scene."""
+    """Returns the predicted growth per step of the initial data, from the run or from a spectrum of its scene."""
     for key in ("eigenmode", "corrected_mode", "corrected"):
         if result["predicted"].get(key) is not None:
             return result["predicted"][key]
@@ -38,7 +38,7 @@ def predicted_of(result, spectra):
 
 
 def shared(results):
-    """The parts of the scenes that are the same in all, and for each result those that are not."""
+    """Returns the parts of the scenes that all have in common, and for each scene its other parts."""
     parts = [files.scene_parts(result) for result in results]
     same = [text for key, text in parts[0].items() if all(part[key] == text for part in parts)]
     own = [[text for key, text in part.items() if any(other[key] != text for other in parts)] for part in parts]
@@ -46,7 +46,7 @@ def shared(results):
 
 
 def through(steps, size, per_step):
-    """Powers of the growth per step, through the middle of the late half of the run."""
+    """Returns powers of the growth per step, scaled to pass through the middle of the late half of the run."""
     late = slice(len(steps) // 2, None)
     level = numpy.mean(numpy.log(size[late]) - steps[late] * math.log(per_step))
     with numpy.errstate(over="ignore"):
@@ -54,9 +54,9 @@ def through(steps, size, per_step):
 
 
 def growth(paths, last=None):
-    """Size of the state over steps, with the predicted growth dashed.
+    """Draws the size of the state over steps, with the predicted growth dashed.
 
-    paths are results of runs; those of spectra among them predict what the run's own file does not.
+    The paths are results of runs. There may be results of spectra, which predict growth where a run does not.
     """
     read = [(path, files.read_json(path)) for path in paths]
     spectra = [result for _, result in read if result.get("task") == "spectrum"]
@@ -94,7 +94,7 @@ def growth(paths, last=None):
 
 
 def cells_around(x, length):
-    """Left and right end of the interval of points next to each place, in the order of x."""
+    """Returns the ends of the interval that is nearer to each place than to any other, in the order of x."""
     order = numpy.argsort(x, kind="stable")
     sorted_x = x[order]
     middles = (sorted_x[1:] + sorted_x[:-1]) / 2
@@ -105,12 +105,12 @@ def cells_around(x, length):
 
 
 def places_of(group):
-    """x of the particles at an output step."""
+    """Returns x of the particles at an output step."""
     return files.array(group, "particles/coordinates", OUTPUT)[:, 0]
 
 
 def rows_of(file, field, length):
-    """The field, how many steps are shown, and of these: numbers, places / L and values."""
+    """Returns the field, how many steps are shown in words, and their numbers, places / L and values."""
     steps = files.steps_of(file)
     field = field or files.fields_of(steps[0][1])[0]
     if field not in files.fields_of(steps[0][1]):
@@ -123,12 +123,12 @@ def rows_of(file, field, length):
 
 
 def outgrows(sizes):
-    """Whether one scale for all steps would show the last ones only."""
+    """Says whether one scale for all steps would show the last ones only."""
     return sizes.max() > LONG_GROWTH * numpy.median(sizes[sizes > 0]) if sizes.any() else False
 
 
 def spacetime(path, field=None):
-    """One particle field over place and time; every particle's value is drawn around where it is."""
+    """Draws one particle field over place and time, with the value of each particle around its place."""
     with files.open_hdf5(path) as file:
         scene = files.attributes(file)
         field, shown, steps, x, values = rows_of(file, field, float(scene["length"]))
@@ -162,11 +162,12 @@ def spacetime(path, field=None):
 
 
 def largest_of(group, field):
+    """Returns the largest absolute value of a field on particles."""
     return max(map(abs, files.finite_range(files.array(group, f"particles/{field}", OUTPUT))))
 
 
 def frame_limits(steps, fields):
-    """The largest abs of each field over all steps, so that frames can be compared; None: it does not stay in sight."""
+    """Returns the largest absolute value of each field over all steps; None where most steps would be invisible."""
     limits = {}
     for field in fields:
         sizes = numpy.array([largest_of(group, field) for _, group in steps])
@@ -175,7 +176,7 @@ def frame_limits(steps, fields):
 
 
 def frame(scene, step, group, fields, limits):
-    """Particles and nodes over x at one output step."""
+    """Draws particles and nodes over x at one output step."""
     length = float(scene["length"])
     x = places_of(group) / length
     order = numpy.argsort(x, kind="stable")
@@ -200,7 +201,7 @@ def frame(scene, step, group, fields, limits):
 
 
 def frames(path, folder, per_second=12):
-    """One PNG for each output step in folder, and of all of them movie.gif; the names of the files."""
+    """Writes a PNG for each output step and movie.gif to the folder. Returns their names."""
     with files.open_hdf5(path) as file:
         scene, steps = files.attributes(file), files.steps_of(file)
         if len(steps) > MOST_FRAMES:
@@ -223,7 +224,7 @@ def frames(path, folder, per_second=12):
 
 
 def film(movie):
-    """The bytes of the movie."""
+    """Returns the bytes of the movie."""
     file = io.BytesIO()
     movie._frames[0].save(file, format="GIF", save_all=True, append_images=movie._frames[1:],
                           duration=int(1000 / movie.fps), loop=0)

@@ -1,4 +1,4 @@
-"""Pictures of eigenvalues, symbols and eigenmodes. Each function returns the figure."""
+"""Draws eigenvalues, symbols and eigenmodes. spectrum, symbol and modes return the figure."""
 import numpy
 
 import picture_files as files
@@ -6,12 +6,12 @@ import picture_style as style
 
 
 def published_factors(formulation, k, beta):
-    """The amplification factors as the slides print them, two for each phase; None: not a formulation of theirs.
+    """Returns the published amplification factors, two for each phase, or None for a formulation without any.
 
     gas1: G = 1 +- gamma, gas2: G = 1 + (gamma^2 +- sqrt(gamma^4 + 2 gamma^2)) / 2, both gamma = 2 i k sin beta;
     elastic: G = gamma +- sqrt(gamma^2 - 1), gamma = 1 - 2 k^2 sin^2(beta/2).
     """
-    square = -4 * (k * numpy.sin(beta)) ** 2  # gamma^2 of the gas; roots of real numbers: no branch jumps to the other
+    square = -4 * (k * numpy.sin(beta)) ** 2  # gamma^2 of the gas; its roots stay on one branch
     if formulation == "gas1":
         gamma = 2j * k * numpy.sin(beta)
         return numpy.array([1 + gamma, 1 - gamma])
@@ -30,7 +30,7 @@ def eigenvalues_of(file):
 
 
 def growth_of(values, scene):
-    """Per step, whatever the period."""
+    """Returns the growth per step of eigenvalues of a period of steps."""
     return abs(values) ** (1 / files.period(scene))
 
 
@@ -40,14 +40,14 @@ def unit_circle(axes):
 
 
 def of_what(scene, result):
-    """Whose eigenvalues they are, and how fast the largest grows."""
+    """Says of how many steps the eigenvalues are, and how fast the largest grows."""
     steps = files.period(scene)
     one = "of one step" if steps == 1 else f"of a period of {steps} steps"
     return f"eigenvalues {one}; growth {result:.9g} per step"
 
 
 def draw_symbol(figure, axes, file):
-    """The factors of all phases, coloured by phase."""
+    """Draws the factors of all phases, coloured by phase."""
     beta = files.array(file, "symbol/beta", "symbol -output")
     factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))
     phase = numpy.repeat(numpy.minimum(beta, 2 * numpy.pi - beta), factors.shape[1])
@@ -58,7 +58,7 @@ def draw_symbol(figure, axes, file):
 
 
 def draw_published(axes, file, scene):
-    """The published factors where the program says that the formula covers the scene."""
+    """Draws the published factors when the program says that their formula covers the scene."""
     beta = numpy.linspace(0, 2 * numpy.pi, 1441)
     covered = numpy.isfinite(files.array(file, "symbol/published", "symbol -output")).any()
     both = published_factors(scene["formulation"], float(scene["courant"]), beta) if covered else None
@@ -68,7 +68,7 @@ def draw_published(axes, file, scene):
 
 
 def look_at(axes, values):
-    """A square around the values: the unit circle alone may leave the picture."""
+    """Limits the axes to a square around the values. The unit circle may leave the picture."""
     middle = (values.real.max() + values.real.min()) / 2, (values.imag.max() + values.imag.min()) / 2
     half = max(numpy.ptp(values.real), numpy.ptp(values.imag), 0.1) * 0.56
     axes.set_xlim(middle[0] - half, middle[0] + half)
@@ -77,7 +77,7 @@ def look_at(axes, values):
 
 
 def spectrum(path, result_path=None):
-    """Eigenvalues with the unit circle, the symbol's factors and the published prediction."""
+    """Draws eigenvalues with the unit circle, the symbol's factors and the published prediction."""
     with files.open_hdf5(path) as file:
         scene, values = files.attributes(file), eigenvalues_of(file)
         growth = growth_of(values, scene).max()
@@ -102,7 +102,7 @@ def spectrum(path, result_path=None):
 
 
 def curves_of(path):
-    """beta, columns by name, scene (None: a CSV does not say)."""
+    """Returns beta, the columns by name, and the scene (None for a CSV, which does not say it)."""
     if path.endswith(".csv"):
         rows = files.read_csv(path, ["beta", "growth", "published", "corrected"], "symbol -csv")
         columns = {key: numpy.array([row[key] for row in rows]) for key in rows[0]} if rows else {}
@@ -129,7 +129,7 @@ def phase_axis(axes):
 
 
 def symbol(path, result_path=None, spectrum_path=None):
-    """abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth."""
+    """Draws abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth."""
     beta, columns, scene = curves_of(path)
     result = files.result_beside(path, scene, result_path, "symbol", "spectrum", "run") if result_path else None
     told = scene or result
@@ -163,7 +163,7 @@ def symbol(path, result_path=None, spectrum_path=None):
 
 
 def require_curve(path, curve, result_path, result):
-    """A CSV does not say its scene, but its largest growth must be the symbol's in the JSON."""
+    """Refuses a CSV whose largest growth is not the symbol's in the JSON, since a CSV does not say its scene."""
     told, largest = result["predicted"].get("symbol"), numpy.nanmax(curve)
     if told is not None and abs(told - largest) > 1e-9 * told:
         files.refuse(f"{path} and {result_path}", f"of different scenes: largest growth {largest:.9g} and {told:.9g}",
@@ -171,9 +171,10 @@ def require_curve(path, curve, result_path, result):
 
 
 def draw_by_phase(axes, path, told, required):
-    """Eigenvalues at the phase of their largest Fourier component; those that no node sees have none.
+    """Draws eigenvalues at the phase of their largest Fourier component on nodes.
 
-    told: the file that says the picture's scene, and the scene (None: none does).
+    Modes in the null space of P2G have no such component and are left out. told has the file that says the scene of
+    the picture, and this scene (None when no file says it).
     """
     with files.open_hdf5(path) as file:
         if "spectrum" not in file and not required:
@@ -188,7 +189,7 @@ def draw_by_phase(axes, path, told, required):
 
 
 def leading_modes(file, count):
-    """Names of the first modes, of each conjugate pair one."""
+    """Returns the names of the first modes, with one of each conjugate pair."""
     if "modes" not in file:
         files.refuse(file.filename, "no /modes in it", "a file that 'mpmstab spectrum -output -modes n' has written")
     chosen, pairs = [], []
@@ -202,7 +203,7 @@ def leading_modes(file, count):
 
 
 def title_of_mode(file, name):
-    """Growth, eigenvalue and wave of a mode."""
+    """Returns growth, eigenvalue and wave of a mode, in words."""
     group = file["modes"][name]
     real, imaginary = float(group.attrs["re"]), float(group.attrs["im"])
     value = f"{real:.4g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.4g}i" if abs(imaginary) > 1e-7 else "")
@@ -212,7 +213,7 @@ def title_of_mode(file, name):
 
 
 def share_axes(grid):
-    """One scale for all, with numbers at the left and the lower edge only."""
+    """Gives all axes one scale, with numbers at the left and the lower edge only."""
     for axes in grid.ravel()[1:]:
         axes.sharex(grid[0, 0])
         axes.sharey(grid[0, 0])
@@ -223,7 +224,7 @@ def share_axes(grid):
 
 
 def modes(path, count=2):
-    """The leading eigenmodes: a column each, a row for each field, real and imaginary part over x."""
+    """Draws the leading eigenmodes over x: a column for each, a row for each field, real and imaginary part."""
     with files.open_hdf5(path) as file:
         scene, names = files.attributes(file), leading_modes(file, count)
         x = files.array(file, "modes/coordinates", "spectrum -output") / float(scene["length"])

@@ -1,4 +1,4 @@
-"""Error over run time on log axes: a line for each family, the efficient frontier heavy, unstable runs as crosses."""
+"""Draws error over run time on log axes: lines for families, a heavy efficient frontier, crosses for unstable runs."""
 import textwrap
 
 from matplotlib import ticker
@@ -23,7 +23,7 @@ def draw_family(axes, number, members, names):
 
 
 def draw_unstable(axes, rows, names, top):
-    """Crosses where their error is, at the top margin where it is beyond the others' or out of range."""
+    """Draws unstable runs as crosses at their error, or at the top when it is far beyond the others'."""
     shown = [row for row in rows if row["status"] == "unstable" and row["best_s"]]
     if not shown:
         return

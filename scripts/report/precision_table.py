@@ -1,8 +1,8 @@
-"""From repeated runs to rows, orders, the efficient frontier, and the cheapest scheme for an error, in words.
+"""Turns repeated runs into rows, orders, the efficient frontier, and the cheapest scheme for an error, in words.
 
-A row is one combination. A family is what differs in nothing but cells: its points make a line of error over time.
-Times are those of the loop: best and median over repeats. Nothing is extrapolated: between two grids of a family
-log(time) is taken linear in log(error), beyond its grids nothing is said.
+A row is one combination. A family is a set of rows that differ in cells only, a line of error over time. The times are
+those of the loop, best and median over repeats. Between two grids of a family log(time) is interpolated linearly in
+log(error). Beyond its grids nothing is extrapolated.
 """
 import csv
 import io
@@ -13,9 +13,9 @@ PARAMETERS = ("formulation", "basis", "transfer", "ppc", "courant", "cells", "ra
 FAMILY = tuple(name for name in PARAMETERS if name != "cells")
 COLUMNS = (*PARAMETERS, "drift", "steps", "time", "particles", "status", "verdict", "growth", "growth_all_waves",
            "error_l1", "error_l2", "error_linf", "field", "order", "best_s", "median_s", "repeats", "frontier", "note")
-SHORT = 1e-3  # seconds: a loop that is shorter is measured badly
-FLOOR = 0.5   # order below which errors are said not to fall
-AS_GOOD = 1.01  # errors within this factor are as good as one another
+SHORT = 1e-3  # seconds; a shorter loop is measured badly
+FLOOR = 0.5   # below this order errors are said to fall slowly
+AS_GOOD = 1.01  # errors within this factor count as equally good
 
 
 def key(record, names=PARAMETERS):
@@ -23,9 +23,9 @@ def key(record, names=PARAMETERS):
 
 
 def error_of(record):
-    """Largest l1, l2, linf over fields and the field of the largest l2; None where one is out of range.
+    """Returns the largest l1, l2 and linf over fields, and the field of the largest l2; None where one is out of range.
 
-    apic's affine part c is left out: other transfers do not carry it.
+    The affine part c of apic is left out, since other transfers do not carry it.
     """
     errors = {field: error for field, error in (record.get("error") or {}).items() if field != "c"}
     if not errors or any("l2" not in error for error in errors.values()):
@@ -35,7 +35,7 @@ def error_of(record):
 
 
 def make_rows(records, combinations):
-    """One row for each combination that has been run at least once, in the order asked for."""
+    """Returns a row for each combination that has been run at least once, in the order asked for."""
     found = {}
     for record in records:
         found.setdefault(key(record), []).append(record)
@@ -58,7 +58,7 @@ def make_rows(records, combinations):
 
 
 def families(rows):
-    """Rows by family, coarse to fine."""
+    """Returns the rows by family, from coarse to fine."""
     found = {}
     for row in rows:
         found.setdefault(key(row, FAMILY), []).append(row)
@@ -66,12 +66,12 @@ def families(rows):
 
 
 def usable(row):
-    """Stable, with an error above 0 and a time: what may be the cheapest."""
+    """Says whether a row may be the cheapest: it is stable, and has an error above 0 and a time."""
     return row["status"] == "ok" and bool(row["error_l2"]) and bool(row["best_s"])
 
 
 def set_orders(rows):
-    """Order of convergence from the next coarser grid of the family on."""
+    """Sets the order of convergence of each row, from the next coarser grid of its family."""
     for members in families(rows).values():
         for coarse, fine in zip(members, members[1:]):
             if usable(coarse) and usable(fine):
@@ -80,7 +80,7 @@ def set_orders(rows):
 
 
 def frontier(rows):
-    """The usable rows that no faster one is as accurate as, from the fastest on."""
+    """Returns the usable rows that no faster row matches in accuracy, from the fastest on."""
     best, found = math.inf, []
     for row in sorted(filter(usable, rows), key=lambda row: (row["best_s"], row["error_l2"])):
         if row["error_l2"] * AS_GOOD < best:
@@ -91,9 +91,10 @@ def frontier(rows):
 
 def cheapest_of(members, wanted):
     """
-    Least time at which a family reaches an error, or None: best, median, the grids it lies between, whether its coarsest.
+    Returns where a family reaches an error in the least time: best, median, grids around it, whether the coarsest.
 
-    Of the grids that reach it, and of the places between neighbours where it is crossed, if both can be used.
+    It looks at the grids that reach the error, and between neighbours that are both usable where the error is crossed.
+    None: the family does not reach it.
     """
     found = [{"best_s": row["best_s"], "median_s": row["median_s"], "cells": (row["cells"],),
               "coarsest": row is members[0]} for row in members if usable(row) and row["error_l2"] <= wanted]
@@ -113,7 +114,7 @@ def seconds(value):
 
 
 def varying(rows):
-    """The parameters of a family that differ among rows; all of its name where none does."""
+    """Returns the parameters of a family that differ among rows, or those that name a scheme when none differs."""
     names = [name for name in FAMILY if len({row[name] for row in rows}) > 1]
     return names or ["formulation", "basis", "transfer"]
 
@@ -126,7 +127,7 @@ def name_of(row, names):
 
 
 def at(point, name):
-    """Where a family reaches an error, in words."""
+    """Says in words where a family reaches an error."""
     cells = point["cells"]
     if len(cells) == 1:
         coarsest = " (its coarsest grid, so perhaps less)" if point["coarsest"] else ""
@@ -135,7 +136,7 @@ def at(point, name):
 
 
 def answer(rows, wanted, repeats):
-    """What is cheapest for an error, and what comes next."""
+    """Says which family is cheapest for an error, and which comes next."""
     names = varying(rows)
     found = []
     for members in families(rows).values():
@@ -154,7 +155,7 @@ def answer(rows, wanted, repeats):
         said[0] += "; a loop under 1 ms: its time is rough"
     for point, name in found[1:4]:
         ratio = point["best_s"] / first["best_s"]
-        tie = repeats > 1 and ratio <= min(p["median_s"] / p["best_s"] for p in (first, point))  # of both, not of one
+        tie = repeats > 1 and ratio <= min(p["median_s"] / p["best_s"] for p in (first, point))
         said.append(f"  next {at(point, name)}, "
                     + ("no slower within the scatter of repeats" if tie else f"{ratio:.2g} times as long"))
     if len(found) > 4:
@@ -163,7 +164,7 @@ def answer(rows, wanted, repeats):
 
 
 def remarks(rows):
-    """What is to be known before the numbers are believed."""
+    """Returns remarks on what makes the numbers less reliable."""
     names, said = varying(rows), []
     timed = [row for row in rows if row["best_s"]]
     short = [row for row in timed if row["best_s"] < SHORT]
@@ -196,7 +197,7 @@ def text(value, form):
 
 
 def table(rows):
-    """The rows as aligned text."""
+    """Returns the rows as aligned text."""
     names = [name for name in PARAMETERS if name == "cells" or name in varying(rows)]
     head = [*names, "steps", "error", "order", "best", "median", "growth", "all waves", "status", ""]
     lines = [head]
@@ -214,5 +215,5 @@ def csv_text(rows):
     out = io.StringIO()
     writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows)  # None is empty, a float is written with all its digits
+    writer.writerows(rows)  # None becomes empty, and floats keep all their digits
     return out.getvalue()

@@ -1,10 +1,10 @@
-"""Pieces of HTML: numbers that keep their full precision, tables that scroll, pictures inside the page."""
+"""Makes pieces of HTML: numbers that keep their full precision, tables that scroll, pictures inside the page."""
 import base64
 import html
 
 from picture_style import encoded
 
-LARGEST_SVG = 400_000  # bytes; beyond, a picture of many points goes in as PNG
+LARGEST_SVG = 400_000  # bytes; a larger picture is embedded as PNG
 SIGNS = {"stable": "✓", "unstable": "✗", "undecided": "?"}
 
 
@@ -13,19 +13,19 @@ def escaped(text):
 
 
 def number(value, form=".9g"):
-    """A number as it is read, with all its digits for programs; a dash where there is none."""
+    """Returns a number for people, with all its digits for programs, or a dash for None."""
     if value is None:
         return "-"
     return f'<data value="{value!r}">{value:{form}}</data>'
 
 
 def badge(verdict, word=None):
-    """A verdict, or another word in its colours."""
+    """Returns a verdict, or other words in its colours."""
     return f'<span class="badge {verdict}">{SIGNS[verdict]} {word or verdict}</span>'
 
 
 def table(label, head, rows, numeric=()):
-    """In a box of its own that scrolls and can be reached by keyboard; cells are HTML."""
+    """Returns a table in a box that scrolls and can be reached by keyboard. Its cells are HTML."""
     def cell(tag, column, text):
         return f'<{tag}{" class=number" if column in numeric else ""}>{text}</{tag}>'
 
@@ -43,7 +43,7 @@ def preformatted(text):
 
 
 def picture(data, kind, alt, caption):
-    """A picture's bytes as part of the page."""
+    """Embeds the bytes of a picture into the page."""
     mime = {"svg": "image/svg+xml", "png": "image/png"}[kind]
     source = f"data:{mime};base64,{base64.b64encode(data).decode()}"
     return f'<figure><img src="{source}" alt="{escaped(alt)}"><figcaption>{caption}</figcaption></figure>'

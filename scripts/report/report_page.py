@@ -1,4 +1,4 @@
-"""What a report says of a scene, and of all of them beside one another. An entry is a dict: see report.py."""
+"""Writes what a report says of each scene and of all in its overview. examine() in report.py makes the entries."""
 import math
 
 import report_html as html
@@ -10,11 +10,11 @@ QUESTION = "Is this scheme stable, for which time step, how accurate for what co
 MEANINGS = {"published": "as the slides print it", "corrected": "the same analysis done right",
             "symbol": "exact von Neumann analysis", "spectrum": "eigenvalues of the assembled operator",
             "measured": "random data marched"}
-GROWS = 2  # norm of powers from which a scheme without growing eigenvalues is worth a word
+GROWS = 2  # a stable scheme whose powers have a larger norm than this gets a remark
 
 
 def best(entry):
-    """The answer that the verdict rests on; None: there is none."""
+    """Returns the answer that the verdict rests on, or None when there is none."""
     for name in ("spectrum", "symbol", "run"):
         if entry["answers"][name].done:
             return entry["answers"][name]
@@ -77,7 +77,7 @@ def how_accurate(entry):
 
 
 def reasons(entry):
-    """Why it is as it is, from what the program says."""
+    """Explains the verdict in the program's words."""
     answers, found = entry["answers"], []
     spectrum = answers["spectrum"] if answers["spectrum"].done else answers["symbol"]
     differs = why_published_differs(spectrum.table)
@@ -108,7 +108,7 @@ def answers_list(entry):
 
 
 def verdict_words(entry):
-    """How well the columns that must agree do."""
+    """Says how closely the columns agree that must agree."""
     found = growths(entry["answers"])
     exact = [(name, found[name]) for name in ("symbol", "spectrum", "measured") if found[name] is not None]
     if len(exact) < 2:
@@ -121,7 +121,7 @@ def verdict_words(entry):
 
 
 def five_columns(entry):
-    """Growth in five columns, each with what the program says of it."""
+    """Returns a table of the growth in five columns, each with the program's words on it."""
     found, spectrum = growths(entry["answers"]), entry["answers"]["spectrum"]
     said = explanations(spectrum.table if spectrum.done else entry["answers"]["symbol"].table)
     rows = [[name, number(found[name]), MEANINGS[name], f'<span class="words">{escaped(said.get(name, "-"))}</span>']
@@ -145,23 +145,23 @@ def transient_words(entry):
     telling = ("Kreiss", "norms grow", "norms do not", "late norms")
     lines, told = [], False
     for line in answer.table.splitlines():
-        told = any(word in line for word in telling) or (told and line.startswith("  "))  # what it goes on with
+        told = any(word in line for word in telling) or (told and line.startswith("  "))  # its next lines
         lines += [line] * told
     return f"<h3>Transient growth</h3>\n<p>{words}</p>\n" + (html.preformatted("\n".join(lines)) if lines else "")
 
 
 def parameters(entry):
-    """The scene with all that it leaves to defaults, as the program has read it."""
+    """Returns a table of the scene as the program has read it, defaults included."""
     rows = [[escaped(key), escaped(f"{value:.9g}" if isinstance(value, float) else value)]
             for key, value in sorted(entry["scene"].items())]
     return html.table("parameters", ["parameter", "value"], rows) if rows else "<p>The program wrote none.</p>"
 
 
 def missed(entry):
-    """What was refused or failed, in the program's words, and expectations that were missed."""
+    """Lists tasks that were refused or failed, in the program's words, and expectations that were missed."""
     items = []
     for name, answer in entry["answers"].items():
-        if answer.status == 3 and name not in ("at rest", "map"):  # a scene expects nothing of those
+        if answer.status == 3 and name not in ("at rest", "map"):  # expectations of a scene are not about those
             items.append(f"<li><b>{escaped(name)}</b>: {escaped(answer.complaint)}</li>")
         elif not answer.done:
             kind = "does not cover this scene" if answer.status == 2 else "failed"
@@ -189,7 +189,7 @@ def scene_section(entry):
 
 
 def largest_stable(critical):
-    """Of the task critical: the Courant number, or none where growth only falls below what is tolerated."""
+    """Returns the largest stable Courant number, or "none" when growth only fades below the tolerance."""
     if not critical.done:
         return "-"
     found = critical.result["critical"]

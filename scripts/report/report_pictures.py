@@ -1,4 +1,4 @@
-"""The pictures of a scene, each with what there is to see on it."""
+"""Draws the pictures of a scene, each with words on what it shows."""
 import os
 
 import pictures
@@ -18,7 +18,7 @@ CAPTIONS = {
 
 
 def wanted(asker, answers):
-    """Kind, how to draw it, and its alternative text, for every picture that the answers allow."""
+    """Yields kind, function that draws, and alternative text of every picture that the answers allow."""
     def path(name):
         return asker.path(name)
 
@@ -58,18 +58,18 @@ def wanted(asker, answers):
 
 
 def all_of(asker, answers):
-    """As HTML; one that cannot be drawn says so in its place."""
+    """Returns the pictures as HTML, and words in place of a picture that cannot be drawn."""
     pieces = []
     for kind, draw, alt in wanted(asker, answers):
         try:
             pieces.append(html.drawn(draw(), alt, html.escaped(CAPTIONS[kind])))
-        except Exception as error:  # whatever it is, the other pictures and the page are worth having
+        except Exception as error:  # the other pictures and the page are still of use
             pieces.append(f'<p class="undecided">Picture of {kind}: not drawn: {html.escaped(error)}</p>')
     return f'<div class="pictures">\n{chr(10).join(pieces)}\n</div>' if pieces else "<p>Nothing to draw.</p>"
 
 
 def of_work_precision(asker):
-    """The picture that work_precision.py has written."""
+    """Returns the picture that work_precision.py has written, or nothing when there is none."""
     path = asker.path("work-precision.svg")
     if not os.path.exists(path):
         return ""

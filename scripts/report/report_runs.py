@@ -1,4 +1,4 @@
-"""What a report asks of the program for one scene, and what came back. Nothing here ends the report."""
+"""Runs the program for a report of one scene and keeps its answers. No failure of a run ends the report."""
 import os
 import re
 import shlex
@@ -7,29 +7,29 @@ import sys
 
 from program import PROGRAM, ROOT, command_of, result_of
 
-SMALL = 256  # unknowns up to which powers and the pseudospectrum are taken
-MOST_OUTPUT = 120  # output steps of a run, about
+SMALL = 256  # powers and the pseudospectrum are computed up to so many unknowns
+MOST_OUTPUT = 120  # about so many output steps of a run at most
 PATIENCE = 600  # seconds for one command
 ENDINGS = (".json", ".h5", ".csv", ".jsonl", ".png", ".svg", ".xmf")  # of the files that the runs write
 COLUMNS = ("published", "corrected", "symbol", "spectrum", "measured")
 
 
 class Answer:
-    """One command: how it is said, its status, its JSON ({}: none), its table, and its complaint."""
+    """The outcome of a command: the command as typed, status, JSON ({} when none), standard output, and complaint."""
 
     def __init__(self, command, status, result, table, complaint):
         self.command, self.status, self.result, self.table, self.complaint = command, status, result, table, complaint
-        self.done = status in (0, 3) and bool(result)  # 3: the scene's expectation is missed, the result is there
+        self.done = status in (0, 3) and bool(result)  # 3: an expectation is missed
 
 
 def shown(path):
-    """A path as one would read it in the project's folder."""
+    """Returns a path relative to the project's folder when it lies inside."""
     inside = os.path.relpath(path, ROOT)
     return path if inside.startswith("..") else inside
 
 
 def typed(words):
-    """A command as one would type it in the project's folder: what is a path within it is said from there."""
+    """Returns a command as one would type it in the project's folder, with paths relative to it."""
     return shlex.join(shown(word) if os.path.isabs(word) else word for word in words)
 
 
@@ -38,14 +38,14 @@ def progress(text):
 
 
 def complaint_of(done):
-    """The program's own line; what mpirun adds to it says nothing."""
+    """Returns the line that the program said, without those of mpirun."""
     lines = done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"]
     own = [line.removeprefix("mpmstab: ") for line in lines if line.startswith("mpmstab: ")]
     return own[0] if own else lines[-1]
 
 
 class Asker:
-    """Runs tasks on one scene, each with files of its own in a folder."""
+    """Runs tasks on one scene. Each task has files of its own in the scene's folder."""
 
     def __init__(self, scene, folder, ranks):
         self.scene, self.folder, self.ranks = scene, folder, ranks
@@ -54,7 +54,7 @@ class Asker:
         return os.path.join(self.folder, name)
 
     def ask(self, task, name=None, options=(), files=("json",)):
-        """Runs the task; its files are NAME.json, NAME.h5, NAME.csv."""
+        """Runs the task, which writes NAME.json, NAME.h5 and NAME.csv, those of them that files names."""
         name = name or task
         words = [task, self.scene, *options]
         for kind in files:
@@ -73,7 +73,7 @@ class Asker:
 
 
 def options_known():
-    """The options that this build of the program has."""
+    """Returns the names of the options that this build of the program has."""
     done = subprocess.run([PROGRAM, "list", "options"], capture_output=True, text=True, check=False)
     return set(re.findall(r"^  (\w+) ", done.stdout, flags=re.MULTILINE))
 
@@ -83,7 +83,7 @@ def every(steps):
 
 
 def ask_all(scene, folder, ranks, known):
-    """All answers for a scene, by what was asked."""
+    """Runs all tasks on a scene. Returns the asker and the answers by name."""
     asker = Asker(os.path.abspath(scene), folder, ranks)
     answers = {"spectrum": asker.ask("spectrum", files=("json", "h5", "csv")),
                "symbol": asker.ask("symbol", files=("json", "h5", "csv"))}
@@ -105,7 +105,7 @@ def ask_all(scene, folder, ranks, known):
 
 
 def work_precision(scene, asker, result):
-    """Error against run time over half, once and twice the scene's cells: the command, status and what it said."""
+    """Measures error against run time on half, once and twice the scene's cells, with work_precision.py."""
     cells = result["cells"]
     script = os.path.join(ROOT, "scripts", "work_precision.py")
     name = asker.path("work-precision")
@@ -113,7 +113,7 @@ def work_precision(scene, asker, result):
     words = [script, os.path.abspath(scene), "--cells", grids, "--repeats", "3", "-o", name]
     progress(f"{shown(scene)}: error against run time")
     if os.path.exists(f"{name}.runs.jsonl"):
-        os.remove(f"{name}.runs.jsonl")  # of another build or scene, perhaps
+        os.remove(f"{name}.runs.jsonl")  # it may be of another build or scene
     command = typed(words)
     try:
         done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False, timeout=PATIENCE,
@@ -125,7 +125,7 @@ def work_precision(scene, asker, result):
 
 
 def explanations(table):
-    """What the program's own table says beside each of the five growths."""
+    """Returns the words of the program's own table beside each of the five growths."""
     said = {}
     for name in COLUMNS:
         found = re.search(rf"^  {name} +(?:off range|\S+) +(.*)$", table, flags=re.MULTILINE)
@@ -135,7 +135,7 @@ def explanations(table):
 
 
 def why_published_differs(table):
-    """The program's words on the distance between the published and the true abs(G), as one line."""
+    """Returns the program's words on how far the published abs(G) is off, as one line."""
     lines = table.splitlines()
     for number, line in enumerate(lines):
         if line.startswith("the published abs(G)"):
@@ -149,7 +149,7 @@ def why_published_differs(table):
 
 
 def growths(answers):
-    """The five growths per step; None: not covered or not computed."""
+    """Returns the five growths per step, None for one that is not covered or not computed."""
     spectrum, symbol = answers["spectrum"], answers["symbol"]
     source = spectrum.result if spectrum.done else symbol.result if symbol.done else answers["run"].result
     predicted = source.get("predicted", {})

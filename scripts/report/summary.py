@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""Two tables from results of the demo: growth in five columns (spectrum -json), and runs (run -json).
+"""Prints two tables of the demo's results: growth in five columns, and runs.
 
-summary.py FOLDER SCENE...     reads FOLDER/SCENE-spectrum.json and FOLDER/SCENE.json
+summary.py FOLDER SCENE...
+
+For each scene it reads FOLDER/SCENE-spectrum.json (spectrum -json) and FOLDER/SCENE.json (run -json).
 """
 import json
 import sys

@@ -30,7 +30,7 @@ def make(mpmstab):
 
 
 def drawn(*words):
-    """The status of pictures.py with these arguments, and the lines that it said; this process has its modules already."""
+    """Runs pictures.py in a copy of this process, which has its modules already. Returns its status and its lines."""
     with open("said.txt", "w+", encoding="utf-8") as said:
         child = os.fork()
         if not child:
@@ -97,8 +97,8 @@ def check_signals():
             end()
         pictures.draw = dies
         status, lines = drawn("spectrum", "spectrum.h5")
-        check(status == 2 and len(lines) == 1 and lines[0].startswith("pictures.py: spectrum.h5: ") and name in lines[0],
-              f"{name}: status {status}, said {lines}")
+        check(status == 2 and len(lines) == 1, f"{name}: status {status}, said {lines}")
+        check(lines[0].startswith("pictures.py: spectrum.h5: ") and name in lines[0], f"{name}: said {lines}")
     pictures.draw = real
     status, lines = drawn("spectrum", "spectrum.h5", "-o", "whole")
     check(status == 0 and not lines, f"a whole file: status {status}, said {lines}")
