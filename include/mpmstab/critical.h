@@ -47,7 +47,8 @@ typedef struct {
 PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
 
 /* Not collective. Sets closed, closed_beta and cell: the least of the closed form over all phases. */
-PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *critical);
+PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                       MpmCritical *critical);
 
 /* Growth per step at a Courant number. */
 typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);

@@ -1,10 +1,9 @@
 /* Scene: everything a task needs to know, checked and immutable. */
 #pragma once
 #include "base/progress.h"
-#include <mpmstab/basis.h>
-#include <mpmstab/formulation.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 #include "scene/settings.h"
-#include <mpmstab/table.h>
 #include <mpmstab/verdict.h>
 
 /*S
@@ -16,29 +15,6 @@ typedef struct {
   MpmGrowthKind kind;
   PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2], share[2];
 } MpmExpect;
-
-#define MPM_MAX_COUNTS 64
-
-/*S
-   MpmCounts - numbers of particles in cells 0 .. n - 1, repeated over the grid; before: in the cells before each of
-   them. n = 1: as many in every cell. voids: some have none.
-S*/
-typedef struct {
-  PetscInt   n, of[MPM_MAX_COUNTS];
-  PetscInt64 before[MPM_MAX_COUNTS + 1];
-  PetscBool  voids;
-} MpmCounts;
-
-/*S
-   MpmMaterial - what particles are made of: density and stiffness of the second material over the first's, and the
-   cells between which it is.
-S*/
-typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
-
-typedef struct {
-  MpmMaterialKind kind;
-  PetscReal       density, stiffness, inclusion[2];
-} MpmMaterial;
 
 /*S
    MpmAxis - what a map goes over along one of its axes: points equally spaced numbers, fractions where they have short
@@ -54,28 +30,20 @@ typedef struct {
 } MpmAxis;
 
 /*S
-   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
-   courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
+   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1.
 
-   table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
-   first + id of a layout that fills all cells with sites; particles are those that there are. ppc: in the cells that
-   have most. half_width: of a particle, in cells. cluster: the part of its cell that particles are spread over.
+   layout, scheme and step are what the readers of a table take: march, operator and symbol. cell_width h, wave_speed c
+   and dt turn their numbers, which are in cells and steps, into the user's units.
 S*/
 typedef struct {
-  const MpmFormulation *formulation;
-  const MpmBasis       *basis;
-  const MpmTransfer    *transfer;
-  MpmTransferNumbers    numbers;
-  MpmTable             *table;
-  MpmEnd                ends[2];
-  const char           *task, *layout;
-  char                  boundary[64];
-  PetscInt              dim, cells, nodes, ppc, mode;
-  PetscInt64            sites, first, particles, seed, steps, output_every, checkpoint_every;
-  MpmCounts             counts;
-  MpmMaterial           material;
-  PetscReal       cluster[2], half_width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
-  MpmFraction     offset, drift;
+  MpmLayout       layout;
+  MpmScheme       scheme;
+  MpmStep         step;
+  const char     *task;
+  char            boundary[64];
+  PetscInt        dim, mode;
+  PetscInt64      steps, output_every, checkpoint_every;
+  PetscReal       length, cell_width, wave_speed, dt, amplitude, tolerance;
   MpmInitial      initial;
   PetscBool       stagger, measure, survey, weights, source_term, ringing;
   MpmProgressWish progress;
@@ -108,9 +76,6 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 /* Collective. How many particles there are in which cells, and where in them. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
 
-/* Not collective. As many particles in every cell. */
-void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
-
 /* Collective. What must come out. Called by MpmSceneCreate, when initial data are known. */
 PetscErrorCode MpmSettingsExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect);
 
@@ -126,28 +91,19 @@ PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 /* Not collective. Whether particles move against the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
 {
-  return scene->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmStepDrifts(&scene->step);
 }
 
 /* Not collective. Whether the domain has no ends. */
 static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
 {
-  return scene->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+  return MpmLayoutIsPeriodic(&scene->layout);
 }
 
 /* Not collective. Whether every cell has its particles. */
 static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 {
-  return scene->particles == scene->sites && !scene->counts.voids ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Collective. Refuses work on a scene that needs more memory than there is; see MpmMemoryCheck. */
-PetscErrorCode MpmSceneCheckMemory(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[]);
-
-/* Not collective. The grid's one direction: its cells, nodes and ends. */
-static inline MpmDirection MpmSceneDirection(const MpmScene *scene)
-{
-  return (MpmDirection){.cells = scene->cells, .nodes = scene->nodes, .ends = {scene->ends[0], scene->ends[1]}};
+  return MpmLayoutIsFull(&scene->layout);
 }
 
 /*

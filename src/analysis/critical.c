@@ -12,17 +12,18 @@ static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limi
   const MpmCellSymbols cell      = MpmPredictorSymbols(predictor, beta);
 
   PetscFunctionBegin;
-  *limit = predictor->scene->formulation->limit(&cell);
+  *limit = predictor->scheme->formulation->limit(&cell);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
+PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                       MpmCritical *c)
 {
   MpmPredictor predictor;
   PetscReal    limit, beta;
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not; m--) {
     PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
@@ -46,12 +47,14 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
 /* Whether it rings when particles move: a limit at rest does not say. */
 static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
 {
-  MpmScene   drifting = *scene;
-  MpmSymbol *symbol;
+  const MpmSymbolWish wish = {
+      .phases = 2 * MPM_CRITICAL_PHASES, .tolerance = scene->tolerance, .progress = scene->progress};
+  const MpmStep moved = {.courant = scene->step.courant,
+                         .drift   = {.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT}};
+  MpmSymbol    *symbol;
 
   PetscFunctionBegin;
-  drifting.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &drifting, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &moved, &wish, &symbol));
   c->moving = symbol->growth;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -71,12 +74,12 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
                      .closed_beta = NAN,
                      .threshold   = PETSC_TRUE,
                      .asked       = {.tolerance = scene->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
-  if (MpmSymbolWhyNot(scene))
+  if (MpmSymbolWhyNot(&scene->layout))
     PetscCall(MpmCriticalAssembled(scene, c));
   else
     PetscCall(MpmCriticalBySymbol(scene, alone, c));
   if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
-  PetscCall(MpmCriticalByClosedForm(scene, c));
+  PetscCall(MpmCriticalByClosedForm(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), c));
   /* long waves may grow by less than tolerance per step: the closed form knows */
   if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
   c->seconds = MPI_Wtime() - begin;

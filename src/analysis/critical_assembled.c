@@ -24,11 +24,11 @@ static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
   char note[128];
 
   PetscFunctionBegin;
-  p->scene.courant = courant;
+  p->scene.step.courant = courant;
   p->evaluations++;
   PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene, op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene.layout, &p->scene.scheme, &p->scene.step, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -92,7 +92,7 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 
 PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
 {
-  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
+  const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
   Probe            probe    = {.scene = *scene};
 
   PetscFunctionBegin;
@@ -100,10 +100,10 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
+                scene->layout.grid.cells, scene->layout.ppc, MpmSymbolWhyNot(&scene->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
   PetscCall(MpmProgressBegin(scene->progress, "", &probe.progress));
-  PetscCall(Search(&probe, scene->courant, c));
+  PetscCall(Search(&probe, scene->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
     PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));

@@ -20,11 +20,12 @@ static PetscErrorCode MakeScenes(const MpmScene *scene, PetscInt *n, MpmScene **
       for (PetscInt b = 0; MpmBases[b]; b++) {
         MpmScene *s = &(*scenes)[(*n)++];
 
-        *s             = *scene;
-        s->formulation = MpmFormulations[f];
-        s->transfer    = MpmTransfers[t];
-        s->basis       = MpmBases[b];
-        PetscCall(MpmTableCreate(s->formulation, s->transfer, &s->numbers, s->ends, &s->table));
+        *s                    = *scene;
+        s->scheme.formulation = MpmFormulations[f];
+        s->scheme.transfer    = MpmTransfers[t];
+        s->scheme.basis       = MpmBases[b];
+        PetscCall(MpmTableCreate(s->scheme.formulation, s->scheme.transfer, &s->scheme.numbers, s->layout.grid.ends,
+                                 &s->scheme.table));
       }
     }
   }
@@ -48,7 +49,7 @@ static PetscErrorCode PrintCell(PetscReal courant)
 static PetscErrorCode PrintRow(const MpmScene *s)
 {
   PetscFunctionBegin;
-  MpmPrint("%-8s %-10s", s->formulation->name, s->transfer->name);
+  MpmPrint("%-8s %-10s", s->scheme.formulation->name, s->scheme.transfer->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -60,18 +61,20 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
   MpmCritical     *critical;
 
   PetscFunctionBegin;
-  MpmCheckInput(!MpmSymbolWhyNot(scene), "survey: %s; allowed: the same particles in every cell, and boundary periodic",
-                MpmSymbolWhyNot(scene));
+  MpmCheckInput(!MpmSymbolWhyNot(&scene->layout),
+                "survey: %s; allowed: the same particles in every cell, and boundary periodic",
+                MpmSymbolWhyNot(&scene->layout));
   PetscCall(MakeScenes(scene, &n, &scenes));
   PetscCall(PetscMalloc2(n, &critical, n, &each));
   MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
            ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
-           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->ppc, scene->offset.value,
-           scene->drift.value, scene->numbers.order, scene->numbers.ratio);
+           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc,
+           scene->layout.offset.value, scene->step.drift.value, scene->scheme.numbers.order,
+           scene->scheme.numbers.ratio);
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
   for (PetscInt i = 0; i < n; i++) {
     each[i] = &scenes[i];
-    if (scenes[i].basis == MpmBases[0]) {
+    if (scenes[i].scheme.basis == MpmBases[0]) {
       MpmPrint("\n");
       PetscCall(PrintRow(&scenes[i]));
     }
@@ -80,7 +83,7 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
   }
   MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g\n", MPM_CRITICAL_TO);
   if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, n, each, critical));
-  for (PetscInt i = 0; i < n; i++) PetscCall(MpmTableDestroy(&scenes[i].table));
+  for (PetscInt i = 0; i < n; i++) PetscCall(MpmTableDestroy(&scenes[i].scheme.table));
   PetscCall(PetscFree2(critical, each));
   PetscCall(PetscFree(scenes));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -37,9 +37,8 @@ static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, PetscReal beta, Pets
   PetscReal largest = 0;
 
   PetscFunctionBegin;
-  p->scene.courant = courant;
   p->evaluations++;
-  PetscCall(MpmBlochMatrix(&p->bloch, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, courant, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->eigen.value[i]));
   *growth = MpmGrowthPerStep(largest, exponent, p->bloch.period);
@@ -238,12 +237,14 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
 /* Growth at the Courant number that the scene itself has; a limit above one that grows has missed a window. */
 static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmCritical *c)
 {
+  const MpmSymbolWish wish = {
+      .phases = 2 * MPM_CRITICAL_PHASES, .tolerance = p->scene.tolerance, .progress = p->scene.progress};
   MpmFinding *finding = &c->asked;
   MpmSymbol  *symbol;
 
   PetscFunctionBegin;
-  p->scene.courant = courant;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &p->scene, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  p->scene.step.courant = courant;
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &p->scene.layout, &p->scene.scheme, &p->scene.step, &wish, &symbol));
   finding->growth      = symbol->growth;
   finding->uncertainty = symbol->uncertainty;
   finding->blur        = symbol->blur;
@@ -266,14 +267,14 @@ PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCr
   Probe probe = {.scene = *scene, .comm = PETSC_COMM_WORLD};
 
   PetscFunctionBegin;
-  PetscCall(MpmLayoutPeriod(scene, &c->order));
-  PetscCall(MpmBlochCreate(&probe.scene, c->order, &probe.bloch));
+  PetscCall(MpmStepPeriod(&scene->step, &c->order));
+  PetscCall(MpmBlochCreate(&probe.scene.layout, &probe.scene.scheme, &probe.scene.step.drift, &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(MpmProgressBegin(scene->progress, "phase", &probe.progress));
   PetscCall(Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
-  if (!alone) PetscCall(Asked(&probe, scene->courant, c));
+  if (!alone) PetscCall(Asked(&probe, scene->step.courant, c));
   c->evaluations = probe.evaluations;
   PetscCall(MpmSmallEigenDestroy(&probe.eigen));
   PetscCall(MpmBlochDestroy(&probe.bloch));

@@ -3,7 +3,7 @@
 #include <mpmstab/scene.h>
 
 /*S
-   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->seed and those
+   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->layout.seed and those
    after it.
 
    growth (per step), uncertainty and verdict are of each layout, in the order of seeds, on every rank. share is

@@ -188,14 +188,14 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
 
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 {
-  const MpmTable *table = op->scene->table;
+  const MpmTable *table = op->scheme->table;
   MpmRegisters    registers;
   PetscInt        unseen = 0;
   Mat             map;
 
   PetscFunctionBegin;
   *nullity = 0;
-  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
+  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
   for (PetscInt f = 0; f < table->nstate; f++) {
     const MpmOp *seen = MpmTableSeenBy(table, f);
 

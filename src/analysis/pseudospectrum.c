@@ -24,13 +24,13 @@
 
 PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
 {
-  const PetscInt64 order = scene->table->nstate * scene->particles;
+  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
 
   PetscFunctionBegin;
   MpmCheckInput(!scene->pseudospectrum || order <= MPM_RESOLVENT_ORDER,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
-                scene->cells, scene->ppc, order, MPM_RESOLVENT_ORDER);
+                scene->layout.grid.cells, scene->layout.ppc, order, MPM_RESOLVENT_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -37,12 +37,13 @@ typedef struct {
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
 static PetscInt64 SampleGap(const MpmScene *scene)
 {
-  PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
+  PetscReal least = MpmLayoutIsUniform(&scene->layout) ? scene->layout.ppc : LEAST_MASS;
   PetscReal extreme[MPM_PROPERTIES], bound, safe;
 
-  MpmMaterialBounds(scene, extreme);
+  MpmMaterialBounds(&scene->layout, extreme);
   least *= extreme[MPM_MASS] / extreme[MPM_VOLUME];
-  bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least, extreme[MPM_STIFFNESS]);
+  bound = MpmScheduleBound(scene->scheme.table, scene->scheme.basis, scene->step.courant, scene->layout.ppc, least,
+                           extreme[MPM_STIFFNESS]);
   safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
 }
@@ -64,7 +65,7 @@ static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 {
   const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
-  const PetscReal  velocity = sqrt(energy) * march->scene->formulation->wave->velocity_unit(&profile);
+  const PetscReal  velocity = sqrt(energy) * march->scheme->formulation->wave->velocity_unit(&profile);
   const PetscReal  value    = PetscSqr(scalbn(velocity, (int)march->exponent));
 
   return isnormal(value) || energy == 0 ? value : NAN;
@@ -222,7 +223,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscBool alike; /* on all ranks */
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneCheckMemory(PETSC_COMM_WORLD, scene, MpmMarchBytes(scene), "the march"));
+  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;
@@ -241,7 +242,8 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   r->steps = loop.march->step;
   alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
-  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes, alike);
+  r->bytes = MpmScheduleBytes(scene->scheme.table, &loop.march->schedule,
+                              (PetscReal)scene->layout.particles / scene->layout.grid.nodes, alike);
   if (loop.exchange) {
     r->exchange_first = loop.exchange->first;
     r->exchange_last  = loop.exchange->last;

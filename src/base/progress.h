@@ -1,9 +1,7 @@
 /* Progress: one line with the time left, on a terminal, for work that takes long. */
 #pragma once
 #include <mpmstab/compat.h>
-
-/* Who sees the line: a terminal, if the work takes longer than 2 s; or whoever asks for it, or does not want it. */
-typedef enum { MPM_PROGRESS_ON_TERMINAL, MPM_PROGRESS_ALWAYS, MPM_PROGRESS_NEVER } MpmProgressWish;
+#include <mpmstab/progress.h>
 
 typedef struct {
   const char *unit; /* what is counted: steps, phases */

@@ -29,4 +29,5 @@ PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmPart
 
    Collective.
 */
-PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file);
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file);

@@ -20,33 +20,34 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
 }
 
 /* Where the particles start: what belongs under a mode's values. */
-static PetscErrorCode WriteCoordinates(const MpmScene *scene, MpmDataFile *file)
+static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
 {
   PetscMPIInt rank;
   PetscReal  *x;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)file->viewer), &rank));
-  PetscCall(PetscMalloc1(rank ? 0 : scene->particles, &x));
-  for (PetscInt64 id = 0; id < scene->particles && rank == 0; id++) {
+  PetscCall(PetscMalloc1(rank ? 0 : layout->particles, &x));
+  for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
     PetscInt  cell;
     PetscReal xi;
 
-    MpmLayoutPlace(scene, id, &cell, &xi);
-    x[id] = scene->cell_width * ((cell + scene->cells) % scene->cells + xi); /* jitter may leave the domain */
+    MpmLayoutPlace(layout, id, &cell, &xi);
+    x[id] = cell_width * ((cell + layout->grid.cells) % layout->grid.cells + xi); /* jitter may leave the domain */
   }
-  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)scene->particles, 1, x));
+  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, 1, x));
   PetscCall(PetscFree(x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file)
 {
   static const char *const parts[] = {"re", "im"};
   Vec                      x[2], field;
 
   PetscFunctionBegin;
-  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->scene, file));
+  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->layout, cell_width, file));
   PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
   PetscCall(MatCreateVecs(op->p2g, &field, NULL));
   for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
@@ -60,7 +61,7 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, Petsc
       for (int part = 0; part < 2; part++) {
         PetscCall(VecSetBlockSize(x[part], op->fields));
         PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
-        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scene->table->fields[f], parts[part]));
+        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scheme->table->fields[f], parts[part]));
         PetscCall(PetscObjectSetName((PetscObject)field, name));
         PetscCall(VecView(field, file->viewer));
       }

@@ -85,7 +85,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
   if (s->scene->output[0]) {
     PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, &file));
     PetscCall(WriteEigenvalues(s, &modes, &file));
-    PetscCall(MpmModesWrite(s->op, s->eigen, s->scene->modes, &file));
+    PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->scene->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
     PetscCall(WriteTransient(s, &file));
     PetscCall(MpmDataFileClose(&file, NULL));

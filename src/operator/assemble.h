@@ -2,7 +2,8 @@
 #pragma once
 #include "base/float_check.h"
 #include "scheme/maps.h"
-#include <mpmstab/scene.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 #include <petscmat.h>
 
 /*S
@@ -12,18 +13,21 @@
    its first particle's id.
 */
 typedef struct {
-  MPI_Comm        comm;
-  const MpmScene *scene;
-  PetscInt        first, cells, nodes, begin, particles, state;
-  PetscInt        fields;
-  Vec             masses;
-  PetscInt64      masses_step;
-  Mat             particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
-  MpmFloatCheck   float_check;
+  MPI_Comm         comm;
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  PetscInt         first, cells, nodes, begin, particles, state;
+  PetscInt         fields;
+  Vec              masses;
+  PetscInt64       masses_step;
+  Mat              particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
+  MpmFloatCheck    float_check;
 } MpmRegisters;
 
 /* Collective. Particle registers are the identity's rows, node registers empty. */
-PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegisters *registers);
+PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                  MpmRegisters *registers);
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*

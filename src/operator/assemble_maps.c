@@ -12,11 +12,11 @@
 static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscBool drop,
                                        PetscInt64 step, Mat *map)
 {
-  const MpmScene    *scene     = r->scene;
-  const MpmDirection direction = MpmSceneDirection(scene);
-  const PetscInt     reach = MpmMapReach(scene->basis), own = PetscMin(reach, r->nodes);
-  const PetscInt     far    = PetscMin(reach, scene->nodes - r->nodes);
-  const MpmProperty  weight = MpmTableWeight(scene->table, kind);
+  const MpmLayout  *layout = r->layout;
+  const MpmBasis   *basis  = r->scheme->basis;
+  const PetscInt    reach = MpmMapReach(basis), own = PetscMin(reach, r->nodes);
+  const PetscInt    far    = PetscMin(reach, layout->grid.nodes - r->nodes);
+  const MpmProperty weight = MpmLayoutWeight(layout, kind);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
@@ -24,11 +24,11 @@ static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, Pe
     const PetscInt  id = r->begin + p;
     PetscInt        cell, columns[MPM_MAX_REACH];
     PetscReal       xi, row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
-    const PetscReal w = weight ? MpmMaterialProperty(scene, weight, id) : 1;
+    const PetscReal w = weight ? MpmMaterialProperty(layout, weight, id) : 1;
 
-    MpmLayoutPlaceAt(scene, id, step, &cell, &xi);
-    MpmMapRow(scene->basis, kind, xi, scene->half_width, row);
-    MpmNodesSeen(&direction, scene->basis, cell, antisymmetric, drop, columns, sign);
+    MpmLayoutPlaceAt(layout, &r->step.drift, id, step, &cell, &xi);
+    MpmMapRow(basis, kind, xi, layout->half_width, row);
+    MpmNodesSeen(&r->layout->grid, basis, cell, antisymmetric, drop, columns, sign);
     for (PetscInt d = 0; d < reach; d++) row[d] *= sign[d] * w;
     PetscCall(MatSetValues(*map, 1, &id, reach, columns, row, ADD_VALUES));
   }
@@ -88,10 +88,10 @@ static PetscErrorCode WeighRoots(const MpmRegisters *r, Mat W)
   PetscReal *m;
 
   PetscFunctionBegin;
-  if (!r->scene->table->varies[MPM_MASS]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!r->layout->varies[MPM_MASS]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(W, NULL, &root));
   PetscCall(VecGetArray(root, &m));
-  for (PetscInt p = 0; p < r->particles; p++) m[p] = sqrt(MpmMaterialProperty(r->scene, MPM_MASS, r->begin + p));
+  for (PetscInt p = 0; p < r->particles; p++) m[p] = sqrt(MpmMaterialProperty(r->layout, MPM_MASS, r->begin + p));
   PetscCall(VecRestoreArray(root, &m));
   PetscCall(MatDiagonalScale(W, root, NULL));
   PetscCall(VecDestroy(&root));

@@ -31,7 +31,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
         "  under drift windows of instability open and close; the first one found counts, a very narrow one may be "
         "missed\n");
   if (!isnan(c->closed) && isfinite(c->closed))
-    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->formulation->limit_text);
+    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->scheme.formulation->limit_text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,7 +63,7 @@ static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
 static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
-  MpmPrint("\nat Courant number %.6g: growth ", s->courant);
+  MpmPrint("\nat Courant number %.6g: growth ", s->step.courant);
   if (isinf(c->asked.growth))
     MpmPrint("beyond the range of doubles");
   else
@@ -138,9 +138,10 @@ PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, Pet
     for (PetscInt i = 0; i < n; i++) {
       const MpmScene *s = scenes[i];
 
-      fprintf(csv.stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", s->formulation->name, s->basis->name,
-              s->transfer->name, scene->ppc, scene->offset.value, scene->jitter, scene->drift.value,
-              MpmEndNames[scene->ends[0]], MpmEndNames[scene->ends[1]]);
+      fprintf(csv.stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", s->scheme.formulation->name,
+              s->scheme.basis->name, s->scheme.transfer->name, scene->layout.ppc, scene->layout.offset.value,
+              scene->layout.jitter, scene->step.drift.value, MpmEndNames[scene->layout.grid.ends[0]],
+              MpmEndNames[scene->layout.grid.ends[1]]);
       MpmTextFileCell(&csv, critical[i].courant);
       MpmTextFileCell(&csv, critical[i].closed);
       MpmTextFileCell(&csv, critical[i].beta);

@@ -237,10 +237,3 @@ PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
     if (table->ops[o].kind == kind) return PETSC_TRUE;
   return PETSC_FALSE;
 }
-
-MpmProperty MpmTableWeight(const MpmTable *table, MpmOpKind kind)
-{
-  const MpmProperty weight = MpmOpTraitsOf(kind).weight;
-
-  return table->varies[weight] ? weight : MPM_NO_PROPERTY;
-}
