@@ -60,12 +60,13 @@ def main():
     check_package(prefix, environment)
     run(["bin/mpmstab", "critical", "-formulation", "usl", "-json", "limit.json"], prefix, environment)
     limit = json.loads((prefix / "limit.json").read_text(encoding="utf-8"))["critical_courant"]
-    if f"usl: critical Courant number {limit:.6g}" != printed[0] or abs(limit / (4 / 7) ** 0.5 - 1) > 2e-6:
+    if f"critical Courant number {limit:.6g}" != printed[0] or abs(limit / (4 / 7) ** 0.5 - 1) > 2e-6:
         fail(f"mpmstab finds {limit}, the program printed {printed[0]!r}; the closed form is sqrt(4/7)")
+    (prefix / "bad.yaml").write_text("ppc: 0\n", encoding="utf-8")
     for launch in ([], ["mpirun", "-q", "-n", "2"]):
-        said = run([*launch, "./limit", "-ppc", "0"], prefix, environment, status=2).stderr.splitlines()
-        if len(said) != 1 or "ppc" not in said[0]:
-            fail(f"a refusal is one line that names the option: {said}")
+        said = run([*launch, "./limit", "bad.yaml"], prefix, environment, status=2).stderr.splitlines()
+        if len(said) != 1 or "bad.yaml:1: ppc" not in said[0]:
+            fail(f"a refusal is one line that names file and key: {said}")
 
 
 if __name__ == "__main__":
