@@ -1,7 +1,7 @@
 /* How a program that uses this library begins and ends. */
+#include "base/errors_private.h"
 #include "base/launch.h"
 #include "base/unfinished.h"
-#include <mpmstab/errors.h>
 #include <slepcsys.h>
 
 PetscErrorCode MpmInitialize(int *argc, char ***argv)
@@ -14,12 +14,12 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv)
   return ierr ? ierr : MpmErrorsInstall();
 }
 
-int MpmFinalize(PetscErrorCode ierr, int status)
+int MpmFinalize(PetscErrorCode error, int status)
 {
-  if (ierr) (void)MpmUnfinishedRemove();
-  if (ierr == PETSC_ERR_USER_INPUT)
+  if (error) (void)MpmUnfinishedRemove();
+  if (error == PETSC_ERR_USER_INPUT)
     status = MPM_EXIT_REFUSED;
-  else if (ierr)
+  else if (error)
     MPI_Abort(PETSC_COMM_WORLD, MPM_EXIT_FAILED);
   (void)PetscPopErrorHandler();
   if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;

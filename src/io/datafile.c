@@ -1,6 +1,6 @@
 /* HDF5 files through PETSc's parallel viewer: the scene as attributes, renamed when whole. */
 #include "io/datafile.h"
-#include <mpmstab/errors.h>
+#include "base/errors_private.h"
 #include "scene/material.h"
 #include "base/unfinished.h"
 #include <hdf5.h>
