@@ -1,15 +1,18 @@
-/* Prints the critical Courant number of a scheme: usl on hats with two particles a cell, or what the options say. */
+/* Prints the critical Courant number of the scene in a YAML file; without one, of usl on hats, two particles a cell. */
 #include <mpmstab/mpmstab.h>
 
-static PetscErrorCode PrintLimit(void)
+static PetscErrorCode PrintLimit(const char path[])
 {
   MpmScene   *scene;
   MpmCritical limit;
 
   PetscFunctionBeginUser;
-  PetscCall(MpmSceneCreate("critical", NULL, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &limit));
-  MpmPrint("%s: critical Courant number %.6g\n", scene->formulation->name, (double)limit.courant);
+  if (path)
+    PetscCall(MpmSceneFromFile(path, &scene));
+  else
+    PetscCall(MpmSceneFromText("{formulation: usl, basis: linear, ppc: 2}", &scene));
+  PetscCall(MpmCriticalFind(scene, 1e-6, PETSC_FALSE, &limit)); /* growth up to 1 + 1e-6 per step counts as stable */
+  MpmPrint("critical Courant number %.6g\n", (double)limit.courant);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -17,5 +20,5 @@ static PetscErrorCode PrintLimit(void)
 int main(int argc, char **argv)
 {
   if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
-  return MpmFinalize(PrintLimit(), MPM_EXIT_DONE);
+  return MpmFinalize(PrintLimit(argc > 1 ? argv[1] : NULL), MPM_EXIT_DONE);
 }

@@ -9,7 +9,13 @@
      march.h        the explicit loop over time steps
      verdict.h      stable, unstable or undecided, and what that rests on
 
-   What a scheme is made of: formulation.h, transfer.h, basis.h, boundary.h, wave.h, and table.h, which joins them.
+   What a scene is made of:
+
+     layout.h       the grid and the particles at rest
+     scheme.h       formulation.h with a basis (basis.h) and a transfer (transfer.h); Courant number and drift
+     table.h        formulation, transfer and boundary (boundary.h) as one list of operations
+     wave.h         the continuous problem and its exact solutions
+
    What the others share: fraction.h, compat.h.
 
    examples/library has a first program, and how to compile it.
@@ -22,9 +28,11 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/formulation.h>
 #include <mpmstab/fraction.h>
+#include <mpmstab/layout.h>
 #include <mpmstab/march.h>
 #include <mpmstab/operator.h>
 #include <mpmstab/scene.h>
+#include <mpmstab/scheme.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/table.h>
 #include <mpmstab/transfer.h>

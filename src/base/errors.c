@@ -1,5 +1,6 @@
 /* Refusals print one line, and so does what memory or PETSc's options cause; other errors keep PETSc's stack trace. */
-#include <mpmstab/errors.h>
+#include "base/errors_private.h"
+#include "base/unfinished.h"
 #include <ctype.h>
 #include <stdarg.h>
 #include <string.h>

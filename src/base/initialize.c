@@ -1,7 +1,7 @@
 /* How a program that uses this library begins and ends. */
+#include "base/errors_private.h"
 #include "base/launch.h"
 #include "base/unfinished.h"
-#include <mpmstab/errors.h>
 #include <slepcsys.h>
 
 PetscErrorCode MpmInitialize(int *argc, char ***argv)
@@ -14,13 +14,13 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv)
   return ierr ? ierr : MpmErrorsInstall();
 }
 
-int MpmFinalize(PetscErrorCode ierr, int status)
+int MpmFinalize(PetscErrorCode error, int status)
 {
-  if (ierr) {
+  if (error) {
     MpmUnfinishedRemove();
-    status = MpmErrorsStatus(ierr);
+    status = MpmErrorsStatus(error);
   }
-  if (ierr && ierr != PETSC_ERR_USER_INPUT) MpmErrorsEnd(status); /* the other ranks may be waiting */
+  if (error && error != PETSC_ERR_USER_INPUT) MpmErrorsEnd(status); /* the other ranks may be waiting */
   (void)PetscPopErrorHandler();
   if (MpmErrorsReportLost()) status = MPM_EXIT_FAILED;
   return SlepcFinalize() ? MPM_EXIT_REFUSED : status;

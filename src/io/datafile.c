@@ -1,6 +1,6 @@
 /* The scene as attributes of an HDF5 file, and the file aside until it is whole. */
 #include "io/datafile.h"
-#include <mpmstab/errors.h>
+#include "base/errors_private.h"
 #include "scene/material.h"
 #include "base/textfile.h"
 #include "base/unfinished.h"

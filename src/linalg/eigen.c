@@ -4,7 +4,7 @@
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
 #include "linalg/eigen_target.h"
-#include <mpmstab/errors.h>
+#include "base/errors_private.h"
 #include "linalg/ritz.h"
 #include <math.h>
 

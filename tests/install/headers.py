@@ -18,7 +18,7 @@ def main():
     faults = [] if installed == source else [f"installed are {installed}, the source tree has {source}"]
     included = set(re.findall(r"#include <mpmstab/(\S+)>", (include / "mpmstab.h").read_text(encoding="utf-8")))
     if included != set(source) - {"mpmstab.h"}:
-        faults.append(f"mpmstab.h leaves out or invents {included ^ (set(source) - {'mpmstab.h'})}")
+        faults.append(f"mpmstab.h and the folder of headers differ in {included ^ (set(source) - {'mpmstab.h'})}")
     environment = os.environ | {"PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{os.environ.get('PKG_CONFIG_PATH', '')}"}
     flags = subprocess.run(["pkg-config", "--cflags", "mpmstab"], env=environment, check=True, capture_output=True,
                            text=True).stdout.split()

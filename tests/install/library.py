@@ -36,7 +36,8 @@ def check_package(prefix, environment):
             for what in ("cflags", "libs", "modversion")}
     if "-march" in said["cflags"] + said["libs"]:
         fail(f"mpmstab.pc has a flag that chooses a processor: {said}")
-    version = run([str(prefix / "bin" / "mpmstab"), "list", "versions"], prefix, environment).stdout.split()[1]
+    printed = run([str(prefix / "bin" / "mpmstab"), "list", "versions"], prefix, environment).stdout
+    version = re.search(r"^ *mpmstab +([\d.]+)$", printed, re.M)[1]
     if version != said["modversion"]:
         fail(f"mpmstab.pc says version {said['modversion']}, the program {version}")
 
@@ -59,13 +60,14 @@ def main():
     environment["PKG_CONFIG_PATH"] = f"{prefix}/lib/pkgconfig:{os.environ.get('PKG_CONFIG_PATH', '')}"
     check_package(prefix, environment)
     run(["bin/mpmstab", "critical", "-formulation", "usl", "-json", "limit.json"], prefix, environment)
-    limit = json.loads((prefix / "limit.json").read_text(encoding="utf-8"))["critical_courant"]
-    if f"usl: critical Courant number {limit:.6g}" != printed[0] or abs(limit / (4 / 7) ** 0.5 - 1) > 2e-6:
+    limit = json.loads((prefix / "limit.json").read_text(encoding="utf-8"))["critical"]["critical_courant"]
+    if f"critical Courant number {limit:.6g}" != printed[0] or abs(limit / (4 / 7) ** 0.5 - 1) > 2e-6:
         fail(f"mpmstab finds {limit}, the program printed {printed[0]!r}; the closed form is sqrt(4/7)")
+    (prefix / "bad.yaml").write_text("ppc: 0\n", encoding="utf-8")
     for launch in ([], ["mpirun", "-q", "-n", "2"]):
-        said = run([*launch, "./limit", "-ppc", "0"], prefix, environment, status=2).stderr.splitlines()
-        if len(said) != 1 or "ppc" not in said[0]:
-            fail(f"a refusal is one line that names the option: {said}")
+        said = run([*launch, "./limit", "bad.yaml"], prefix, environment, status=2).stderr.splitlines()
+        if len(said) != 1 or "bad.yaml:1: ppc" not in said[0]:
+            fail(f"a refusal is one line that names file and key: {said}")
 
 
 if __name__ == "__main__":
