@@ -64,6 +64,15 @@ static PetscBool Explain(PetscErrorCode code, const char message[], size_t room,
   return PETSC_TRUE;
 }
 
+/* An error may be one rank's or that of all: the first rank speaks at once and ends the others, which wait for that. */
+static void WaitForFirst(void)
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank) (void)sleep(1);
+}
+
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
@@ -78,6 +87,7 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
   else
     return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
   MPI_Comm_rank(comm, &rank);
+  if (code == explained) WaitForFirst();
   if (rank == 0) PrintLine(why);
   return code;
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 void MpmLaunchAlone(void)
 {
@@ -51,6 +52,7 @@ int MpmLaunchOptionFiles(int argc, char **argv)
               "mpmstab: %s: PETSc looks for options there, and it is not a regular file; allowed: a text file, "
               "or -skip_petscrc\n",
               names[i]);
+    if (!IsFirst()) (void)sleep(1); /* a launcher ends the other ranks with the first that ends */
     return 0;
   }
   return 1;

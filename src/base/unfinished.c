@@ -118,6 +118,20 @@ void MpmUnfinishedRemove(void)
   }
 }
 
+/* A process that has ended is still listed until somebody asks for its status. */
+static PetscBool IsZombie(long process)
+{
+  char  path[64], state = '?';
+  FILE *file;
+
+  (void)snprintf(path, sizeof path, "/proc/%ld/stat", process);
+  file = fopen(path, "r");
+  if (!file) return PETSC_FALSE;
+  if (fscanf(file, "%*d (%*[^)]) %c", &state) != 1) state = '?';
+  (void)fclose(file);
+  return state == 'Z' || state == 'X' ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Whether the process that a name aside tells is one of this host that has died. */
 static PetscBool IsDead(const char name[], const char before[])
 {
@@ -129,7 +143,8 @@ static PetscBool IsDead(const char name[], const char before[])
   if (strncmp(name, before, length)) return PETSC_FALSE;
   if (sscanf(name + length, "%ld-%8x.part%n", &process, &random, &end) != 2 || !end || name[length + (size_t)end])
     return PETSC_FALSE;
-  return process > 0 && kill((pid_t)process, 0) && errno == ESRCH ? PETSC_TRUE : PETSC_FALSE;
+  if (process <= 0) return PETSC_FALSE;
+  return (kill((pid_t)process, 0) && errno == ESRCH) || IsZombie(process) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* A process may be dead here and alive in another container that shares the folder: then it holds the lock. */

@@ -1,0 +1,57 @@
+#!/usr/bin/python3
+"""A disk that is full: one line, status 2, nothing printed or left, and no rank that waits for another.
+
+check_disk.py MPIEXEC MPMSTAB. Disks are small file systems in memory; where they cannot be mounted, which root alone
+may do, the status is 77. Else silent when all is well.
+"""
+import os
+import subprocess
+import sys
+import tempfile
+
+MPIEXEC, MPMSTAB = sys.argv[1:]
+SKIPPED = 77
+TASKS = {"run": "run -cells 64 -steps 100 -output small/o.h5 -output_every 10", "map": "map -output small/o.h5",
+         "symbol": "symbol -cells 4000 -output small/o.h5", "csv": "symbol -cells 8000 -csv small/o.csv",
+         "checkpoint": "run -cells 4000 -steps 5 -checkpoint small/c.h5"}
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"check_disk: {message}")
+
+
+def run(words, ranks=1):
+    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
+
+
+def check_refused(done, what):
+    said = done.stderr.splitlines()
+    check(done.returncode == 2 and len(said) == 1 and said[0].startswith("mpmstab: ") and not done.stdout,
+          f"{what}: status {done.returncode}: {done.stderr} {done.stdout}")
+
+
+def check_disk():
+    for size in (16, 56, 64, 80):
+        os.makedirs("small", exist_ok=True)
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", "small"], capture_output=True,
+                                 text=True, check=False)
+        if mounted.returncode:
+            print(f"skipped: a small disk cannot be mounted here: {mounted.stderr.strip()}")
+            sys.exit(SKIPPED)
+        try:
+            for ranks in (1, 2):
+                for name, task in TASKS.items():
+                    done = run(task.split(), ranks)
+                    check_refused(done, f"{name} on {ranks} ranks with {size} kB")
+                    check("No space left on device" in done.stderr, done.stderr)
+                    check(not os.listdir("small"), f"{name} leaves {os.listdir('small')}")
+        finally:
+            subprocess.run(["umount", "small"], check=True)
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    check_disk()
+    os.chdir("/")
