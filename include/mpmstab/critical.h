@@ -44,7 +44,7 @@ typedef struct {
    Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
    that.
 */
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
+PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscReal tolerance, PetscBool alone, MpmCritical *critical);
 
 /* Not collective. Sets closed, closed_beta and cell: the least of the closed form over all phases. */
 PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *critical);
@@ -88,5 +88,5 @@ PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, Pets
                                 PetscReal *value);
 
 /* Collective. The searches through symbol and assembled operator, parts of MpmCriticalFind. */
-PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);
+PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscReal tolerance, PetscBool alone, MpmCritical *critical);
+PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, PetscReal tolerance, MpmCritical *critical);

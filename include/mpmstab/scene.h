@@ -1,27 +1,21 @@
-/* Scene: everything a task needs to know, checked and immutable. */
+/*
+   Scene: one problem, its physics and its numerics, checked and never changed afterwards. What a task is to do with it
+   (how many steps, which files, what must come out) is no part of it.
+*/
 #pragma once
-#include "base/progress.h"
 #include <mpmstab/basis.h>
+#include <mpmstab/errors.h>
 #include <mpmstab/formulation.h>
-#include "scene/settings.h"
+#include <mpmstab/fraction.h>
 #include <mpmstab/table.h>
-#include <mpmstab/verdict.h>
+
+#define MPM_MAX_COUNTS 64 /* cells after which the numbers of particles in counts repeat, at most */
 
 /*S
-   MpmExpect - what a scene says must come out; has_* says which of them it says.
-S*/
-typedef struct {
-  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy, has_critical, has_share;
-  MpmVerdict    verdict;
-  MpmGrowthKind kind;
-  PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2], share[2];
-} MpmExpect;
+   MpmCounts - how many particles there are in cells 0 .. n - 1; the pattern repeats over the grid.
 
-#define MPM_MAX_COUNTS 64
-
-/*S
-   MpmCounts - numbers of particles in cells 0 .. n - 1, repeated over the grid; before: in the cells before each of
-   them. n = 1: as many in every cell. voids: some have none.
+   of[r] is the number in cell r, before[r] the number in the cells before it. n is 1 when every cell has as many. voids
+   says that some cells of the grid have none.
 S*/
 typedef struct {
   PetscInt   n, of[MPM_MAX_COUNTS];
@@ -30,8 +24,10 @@ typedef struct {
 } MpmCounts;
 
 /*S
-   MpmMaterial - what particles are made of: density and stiffness of the second material over the first's, and the
-   cells between which it is.
+   MpmMaterial - what the particles are made of.
+
+   density and stiffness are those of the second material over those of the first. inclusion holds the two ends, in
+   cells, of the part of the domain that is of the second material (kind MPM_MATERIAL_TWO).
 S*/
 typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
 
@@ -41,25 +37,25 @@ typedef struct {
 } MpmMaterial;
 
 /*S
-   MpmAxis - what a map goes over along one of its axes: points equally spaced numbers, fractions where they have short
-   terms.
-S*/
-typedef enum { MPM_AXIS_COURANT, MPM_AXIS_DRIFT, MPM_AXIS_OFFSET, MPM_AXIS_PPC } MpmAxisKind;
-extern const char *const MpmAxisNames[];
+   MpmScene - one problem. Length and time are in units of the user's choice; everything else follows from them
+   (THEORY.md, section 1).
 
-typedef struct {
-  MpmAxisKind kind;
-  MpmFraction from, to;
-  PetscInt    points;
-} MpmAxis;
-
-/*S
-   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
-   courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
-
-   table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
-   first + id of a layout that fills all cells with sites; particles are those that there are. ppc: in the cells that
-   have most. half_width: of a particle, in cells. cluster: the part of its cell that particles are spread over.
+   formulation, basis, transfer - the scheme; numbers are the transfer's own, table is what the interpreters read
+   ends                - what holds at the left and at the right end; boundary is the same as text
+   cells, nodes        - of the whole grid; between walls there is one node more than cells
+   length, cell_width  - of the domain and of a cell, in units of length
+   wave_speed, dt      - c in length / time, and the time step
+   courant             - the Courant number k = c dt / h
+   drift               - cells that a particle moves per step, U0 dt / h
+   sites               - places for particles in all cells; the first site that has a particle is first, and particle
+                         id is at site first + id; particles is how many there are
+   ppc                 - particles in the fullest cell; counts holds them cell by cell
+   half_width          - of a particle, in cells
+   offset, jitter      - place of a cell's first particle, and random displacement, in particle spacings; seed is that
+                         of the random numbers
+   cluster             - the part of its cell that the particles are squeezed into
+   initial, mode, amplitude, stagger - the data that a run starts from: which, of which wave, how large, and whether
+                         the field that is updated first starts half a step early
 S*/
 typedef struct {
   const MpmFormulation *formulation;
@@ -68,60 +64,41 @@ typedef struct {
   MpmTransferNumbers    numbers;
   MpmTable             *table;
   MpmEnd                ends[2];
-  const char           *task, *layout;
+  const char           *layout;
   char                  boundary[64];
   PetscInt              dim, cells, nodes, ppc, mode;
-  PetscInt64            sites, first, particles, seed, steps, output_every, checkpoint_every;
+  PetscInt64            sites, first, particles, seed;
   MpmCounts             counts;
   MpmMaterial           material;
-  PetscReal       cluster[2], half_width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
-  MpmFraction     offset, drift;
-  MpmInitial      initial;
-  PetscBool       stagger, measure, survey, weights, source_term, ringing;
-  MpmProgressWish progress;
-  PetscInt        phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
-  MpmAxis         axes[2];
-  char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
-  char            json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
-  char            checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
-  MpmExpect       expect;
+  PetscReal             cluster[2], half_width, length, cell_width, wave_speed, courant, dt, jitter, amplitude;
+  MpmFraction           offset, drift;
+  MpmInitial            initial;
+  PetscBool             stagger;
 } MpmScene;
 
 /*
-   MpmSceneCreate - reads and checks a scene for a task: file (NULL: none), then command line.
+   MpmSceneFromText - makes a scene from YAML text: the keys that 'mpmstab list options' prints, one 'key: value' a line
+   or all in braces, such as "{formulation: usl, cells: 16, ppc: 2}".
 
-   Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h).
+   Collective on PETSC_COMM_WORLD: every rank gives the same text. What is not given has its default. The command line is
+   not read. Keys that say what a task is to do (steps, output, tolerance) are checked and have no effect.
+
+   Errors: PETSC_ERR_USER_INPUT, with a message that names the key, its value and what is allowed; *scene is then NULL.
 */
-PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene);
-PetscErrorCode MpmSceneDestroy(MpmScene **scene);
+PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene);
 
 /*
-   Collective. How particles are renewed, where they are, and what holds at the ends: refuses what does not exist, and
-   makes the table. Called by MpmSceneCreate.
+   MpmSceneFromFile - makes a scene from a YAML file, as MpmSceneFromText does from a text.
+
+   Collective on PETSC_COMM_WORLD. The first rank reads the file.
 */
-PetscErrorCode MpmSettingsScheme(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene);
 
-/* Collective. Refuses an option, and says why, when the scene's formulation cannot; names those that can. */
-PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
-                                  PetscBool (*can)(const MpmFormulation *), const char why[]);
+/* Not collective. Frees a scene and sets the pointer to NULL. */
+PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 
-/* Collective. How many particles there are in which cells, and where in them. Called by MpmSceneCreate. */
-PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
-
-/* Not collective. As many particles in every cell. */
+/* Not collective. Puts as many particles into every cell. */
 void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
-
-/* Collective. What must come out. Called by MpmSceneCreate, when initial data are known. */
-PetscErrorCode MpmSettingsExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect);
-
-/* Collective. What a map goes over. Called by MpmSceneCreate for the task map. */
-PetscErrorCode MpmSettingsAxes(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. What particles are made of, once the table is there. Called by MpmSceneCreate. */
-PetscErrorCode MpmSettingsMaterial(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. The files a scene writes: each can be written, and no two are the same. Called by MpmSceneCreate. */
-PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 
 /* Not collective. Whether particles move against the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
@@ -141,7 +118,11 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
   return scene->particles == scene->sites && !scene->counts.voids ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Collective. Refuses work on a scene that needs more memory than there is; see MpmMemoryCheck. */
+/*
+   MpmSceneCheckMemory - refuses work on a scene that needs more memory than there is.
+
+   Collective. bytes: what the work takes on all ranks of comm; what: its name in the message.
+*/
 PetscErrorCode MpmSceneCheckMemory(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[]);
 
 /* Not collective. The grid's one direction: its cells, nodes and ends. */
@@ -151,20 +132,24 @@ static inline MpmDirection MpmSceneDirection(const MpmScene *scene)
 }
 
 /*
-   Not collective. Whether the solution of the scene's continuous problem is known: from such initial data, in a domain
-   filled from end to end, or a bar from the left end to a free one somewhere inside.
+   MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.
+
+   Not collective. It is known from some initial data, for particles that are all alike, in a domain that is filled from
+   end to end, or for a bar from the left end to a free end inside the domain.
 */
 PetscBool MpmSceneHasExact(const MpmScene *scene);
 
 /* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);
 
-/* Not collective. The numbers of particles in the cells that repeat, with commas between them. */
+/* Not collective. The numbers of particles in the cells of the pattern, with commas between them. */
 #define MPM_COUNTS_TEXT (8 * MPM_MAX_COUNTS)
 PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[]);
 
 /*
-   Not collective. The power of two that the state is divided by at the start, so that its largest field is of
-   order 1 whatever the scene's units are. Values and errors take it back.
+   MpmSceneExponent - the power of two that a run divides the state by at its start, so that its largest field is of
+   order 1 whatever the scene's units are.
+
+   Not collective. Values and errors that are printed are multiplied by it again.
 */
 PetscInt MpmSceneExponent(const MpmScene *scene);

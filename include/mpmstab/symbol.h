@@ -37,12 +37,13 @@ const char *MpmSymbolWhyNot(const MpmScene *scene);
 PetscErrorCode MpmSymbolCheck(const MpmScene *scene);
 
 /*
-   MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth.
+   MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth. tolerance is that on growth per
+   step, which decides whether blur matters.
 
    Collective. Refuses layouts that are not uniform and drifts without a short period.
 */
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
-                               MpmSymbol **symbol);
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscReal tolerance,
+                               PetscBool keep, MpmSymbol **symbol);
 PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol);
 
 /* Not collective. Phase m of n. */

@@ -1,6 +1,7 @@
 /* Writes the operator A of a scene as PETSc's binary, for solvers that are not ours: FILE [-option value]... */
 #include <mpmstab/errors.h>
 #include <mpmstab/operator.h>
+#include "scene/request.h"
 
 static PetscErrorCode Write(const char path[])
 {
@@ -10,7 +11,7 @@ static PetscErrorCode Write(const char path[])
 
   PetscFunctionBegin;
   PetscCall(MpmErrorsInstall());
-  PetscCall(MpmSceneCreate("spectrum", NULL, &scene));
+  PetscCall(MpmSceneCreate("spectrum", NULL, &scene, NULL));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
   PetscCheck(op->exponent == 0, PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE, "the operator is A times 2^%d",
              (int)op->exponent);

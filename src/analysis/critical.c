@@ -51,13 +51,14 @@ static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
 
   PetscFunctionBegin;
   drifting.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &drifting, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  PetscCall(
+      MpmSymbolCreate(PETSC_COMM_WORLD, &drifting, 2 * MPM_CRITICAL_PHASES, c->asked.tolerance, PETSC_FALSE, &symbol));
   c->moving = symbol->growth;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscReal tolerance, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin = MPI_Wtime();
 
@@ -70,11 +71,11 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
                      .closed      = NAN,
                      .closed_beta = NAN,
                      .threshold   = PETSC_TRUE,
-                     .asked       = {.tolerance = scene->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+                     .asked       = {.tolerance = tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
   if (MpmSymbolWhyNot(scene))
-    PetscCall(MpmCriticalAssembled(scene, c));
+    PetscCall(MpmCriticalAssembled(scene, tolerance, c));
   else
-    PetscCall(MpmCriticalBySymbol(scene, alone, c));
+    PetscCall(MpmCriticalBySymbol(scene, tolerance, alone, c));
   if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
   PetscCall(MpmCriticalByClosedForm(scene, c));
   /* long waves may grow by less than tolerance per step: the closed form knows */

@@ -80,17 +80,17 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   PetscCall(Growth(p, courant, &asked->growth));
   asked->verdict = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
-  if (!(asked->growth <= 1 + p->scene.tolerance)) {
+  if (!(asked->growth <= 1 + c->asked.tolerance)) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }
-  PetscCall(MpmCriticalCross(Growth, p, p->scene.tolerance, &steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(Growth, p, c->asked.tolerance, &steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
+PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, PetscReal tolerance, MpmCritical *c)
 {
   const PetscInt64 unknowns = scene->table->nstate * scene->particles;
   Probe            probe    = {.scene = *scene};
@@ -102,11 +102,11 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
                 scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
-  PetscCall(MpmProgressBegin(scene->progress, "", &probe.progress));
+  PetscCall(MpmProgressBegin("", &probe.progress));
   PetscCall(Search(&probe, scene->courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));
+    PetscCall(MpmCriticalThreshold(Growth, &probe, tolerance, c));
     PetscCall(LimitingMode(&probe, c));
     c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
   }

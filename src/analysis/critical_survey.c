@@ -52,7 +52,7 @@ static PetscErrorCode PrintRow(const MpmScene *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
+PetscErrorCode MpmCriticalSurvey(const MpmScene *scene, const MpmRequest *request)
 {
   PetscInt         n;
   MpmScene        *scenes;
@@ -75,11 +75,11 @@ PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
       MpmPrint("\n");
       PetscCall(PrintRow(&scenes[i]));
     }
-    PetscCall(MpmCriticalFind(&scenes[i], PETSC_TRUE, &critical[i]));
+    PetscCall(MpmCriticalFind(&scenes[i], request->tolerance, PETSC_TRUE, &critical[i]));
     PetscCall(PrintCell(critical[i].courant));
   }
   MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g\n", MPM_CRITICAL_TO);
-  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, n, each, critical));
+  if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, n, each, critical));
   for (PetscInt i = 0; i < n; i++) PetscCall(MpmTableDestroy(&scenes[i].table));
   PetscCall(PetscFree2(critical, each));
   PetscCall(PetscFree(scenes));

@@ -20,6 +20,7 @@
 /* The symbol as a function of Courant number and phase. */
 typedef struct {
   MpmScene         scene; /* with a Courant number of its own */
+  PetscReal        tolerance;
   MpmBloch         bloch;
   MpmSmallEigen    eigen;
   PetscReal        beta;              /* the phase */
@@ -66,7 +67,7 @@ static PetscErrorCode Distance(void *context, PetscReal courant, PetscReal *dist
 
   PetscFunctionBegin;
   PetscCall(GrowthOfPhase(p, courant, &growth));
-  if (!(growth <= 1 + p->scene.tolerance)) p->hit = PetscMin(p->hit, courant);
+  if (!(growth <= 1 + p->tolerance)) p->hit = PetscMin(p->hit, courant);
   *distance = 0;
   for (PetscInt i = 0; i < p->eigen.n; i++)
     for (PetscInt j = 0; j < i; j++) *distance += log(fmax(cabs(p->eigen.value[i] - p->eigen.value[j]), COINCIDE));
@@ -81,7 +82,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
 
   PetscFunctionBegin;
   p->beta = beta;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   *limit = bracket[1];
   if (*limit < p->least) {
     p->least      = *limit;
@@ -113,7 +114,7 @@ static PetscErrorCode LimitUnderDrift(Probe *p, PetscReal beta, PetscReal *limit
   if (isinf(p->hit)) PetscFunctionReturn(PETSC_SUCCESS);
   /* k[0] is stable, or 0 when the first is not */
   PetscCall(MpmCriticalCross(
-      GrowthOfPhase, p, p->scene.tolerance,
+      GrowthOfPhase, p, p->tolerance,
       &(MpmCriticalSteps){
           .from = k[0] > 0 ? k[0] : p->hit, .to = p->hit, .ratio = p->steps.ratio, .width = p->steps.width},
       PRECISION, bracket));
@@ -133,7 +134,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
   if (isfinite(c->unstable_at)) {
     if (!drifts) {
       PetscCall(GrowthAt(p, c->unstable_at, MpmCriticalPhase(m), &g));
-      if (g <= 1 + p->scene.tolerance) PetscFunctionReturn(PETSC_SUCCESS);
+      if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     }
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
@@ -196,7 +197,7 @@ static PetscErrorCode RefineOnce(Probe *p, MpmCritical *c)
   }
   p->beta     = c->beta;
   p->steps.to = c->unstable_at;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = PetscMin(bracket[1], c->unstable_at);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -230,7 +231,7 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Refine(p, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
+  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->threshold || drifts ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -243,7 +244,7 @@ static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmCritical *c)
 
   PetscFunctionBegin;
   p->scene.courant = courant;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &p->scene, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &p->scene, 2 * MPM_CRITICAL_PHASES, p->tolerance, PETSC_FALSE, &symbol));
   finding->growth      = symbol->growth;
   finding->uncertainty = symbol->uncertainty;
   finding->blur        = symbol->blur;
@@ -254,23 +255,23 @@ static PetscErrorCode Asked(Probe *p, PetscReal courant, MpmCritical *c)
     c->unstable_at = courant;
     c->beta        = symbol->beta_at_max;
     PetscCall(Refine(p, c));
-    PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
+    PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
     c->courant = c->stable_at;
   }
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscReal tolerance, PetscBool alone, MpmCritical *c)
 {
-  Probe probe = {.scene = *scene, .comm = PETSC_COMM_WORLD};
+  Probe probe = {.scene = *scene, .tolerance = tolerance, .comm = PETSC_COMM_WORLD};
 
   PetscFunctionBegin;
   PetscCall(MpmLayoutPeriod(scene, &c->order));
   PetscCall(MpmBlochCreate(&probe.scene, c->order, &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
-  PetscCall(MpmProgressBegin(scene->progress, "phase", &probe.progress));
+  PetscCall(MpmProgressBegin("phase", &probe.progress));
   PetscCall(Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
   if (!alone) PetscCall(Asked(&probe, scene->courant, c));

@@ -24,6 +24,8 @@
 
 typedef struct {
   MpmRun                 *run;
+  const MpmRequest       *request;
+  PetscBool               random; /* starts from random data, not from the scene's */
   MpmMarch               *march;
   MpmOutput              *output; /* NULL: none asked */
   MpmTextFile             csv;
@@ -35,7 +37,7 @@ typedef struct {
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
-static PetscInt64 SampleGap(const MpmScene *scene)
+static PetscInt64 SampleGap(const MpmScene *scene, PetscInt64 steps)
 {
   PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
   PetscReal extreme[MPM_PROPERTIES], bound, safe;
@@ -44,7 +46,7 @@ static PetscInt64 SampleGap(const MpmScene *scene)
   least *= extreme[MPM_MASS] / extreme[MPM_VOLUME];
   bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least, extreme[MPM_STIFFNESS]);
   safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
-  return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
+  return PetscMax(1, PetscMin((PetscInt64)safe, steps / MOST_SAMPLES));
 }
 
 /* What a sample is kept in beside the series; no part of the loop's time. */
@@ -54,7 +56,7 @@ static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 
   PetscFunctionBegin;
   if (loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
-  if (loop->run->scene->csv[0])
+  if (loop->request->csv[0])
     PetscCall(MpmRunCsvRow(loop->run, loop->march, loop->exchange, log_norm, energy, &loop->csv));
   loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,17 +117,17 @@ static PetscErrorCode WriteOutput(Loop *loop)
 /* Asks for SIGTERM only where something can be done about it. stop: the ranks have agreed to. */
 static PetscErrorCode Keep(Loop *loop, PetscBool *stop)
 {
-  const MpmScene *scene = loop->run->scene;
-  const PetscReal begin = MPI_Wtime();
-  char           *csv   = NULL;
+  const MpmRequest *request = loop->request;
+  const PetscReal   begin   = MPI_Wtime();
+  char             *csv     = NULL;
 
   PetscFunctionBegin;
   *stop = PETSC_FALSE;
-  if (!scene->checkpoint[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!request->checkpoint[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStopAgreed(PETSC_COMM_WORLD, stop));
-  if (*stop || loop->march->step % scene->checkpoint_every == 0 || loop->march->step == scene->steps) {
+  if (*stop || loop->march->step % request->checkpoint_every == 0 || loop->march->step == request->steps) {
     PetscCall(MpmTextFileSoFar(&loop->csv, &csv));
-    PetscCall(MpmCheckpointWrite(scene->checkpoint, loop->march, loop->run, csv));
+    PetscCall(MpmCheckpointWrite(request->checkpoint, loop->march, loop->run, csv));
     PetscCall(PetscFree(csv));
   }
   loop->aside_s += MPI_Wtime() - begin;
@@ -134,26 +136,26 @@ static PetscErrorCode Keep(Loop *loop, PetscBool *stop)
 
 static PetscErrorCode March(Loop *loop)
 {
-  const MpmScene *scene = loop->run->scene;
-  PetscReal       begin;
-  PetscBool       follow = PETSC_TRUE, stop = PETSC_FALSE;
-  MpmProgress     progress;
+  const MpmRequest *request = loop->request;
+  PetscReal         begin;
+  PetscBool         follow = PETSC_TRUE, stop = PETSC_FALSE;
+  MpmProgress       progress;
 
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   if (loop->output) PetscCall(WriteOutput(loop));
-  PetscCall(MpmProgressBegin(scene->progress, "step", &progress));
+  PetscCall(MpmProgressBegin("step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
-  while (loop->march->step < scene->steps && follow && !stop) {
+  while (loop->march->step < request->steps && follow && !stop) {
     const PetscInt64 step   = loop->march->step + 1;
-    const PetscBool  sample = step % loop->gap == 0 || step == scene->steps ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool  sample = step % loop->gap == 0 || step == request->steps ? PETSC_TRUE : PETSC_FALSE;
 
     PetscCall(MpmMarchStep(loop->march, sample));
     if (sample) PetscCall(Sample(loop, &follow));
-    if (loop->output && (step % scene->output_every == 0 || step == scene->steps)) PetscCall(WriteOutput(loop));
+    if (loop->output && (step % request->output_every == 0 || step == request->steps)) PetscCall(WriteOutput(loop));
     if (follow) PetscCall(Keep(loop, &stop));
-    PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
+    PetscCall(MpmProgressUpdate(&progress, step, request->steps));
   }
   loop->run->stopped = stop;
   loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
@@ -164,12 +166,12 @@ static PetscErrorCode March(Loop *loop)
 /* Every file was tried when the scene was read, and has its name only when the work is done. */
 static PetscErrorCode OpenFiles(Loop *loop)
 {
-  const MpmScene *scene = loop->run->scene;
+  const MpmRequest *request = loop->request;
 
   PetscFunctionBegin;
-  if (scene->output[0]) PetscCall(MpmOutputCreate(loop->march, &loop->output));
-  if (scene->csv[0]) {
-    PetscCall(MpmTextFileOpen(scene->csv, &loop->csv));
+  if (request->output[0]) PetscCall(MpmOutputCreate(loop->march, request, &loop->output));
+  if (request->csv[0]) {
+    PetscCall(MpmTextFileOpen(request->csv, &loop->csv));
     PetscCall(MpmRunCsvBegin(loop->run, loop->csv_before, &loop->csv));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -182,23 +184,31 @@ static PetscErrorCode CloseFiles(Loop *loop)
 
   PetscFunctionBegin;
   if (loop->output) PetscCall(MpmOutputDestroy(keep, &loop->output));
-  if (loop->run->scene->csv[0] && keep) PetscCall(MpmTextFileClose(&loop->csv));
+  if (loop->request->csv[0] && keep) PetscCall(MpmTextFileClose(&loop->csv));
   if (!keep) MpmTextFileDrop(&loop->csv);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From the scene's initial data, or from where another run was. */
+/* From the scene's initial data, random data, or where another run was. */
 static PetscErrorCode Begin(Loop *loop)
 {
-  const MpmScene *scene = loop->run->scene;
+  const MpmScene   *scene   = loop->run->scene;
+  const MpmRequest *request = loop->request;
 
   PetscFunctionBegin;
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &loop->march));
-  if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, loop->march, loop->run, &loop->csv_before));
+  if (loop->random)
+    PetscCall(MpmMarchFillRandom(loop->march, scene->amplitude));
+  else if (request->restart[0])
+    PetscCall(MpmCheckpointRead(request->restart, request->steps, loop->march, loop->run, &loop->csv_before));
+  else if (scene->initial == MPM_INITIAL_EIGENMODE) {
+    PetscCall(MpmModeFileFill(scene, request->mode_file, loop->march->exponent, loop->march->particles));
+    PetscCall(MpmMarchStart(loop->march));
+  }
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
-  PetscCall(MpmTransferDiagnosticsCreate(loop->march, &loop->exchange));
-  if (scene->checkpoint[0]) MpmStopInstall();
+  PetscCall(MpmTransferDiagnosticsCreate(loop->march, request, &loop->exchange));
+  if (request->checkpoint[0]) MpmStopInstall();
   PetscCall(OpenFiles(loop));
   PetscCall(PetscFree(loop->csv_before));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -215,43 +225,79 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+/* What came out of the march, beside what was recorded on its way. */
+static PetscErrorCode Conclude(Loop *loop)
 {
-  Loop      loop = {.gap = SampleGap(scene)};
-  MpmRun   *r;
-  PetscBool alike; /* on all ranks */
+  MpmRun         *r     = loop->run;
+  const MpmScene *scene = r->scene;
+  PetscBool       alike; /* on all ranks */
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneCheckMemory(PETSC_COMM_WORLD, scene, MpmMarchBytes(scene), "the march"));
+  if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
+  r->steps = loop->march->step;
+  alike    = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
+  r->bytes = MpmScheduleBytes(scene->table, &loop->march->schedule, (PetscReal)scene->particles / scene->nodes, alike);
+  if (loop->exchange) {
+    r->exchange_first = loop->exchange->first;
+    r->exchange_last  = loop->exchange->last;
+    r->exchange_most  = loop->exchange->most;
+  }
+  PetscCall(MpmGrowthFit(&r->series, loop->request->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
+  r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, loop->request->tolerance);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
+{
+  const PetscBool output = loop->request->output[0] ? PETSC_TRUE : PETSC_FALSE;
+  MpmRun         *r;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSceneCheckMemory(PETSC_COMM_WORLD, scene, MpmMarchBytes(scene, output), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;
+  r->request         = loop->request;
   r->blew_up_at_step = MPM_NEVER;
-  r->has_errors      = MpmSceneHasExact(scene);
+  r->has_errors      = !loop->random && MpmSceneHasExact(scene) ? PETSC_TRUE : PETSC_FALSE;
+  r->eigenmode       = NAN;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
-  PetscCall(MpmPredict(scene, &r->predictions));
-  r->eigenmode = NAN;
-  if (scene->initial == MPM_INITIAL_EIGENMODE) PetscCall(MpmModeFileGrowth(scene, &r->eigenmode));
-  loop.run = r;
-  PetscCall(Begin(&loop));
-  PetscCall(March(&loop));
-  PetscCall(Check(&loop));
-  PetscCall(CloseFiles(&loop));
-  if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
-  r->steps = loop.march->step;
-  alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
-  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes, alike);
-  if (loop.exchange) {
-    r->exchange_first = loop.exchange->first;
-    r->exchange_last  = loop.exchange->last;
-    r->exchange_most  = loop.exchange->most;
-  }
-  PetscCall(MpmTransferDiagnosticsDestroy(&loop.exchange));
-  PetscCall(MpmMarchDestroy(&loop.march));
-  PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
-  r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
-  r->wall_s  = MPI_Wtime() - started;
+  loop->run = r;
+  loop->gap = SampleGap(scene, loop->request->steps);
+  PetscCall(Begin(loop));
+  PetscCall(March(loop));
+  PetscCall(Check(loop));
+  PetscCall(CloseFiles(loop));
+  PetscCall(Conclude(loop));
+  PetscCall(MpmTransferDiagnosticsDestroy(&loop->exchange));
+  PetscCall(MpmMarchDestroy(&loop->march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run)
+{
+  Loop loop = {.request = request};
+
+  PetscFunctionBegin;
+  PetscCall(Run(scene, &loop, run));
+  PetscCall(MpmPredict(scene, &(*run)->predictions));
+  if (scene->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmModeFileGrowth(scene, request->mode_file, &(*run)->eigenmode));
+  (*run)->wall_s = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunRandom(const MpmScene *scene, PetscInt64 steps, PetscReal tolerance, MpmRun **run)
+{
+  const PetscReal  started = MPI_Wtime();
+  const MpmRequest request = {.task = "run", .steps = steps, .tolerance = tolerance};
+  Loop             loop    = {.request = &request, .random = PETSC_TRUE};
+
+  PetscFunctionBegin;
+  PetscCall(Run(scene, &loop, run));
+  (*run)->request = NULL;
+  (*run)->wall_s  = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -62,7 +62,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
-  PetscCall(MpmProgressBegin(s->scene->progress, "", &progress));
+  PetscCall(MpmProgressBegin("", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
@@ -129,7 +129,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   char            seed[64];
 
   PetscFunctionBegin;
-  f->tolerance = s->scene->tolerance;
+  f->tolerance = s->request->tolerance;
   f->growth    = s->growth;
   if (s->eigen->complete) {
     evidence = "all eigenvalues";
@@ -170,15 +170,10 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscReal       steps = MEASURE_STEPS;
 
   PetscFunctionBegin;
-  if (s->finding.growth > 1 + s->scene->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
+  if (s->finding.growth > 1 + s->request->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
   steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
-  if (!s->scene->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
-  s->random           = *s->scene;
-  s->random.initial   = MPM_INITIAL_RANDOM;
-  s->random.stagger   = PETSC_FALSE;
-  s->random.steps     = (PetscInt64)steps;
-  s->random.output[0] = s->random.csv[0] = '\0';
-  PetscCall(MpmRunCreate(&s->random, MPI_Wtime(), &s->run));
+  if (!s->request->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRunRandom(s->scene, (PetscInt64)steps, s->request->tolerance, &s->run));
   if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
     s->finding.verdict = MPM_UNDECIDED;
     PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
@@ -200,14 +195,14 @@ static PetscErrorCode Transient(MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->scene->powers) PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, &s->transient));
-  if (!s->scene->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->request->powers) PetscCall(MpmTransientCreate(s->op, s->request->powers, growth, &s->transient));
+  if (!s->request->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
   PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, scalbn(1, (int)s->op->exponent)));
   PetscCall(MatNorm(A, NORM_INFINITY, &norm));
   if (isfinite(norm))
-    PetscCall(MpmPseudospectrumCreate(s->scene, A, s->scene->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
+    PetscCall(MpmPseudospectrumCreate(A, s->request->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
                                       &s->pseudospectrum));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&weighed));
@@ -226,7 +221,8 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum)
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum)
 {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   PetscReal      before;
@@ -236,17 +232,19 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCall(PetscNew(spectrum));
   s             = *spectrum;
   s->scene      = scene;
+  s->request    = request;
   s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
-  PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
+  if (request->pseudospectrum)
+    PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
   PetscCall(MpmOperatorCreate(comm, scene, &s->op));
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(scene, &s->predictor));
   if (!MpmSymbolWhyNot(scene)) {
-    PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
+    PetscCall(MpmSymbolCreate(comm, scene, scene->cells, request->tolerance, PETSC_TRUE, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));

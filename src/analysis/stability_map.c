@@ -28,49 +28,43 @@ static void SetParameter(MpmScene *scene, MpmAxisKind kind, const MpmFraction *v
   }
 }
 
-static PetscBool GoesOver(const MpmScene *scene, MpmAxisKind kind)
-{
-  return scene->axes[0].kind == kind || scene->axes[1].kind == kind ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
 {
   return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
 }
 
-/* The scene of a point; it shows no progress of its own. */
+/* The scene of a point. */
 static void Place(const MpmStabilityMap *map, PetscInt point, MpmScene *scene)
 {
   const PetscInt i[2] = {point / map->points[1], point % map->points[1]};
 
   for (int a = 0; a < 2; a++) {
-    const MpmFraction value = NumberOf(&map->scene->axes[a], i[a]);
+    const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    SetParameter(scene, map->scene->axes[a].kind, &value);
+    SetParameter(scene, map->request->axes[a].kind, &value);
   }
-  scene->progress = MPM_PROGRESS_NEVER;
 }
 
 /* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
-static PetscErrorCode Check(const MpmScene *scene)
+static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
 {
   MpmScene at = *scene;
   PetscInt period;
 
   PetscFunctionBegin;
-  MpmCheckInput((PetscReal)scene->axes[0].points * scene->axes[1].points <= MOST_POINTS,
+  MpmCheckInput((PetscReal)request->axes[0].points * request->axes[1].points <= MOST_POINTS,
                 "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together",
-                scene->axes[0].points, scene->axes[1].points, MOST_POINTS);
+                request->axes[0].points, request->axes[1].points, MOST_POINTS);
   for (int a = 0; a < 2; a++)
-    for (PetscInt i = 0; i < scene->axes[a].points; i++) {
-      const MpmFraction value = NumberOf(&scene->axes[a], i);
+    for (PetscInt i = 0; i < request->axes[a].points; i++) {
+      const MpmFraction value = NumberOf(&request->axes[a], i);
 
-      MpmCheckInput(scene->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
+      MpmCheckInput(request->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
                     "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
-                    scene->axes[0].points, scene->axes[1].points, value.value, MPM_LONGEST_PERIOD);
-      SetParameter(&at, scene->axes[a].kind, &value);
+                    request->axes[0].points, request->axes[1].points, value.value, MPM_LONGEST_PERIOD);
+      SetParameter(&at, request->axes[a].kind, &value);
     }
   PetscCall(MpmLayoutPeriod(&at, &period));
   PetscCall(MpmSymbolCheck(&at));
@@ -80,13 +74,13 @@ static PetscErrorCode Check(const MpmScene *scene)
 static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
   MpmStabilityMap *map = context;
-  MpmFinding       f   = {.tolerance = map->scene->tolerance};
+  MpmFinding       f   = {.tolerance = map->request->tolerance};
   MpmScene         at  = *map->scene;
   MpmSymbol       *symbol;
 
   PetscFunctionBegin;
   Place(map, i, &at);
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->scene->phases, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->request->phases, f.tolerance, PETSC_FALSE, &symbol));
   f.growth        = symbol->growth;
   f.uncertainty   = symbol->uncertainty;
   f.blur          = symbol->blur;
@@ -102,7 +96,7 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   const PetscInt n = map->points[0] * map->points[1];
 
   PetscFunctionBegin;
-  PetscCall(MpmFarm(map->scene->progress, "point", n, SolvePoint, map));
+  PetscCall(MpmFarm("point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
   PetscCall(MpmFarmSumReals(n, map->beta));
   PetscCall(MpmFarmSumInts(n, map->verdict));
@@ -120,12 +114,12 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
     map->undecided += map->verdict[i] == MPM_UNDECIDED;
     if (!(map->growth[i] <= map->growth[map->worst])) map->worst = i;
   }
-  f->tolerance = map->scene->tolerance;
+  f->tolerance = map->request->tolerance;
   f->growth    = map->growth[map->worst];
   f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
-                          map->scene->phases, n));
+                          map->request->phases, n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,7 +130,7 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 
   PetscFunctionBegin;
   map->published_limit = NAN;
-  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   at.drift = (MpmFraction){.num = 0, .den = 1, .value = 0};
   PetscCall(MpmPredictorCreate(&at, &predictor));
   if (!predictor.why_not_published) map->published_limit = map->scene->formulation->published_limit;
@@ -146,13 +140,13 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 
 PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
 {
-  const MpmAxis *axes  = map->scene->axes;
+  const MpmAxis *axes  = map->request->axes;
   const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   MpmScene       at    = *map->scene;
   MpmCritical    critical;
 
   PetscFunctionBegin;
-  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(map->points[other], &map->limits));
   for (PetscInt i = 0; i < map->points[other]; i++) {
     const MpmFraction value = NumberOf(&axes[other], i);
@@ -164,21 +158,22 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map)
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map)
 {
   const PetscReal  begin = MPI_Wtime();
   MpmStabilityMap *m;
   PetscInt         n;
 
   PetscFunctionBegin;
-  PetscCall(Check(scene));
+  PetscCall(Check(scene, request));
   PetscCall(PetscNew(map));
-  m        = *map;
-  m->scene = scene;
+  m          = *map;
+  m->scene   = scene;
+  m->request = request;
   for (int a = 0; a < 2; a++) {
-    m->points[a] = scene->axes[a].points;
+    m->points[a] = request->axes[a].points;
     PetscCall(PetscMalloc1(m->points[a], &m->at[a]));
-    for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&scene->axes[a], i).value;
+    for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&request->axes[a], i).value;
   }
   n = m->points[0] * m->points[1];
   PetscCall(PetscCalloc3(n, &m->growth, n, &m->beta, n, &m->verdict));

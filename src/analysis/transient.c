@@ -189,7 +189,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
   for (PetscInt i = 0; i < t->n; i++) work += t->steps[i];
-  PetscCall(MpmProgressBegin(op->scene->progress, "steps of powers", &progress));
+  PetscCall(MpmProgressBegin("steps of powers", &progress));
   for (PetscInt i = 1; i < t->n; i++) {
     PetscReal sigma = NAN;
 

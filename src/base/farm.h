@@ -11,7 +11,7 @@ typedef PetscErrorCode (*MpmPart)(void *context, PetscInt i);
 
    Collective on PETSC_COMM_WORLD; the parts are not.
 */
-PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmPart part, void *context);
+PetscErrorCode MpmFarm(const char unit[], PetscInt n, MpmPart part, void *context);
 
 /* Collective. Gives every rank the numbers that parts have set in arrays that were 0 before. */
 PetscErrorCode MpmFarmSumReals(PetscInt n, PetscReal values[]);

@@ -1,7 +1,7 @@
 /* Writing a checkpoint: what it holds, in which arrays. Reading it: checkpoint_read.c. */
 #include "io/checkpoint.h"
 #include <mpmstab/errors.h>
-#include "scene/scene_keys.h"
+#include "scene/fields.h"
 #include "base/textfile.h"
 #include "base/checksum.h"
 #include "io/slabs.h"
@@ -25,16 +25,17 @@ static PetscErrorCode FromFirst(MpmSlabs *s, const char name[], hid_t type, Pets
 /* Lines 'name text'. */
 static PetscErrorCode WriteScene(MpmSlabs *s, const MpmScene *scene)
 {
-  MpmSceneKey fact[MPM_MAX_SCENE_KEYS];
-  char        text[MPM_MAX_SCENE_KEYS * (MPM_COUNTS_TEXT + 32)] = "";
-  PetscInt    n;
+  MpmValue value[MPM_MAX_VALUES];
+  char     text[MPM_MAX_VALUES * (MPM_COUNTS_TEXT + 32)] = "", one[MPM_COUNTS_TEXT];
+  PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneKeys(scene, &n, fact));
+  PetscCall(MpmValuesIn(MPM_IN_CHECKPOINT, scene, NULL, &n, value));
   for (PetscInt f = 0; f < n; f++) {
     const size_t used = strlen(text);
 
-    snprintf(text + used, sizeof text - used, "%s %s\n", fact[f].name, fact[f].text);
+    PetscCall(MpmValueText(&value[f], sizeof one, one));
+    snprintf(text + used, sizeof text - used, "%s %s\n", value[f].field->name, one);
   }
   PetscCall(FromFirst(s, "scene", H5T_NATIVE_CHAR, (PetscInt64)strlen(text), text));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,11 +14,11 @@
 PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, const MpmRun *run, const char csv[]);
 
 /*
-   MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or that the scene's steps do not go beyond.
+   MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or that so many steps do not go beyond.
 
-   Collective. scene->restart names it.
+   Collective.
 */
-PetscErrorCode MpmCheckpointCheck(const MpmScene *scene);
+PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, PetscInt64 steps);
 
 /*
    MpmCheckpointRead - takes march and run to where they were. csv: to be freed with PetscFree, empty where there was
@@ -27,4 +27,4 @@ PetscErrorCode MpmCheckpointCheck(const MpmScene *scene);
    Collective. On another number of ranks particles go to their owners and nodes are summed anew, which changes the last
    bits.
 */
-PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv);
+PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *march, MpmRun *run, char **csv);

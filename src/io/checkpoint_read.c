@@ -76,14 +76,14 @@ static PetscErrorCode CheckRead(const MpmSlabs *s, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file)
+static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, PetscInt64 steps, MpmCheckpoint *file)
 {
   const char *path = file->path;
 
   PetscFunctionBegin;
   PetscCall(ReadRun(s, file));
   PetscCall(CheckRead(s, path));
-  PetscCall(MpmCheckpointCheckRun(scene, file));
+  PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->particles));
   PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->particles));
   PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->particles));
@@ -93,9 +93,9 @@ static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, MpmChe
 }
 
 /* Refused or not, nothing stays open. */
-PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
+PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, PetscInt64 steps)
 {
-  MpmCheckpoint  file = {.path = scene->restart};
+  MpmCheckpoint  file = {.path = path};
   char           why[256];
   PetscBool      failed;
   MpmSlabs       slabs;
@@ -105,7 +105,7 @@ PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
   PetscCall(MpmChecksumCheck(PETSC_COMM_WORLD, file.path, sizeof why, why));
   MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", file.path, why);
   PetscCall(MpmSlabsOpen(PETSC_COMM_WORLD, file.path, &slabs));
-  ierr = ReadAndCheckRun(&slabs, scene, &file);
+  ierr = ReadAndCheckRun(&slabs, scene, steps, &file);
   PetscCall(Free(&file));
   PetscCall(MpmSlabsClose(&slabs, &failed));
   PetscCall(ierr);
@@ -233,11 +233,11 @@ static PetscErrorCode ReadNodes(MpmSlabs *s, const char path[], const Share *sha
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadState(MpmSlabs *s, const MpmScene *scene, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
+static PetscErrorCode ReadState(MpmSlabs *s, PetscInt64 steps, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
                                 Share *share)
 {
   PetscFunctionBegin;
-  PetscCall(ReadAndCheckRun(s, scene, file));
+  PetscCall(ReadAndCheckRun(s, march->scene, steps, file));
   PetscCall(TakeRun(file, march, run));
   PetscCall(FindShare(s->comm, file, march, share));
   PetscCall(ReadParticles(s, share, march));
@@ -246,7 +246,7 @@ static PetscErrorCode ReadState(MpmSlabs *s, const MpmScene *scene, MpmCheckpoin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv)
+PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *march, MpmRun *run, char **csv)
 {
   MpmCheckpoint  file = {.path = path};
   PetscBool      failed;
@@ -258,7 +258,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
   PetscFunctionBegin;
   PetscCall(MpmConservedSum(march, &before));
   PetscCall(MpmSlabsOpen(PetscObjectComm((PetscObject)march->grid->da), path, &slabs));
-  ierr = ReadState(&slabs, march->scene, &file, march, run, &share);
+  ierr = ReadState(&slabs, steps, &file, march, run, &share);
   if (!ierr) {
     *csv     = file.csv;
     file.csv = NULL;

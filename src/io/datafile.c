@@ -1,7 +1,7 @@
 /* HDF5 files through PETSc's parallel viewer: the scene as attributes, renamed when whole. */
 #include "io/datafile.h"
 #include <mpmstab/errors.h>
-#include "scene/material.h"
+#include "scene/fields.h"
 #include "base/unfinished.h"
 #include <hdf5.h>
 #include <petscvec.h>
@@ -24,73 +24,65 @@ static PetscErrorCode WriteNumber(PetscViewer viewer, const char name[], PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* As text too, which keeps 1/7 what it is. */
-static PetscErrorCode WriteFraction(PetscViewer viewer, const char name[], const MpmFraction *f)
+/* A fraction is written as text too, which keeps 1/7 what it is; a range as its two ends. */
+static PetscErrorCode WriteValue(PetscViewer viewer, const MpmValue *value)
 {
-  char exact[64], text[64];
+  const char    *name  = value->field->name;
+  const PetscInt count = (PetscInt)value->whole;
+  char           other[64], text[64];
 
   PetscFunctionBegin;
-  PetscCall(WriteNumber(viewer, name, f->value));
-  if (!f->den) PetscFunctionReturn(PETSC_SUCCESS);
-  snprintf(exact, sizeof exact, "%s_exact", name);
-  snprintf(text, sizeof text, "%" PetscInt64_FMT "/%" PetscInt64_FMT, f->num, f->den);
-  PetscCall(WriteText(viewer, exact, text));
+  switch (value->kind) {
+  case MPM_AS_COUNT:
+    PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", name, PETSC_INT, &count));
+    break;
+  case MPM_AS_LONG:
+    PetscCall(WriteNumber(viewer, name, (PetscReal)value->whole));
+    break;
+  case MPM_AS_REAL:
+    PetscCall(WriteNumber(viewer, name, value->number[0]));
+    break;
+  case MPM_AS_RANGE:
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_from", name));
+    PetscCall(WriteNumber(viewer, other, value->number[0]));
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_to", name));
+    PetscCall(WriteNumber(viewer, other, value->number[1]));
+    break;
+  case MPM_AS_FRACTION:
+    PetscCall(WriteNumber(viewer, name, value->fraction.value));
+    if (!value->fraction.den) break;
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_exact", name));
+    PetscCall(MpmValueText(value, sizeof text, text));
+    PetscCall(WriteText(viewer, other, text));
+    break;
+  default:
+    PetscCall(WriteText(viewer, name, value->text));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteSceneAttributes(const MpmScene *s, PetscViewer viewer)
+static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmRequest *request, PetscViewer viewer)
 {
-  char counts[MPM_COUNTS_TEXT];
+  MpmValue values[MPM_MAX_VALUES];
+  PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(WriteText(viewer, "version", MPMSTAB_VERSION));
-  PetscCall(WriteText(viewer, "formulation", s->formulation->name));
-  PetscCall(WriteText(viewer, "basis", s->basis->name));
-  PetscCall(WriteText(viewer, "transfer", s->transfer->name));
-  PetscCall(WriteText(viewer, "layout", s->layout));
-  PetscCall(WriteText(viewer, "boundary", s->boundary));
-  PetscCall(WriteText(viewer, "initial", MpmInitialNames[s->initial]));
-  PetscCall(WriteText(viewer, "stagger", s->stagger ? "true" : "false"));
-  PetscCall(WriteFraction(viewer, "drift", &s->drift));
-  PetscCall(WriteFraction(viewer, "offset", &s->offset));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "dim", PETSC_INT, &s->dim));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "cells", PETSC_INT, &s->cells));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "ppc", PETSC_INT, &s->ppc));
-  PetscCall(PetscViewerHDF5WriteAttribute(viewer, "/", "mode", PETSC_INT, &s->mode));
-  PetscCall(WriteNumber(viewer, "seed", (PetscReal)s->seed));
-  PetscCall(WriteNumber(viewer, "steps", (PetscReal)s->steps));
-  PetscCall(WriteNumber(viewer, "length", s->length));
-  PetscCall(WriteNumber(viewer, "wave_speed", s->wave_speed));
-  PetscCall(WriteNumber(viewer, "courant", s->courant));
-  PetscCall(WriteNumber(viewer, "dt", s->dt));
-  PetscCall(WriteNumber(viewer, "jitter", s->jitter));
-  PetscCall(WriteNumber(viewer, "amplitude", s->amplitude));
-  PetscCall(WriteNumber(viewer, "tolerance", s->tolerance));
-  PetscCall(WriteNumber(viewer, "first", (PetscReal)s->first));
-  PetscCall(WriteNumber(viewer, "particles", (PetscReal)s->particles));
-  PetscCall(WriteNumber(viewer, "cluster_from", s->cluster[0]));
-  PetscCall(WriteNumber(viewer, "cluster_to", s->cluster[1]));
-  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  PetscCall(WriteText(viewer, "counts", counts));
-  PetscCall(WriteText(viewer, "material", MpmMaterialNames[s->material.kind]));
-  PetscCall(WriteNumber(viewer, "density_ratio", s->material.density));
-  PetscCall(WriteNumber(viewer, "stiffness_ratio", s->material.stiffness));
-  PetscCall(WriteNumber(viewer, "inclusion_from", s->material.inclusion[0]));
-  PetscCall(WriteNumber(viewer, "inclusion_to", s->material.inclusion[1]));
-  if (s->transfer->option) PetscCall(WriteNumber(viewer, s->transfer->option, s->transfer->number(&s->numbers)));
+  PetscCall(MpmValuesIn(MPM_IN_FILE, scene, request, &n, values));
+  for (PetscInt i = 0; i < n; i++) PetscCall(WriteValue(viewer, &values[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile *file)
+PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file)
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, scene->output, sizeof file->path));
+  PetscCall(PetscStrncpy(file->path, request->output, sizeof file->path));
   PetscCall(PetscSNPrintf(file->part, sizeof file->part, "%s.part", file->path));
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a file that cannot be written is told in one line */
   MpmUnfinishedAdd(file->part);
   MpmErrorsBlame(file->path);
   PetscCall(PetscViewerHDF5Open(comm, file->part, FILE_MODE_WRITE, &file->viewer));
-  PetscCall(WriteSceneAttributes(scene, file->viewer));
+  PetscCall(WriteSceneAttributes(scene, request, file->viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

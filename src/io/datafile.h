@@ -1,6 +1,6 @@
 /* HDF5 files that appear whole or not at all, with scene and version as attributes of the root. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 #include <petscviewer.h>
 
 typedef struct {
@@ -8,8 +8,8 @@ typedef struct {
   char        path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 } MpmDataFile;
 
-/* Collective. Opens the scene's output, aside. */
-PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile *file);
+/* Collective. Opens the output that a request names, aside, with scene and request as attributes. */
+PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file);
 
 /* Collective. Gives the file its name; when that fails, refuses and removes it and also (NULL: nothing else). */
 PetscErrorCode MpmDataFileClose(MpmDataFile *file, const char also[]);

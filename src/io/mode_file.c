@@ -10,14 +10,14 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth)
+PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth)
 {
   PetscViewer viewer;
   char        group[64];
 
   PetscFunctionBegin;
   PetscCall(MpmModeFileGroup(scene, group, sizeof group));
-  PetscCall(PetscViewerHDF5Open(PETSC_COMM_WORLD, scene->mode_file, FILE_MODE_READ, &viewer));
+  PetscCall(PetscViewerHDF5Open(PETSC_COMM_WORLD, path, FILE_MODE_READ, &viewer));
   PetscCall(PetscViewerHDF5ReadAttribute(viewer, group, "growth", PETSC_REAL, NULL, growth));
   PetscCall(PetscViewerDestroy(&viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -78,7 +78,7 @@ static PetscErrorCode ReadPart(const MpmScene *scene, PetscViewer viewer, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmModeFileFill(const MpmScene *scene, const char path[], PetscInt exponent, MpmParticles *particles)
 {
   PetscReal   largest, imaginary;
   PetscViewer viewer;
@@ -86,8 +86,7 @@ PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmPart
 
   PetscFunctionBegin;
   PetscCall(MpmModeFileGroup(scene, group, sizeof group));
-  PetscCall(
-      PetscViewerHDF5Open(PetscObjectComm((PetscObject)particles->swarm), scene->mode_file, FILE_MODE_READ, &viewer));
+  PetscCall(PetscViewerHDF5Open(PetscObjectComm((PetscObject)particles->swarm), path, FILE_MODE_READ, &viewer));
   PetscCall(PetscViewerHDF5PushGroup(viewer, group));
   PetscCall(ReadPart(scene, viewer, "im", particles, &imaginary));
   PetscCall(ReadPart(scene, viewer, "re", particles, &largest));

@@ -5,14 +5,14 @@
 #include "march/particles.h"
 #include <mpmstab/operator.h>
 
-/* Collective. Refuses a scene's mode_file unless it is of the same scheme, grid and particles and holds the mode. */
-PetscErrorCode MpmModeFileCheck(const MpmScene *scene);
+/* Collective. Refuses a mode file unless it is of the scene's scheme, grid and particles and holds its mode. */
+PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[]);
 
 /* Not collective. The group of the file that holds the scene's mode. */
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
 
 /* Collective. Growth per step of the mode's eigenvalue. */
-PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
+PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth);
 
 /*
    MpmModeFileFill - particle fields from the real or the imaginary part of the mode, whichever is larger, scaled to the
@@ -20,7 +20,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
 
    Collective.
 */
-PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles);
+PetscErrorCode MpmModeFileFill(const MpmScene *scene, const char path[], PetscInt exponent, MpmParticles *particles);
 
 /*
    MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the

@@ -13,7 +13,7 @@ struct MpmOutput_ {
   MpmTextFile     xmf;
 };
 
-PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request, MpmOutput **output)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
   const PetscInt n    = (PetscInt)march->scene->particles;
@@ -30,11 +30,11 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
   PetscCall(VecCreateMPI(comm, march->grid->nodes, march->scene->nodes, &o->global));
-  PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
+  PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
                            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
-  PetscCall(MpmDataFileOpen(comm, o->scene, &o->file));
+  PetscCall(MpmDataFileOpen(comm, o->scene, request, &o->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,7 @@
 /* Output: the fields of a run as HDF5, with XDMF beside it. */
 #pragma once
 #include "march/march_private.h"
+#include "scene/request.h"
 
 /*S
    MpmOutput - the HDF5 file of a run.
@@ -12,8 +13,8 @@
 */
 typedef struct MpmOutput_ MpmOutput;
 
-/* Collective. */
-PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output);
+/* Collective. Begins the files that the request names. */
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request, MpmOutput **output);
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march);
 
 /* Collective. Writes PATH.xmf (PATH without .h5) and gives both files their names, or, not keep, removes both. */

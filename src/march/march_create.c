@@ -83,7 +83,23 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscCall(CreateVectors(m));
   PetscCall(RegisterEvents(m));
   if (MpmTableHas(scene->table, MPM_SOLVE)) PetscCall(MpmNodalSolveCreate(scene, m->grid, &m->nodal_solve));
-  PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchStart(m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchStart(MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude)
+{
+  PetscFunctionBegin;
+  march->exponent = ilogb(amplitude);
+  PetscCall(MpmParticlesFillRandom(march->scene, scalbn(amplitude, -(int)march->exponent), march->particles));
+  PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,9 +136,9 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmMarchBytes(const MpmScene *scene)
+PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
 {
-  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->table->nparticles + (scene->output[0] ? OF_OUTPUT : 0);
+  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->table->nparticles + (output ? OF_OUTPUT : 0);
 
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->table->varies[w]) particle += OF_NUMBER;

@@ -28,8 +28,17 @@ struct MpmMarch_ {
   MpmFloatCheck   float_check;
 };
 
-/* Not collective. The least number of bytes that particles, nodes and output of a march take, on all ranks together. */
-PetscReal MpmMarchBytes(const MpmScene *scene);
+/* Not collective. The least number of bytes that particles and nodes of a march take, and its output if it has one, on all ranks together. */
+PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
+
+/*
+   Collective. Sums the particles' fields to the nodes as a step finds them; to be called when the fields were changed
+   before the first step.
+*/
+PetscErrorCode MpmMarchStart(MpmMarch *march);
+
+/* Collective. Random particle fields in [-amplitude, amplitude], from the scene's seed, before the first step. */
+PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /*
    Collective. A pass and those joined to it, with halo sums and the last one's node operations. The

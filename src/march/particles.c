@@ -1,5 +1,4 @@
 /* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
-#include "io/mode_file.h"
 #include "march/particles.h"
 #include <math.h>
 
@@ -117,37 +116,47 @@ static PetscInt64 FieldSeed(const MpmScene *scene, PetscInt field)
   return (PetscInt64)(0x1p52 * MpmHash(scene->seed + 1, -2 - field));
 }
 
-static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmParticlesFillRandom(const MpmScene *scene, PetscReal amplitude, MpmParticles *particles)
 {
-  const PetscReal   amplitude = scalbn(scene->amplitude, -(int)exponent);
-  const MpmProfile  profile   = MpmSceneProfile(scene, amplitude);
   const PetscInt64 *id;
-  const PetscInt   *cell;
-  const PetscReal  *xi;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
   for (PetscInt f = 0; scene->table->fields[f]; f++) {
     const PetscInt64 seed = FieldSeed(scene, f);
-    const PetscReal  t    = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
     PetscReal       *q;
 
     PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
-    for (PetscInt p = 0; p < particles->count; p++) {
-      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+    for (PetscInt p = 0; p < particles->count; p++) q[p] = amplitude * (2 * MpmHash(seed, id[p]) - 1);
+    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
+  }
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-      if (scene->initial == MPM_INITIAL_RANDOM)
-        q[p] = amplitude * (2 * MpmHash(seed, id[p]) - 1);
-      else
-        q[p] = scene->formulation->wave->value(&profile, f, X, t);
-    }
+/* The exact solution at time 0, or half a step before for the field that is staggered. */
+static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, PetscReal amplitude,
+                                MpmParticles *particles)
+{
+  const MpmProfile profile = MpmSceneProfile(scene, amplitude);
+  const PetscInt  *cell;
+  const PetscReal *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+    const PetscReal t = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
+    PetscReal      *q;
+
+    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
+    for (PetscInt p = 0; p < particles->count; p++)
+      q[p] = scene->formulation->wave->value(
+          &profile, f, scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]), t);
     PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
   }
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,10 +208,10 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
   PetscCall(Place(scene, grid, *particles));
   PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(scene, *particles));
-  if (scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmModeFileFill(scene, exponent, *particles));
+  if (MpmInitialHasExact(scene->initial))
+    PetscCall(FillExact(scene, grid, scalbn(scene->amplitude, -(int)exponent), *particles));
   else
-    PetscCall(Fill(scene, grid, exponent, *particles));
+    PetscCall(MpmParticlesFillRandom(scene, scalbn(scene->amplitude, -(int)exponent), *particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

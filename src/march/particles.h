@@ -42,6 +42,9 @@ PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, Pe
                                   MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
+/* Not collective. Gives all fields random numbers in [-amplitude, amplitude], from the scene's seed and the ids. */
+PetscErrorCode MpmParticlesFillRandom(const MpmScene *scene, PetscReal amplitude, MpmParticles *particles);
+
 /* Not collective. Gives the particles, by their ids, the properties that vary. */
 PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles);
 

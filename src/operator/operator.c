@@ -168,16 +168,13 @@ static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec stat
 
 PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
 {
-  MpmScene  random = *op->scene;
   MpmMarch *march;
   Vec       before, after, predicted;
 
   PetscFunctionBegin;
-  random.initial   = MPM_INITIAL_RANDOM;
-  random.stagger   = PETSC_FALSE;
-  random.amplitude = 1;
-  *mismatch        = 0;
-  PetscCall(MpmMarchCreate(PetscObjectComm((PetscObject)op->A), &random, &march));
+  *mismatch = 0;
+  PetscCall(MpmMarchCreate(PetscObjectComm((PetscObject)op->A), op->scene, &march));
+  PetscCall(MpmMarchFillRandom(march, 1));
   PetscCall(MatCreateVecs(op->A, &before, &after));
   PetscCall(VecDuplicate(after, &predicted));
   for (PetscInt n = 0; n < PERIODS; n++) {

@@ -19,10 +19,10 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   const MpmScene *s = run->scene;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s, "run", run->ranks));
+  PetscCall(MpmReportScene(s, run->request, run->ranks));
   MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
   if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode);
-  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, s->mode_file);
+  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, run->request->mode_file);
   MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
            s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,13 +112,13 @@ static PetscErrorCode PrintExchange(const MpmRun *run)
   const MpmTable *table                    = run->scene->table;
 
   PetscFunctionBegin;
-  if (run->scene->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
-  if (run->scene->source_term) {
+  if (run->request->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
+  if (run->request->source_term) {
     MpmPrint("source term, relative to the nodes' field:");
     for (PetscInt f = 0; table->fields[f]; f++) PetscCall(PrintField(table->fields[f], "up to", most->source[f]));
     MpmPrint("\n");
   }
-  if (run->scene->ringing) {
+  if (run->request->ringing) {
     MpmPrint("ringing content, share of particle data that P2G does not see:");
     for (PetscInt f = 0; table->fields[f]; f++) {
       PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));

@@ -24,7 +24,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
     MpmPrint("%s: %.6g%s\n", name, c->courant,
              MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
   if (c->stable_at > 0 && isfinite(c->unstable_at))
-    MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
+    MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", c->asked.tolerance, c->stable_at,
              c->unstable_at);
   if (MpmSceneDrifts(s))
     MpmPrint(
@@ -35,13 +35,13 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
+static PetscErrorCode PrintReason(const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!isnan(c->fading))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
-             c->fading, s->tolerance);
+             c->fading, c->asked.tolerance);
   MpmPrint("  limited by   ");
   if (isnan(c->beta))
     MpmPrint("a mode whose trace on the nodes has no phase");
@@ -73,22 +73,22 @@ static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
     if (isinf(c->moving))
       MpmPrint("beyond that range");
     else
-      MpmPrint("%.9g%s", c->moving, c->moving > 1 + s->tolerance ? ", it rings" : "");
+      MpmPrint("%.9g%s", c->moving, c->moving > 1 + c->asked.tolerance ? ", it rings" : "");
   }
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
+PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, const MpmCritical *c)
 {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(s, "critical", ranks));
+  PetscCall(MpmReportScene(s, request, ranks));
   MpmPrint("\n");
   PetscCall(PrintLimit(s, c));
-  PetscCall(PrintReason(s, c));
+  PetscCall(PrintReason(c));
   PetscCall(PrintAsked(s, c));
   PetscCall(MpmReportFinding(&c->asked, NAN));
   if (c->assembled)
@@ -101,14 +101,14 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalWriteJson(const MpmScene *s, const MpmCritical *c, PetscReal wall_s)
+PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const MpmCritical *c, PetscReal wall_s)
 {
   PetscMPIInt ranks;
   json_t     *object, *critical = json_object();
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  object = MpmJsonScene(s, "critical", ranks, wall_s);
+  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
   MpmJsonSetFinding(object, &c->asked);
   MpmJsonSet(critical, "critical_courant", c->courant);
   MpmJsonSet(critical, "limited_by_beta", c->beta);
@@ -121,7 +121,7 @@ PetscErrorCode MpmCriticalWriteJson(const MpmScene *s, const MpmCritical *c, Pet
   json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
   MpmJsonSet(critical, "seconds", c->seconds);
   json_object_set_new(object, "critical", critical);
-  PetscCall(MpmJsonWrite(s->json, object));
+  PetscCall(MpmJsonWrite(path, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -9,7 +9,7 @@
 const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
-/* The power of the ratios that holds at place x, in cells. */
+/* The power of the ratios that holds at place x, in cells from 0 to their number. */
 static PetscReal Share(const MpmScene *scene, PetscReal x)
 {
   const MpmMaterial *m = &scene->material;
@@ -26,6 +26,7 @@ static PetscReal Ratio(const MpmScene *scene, PetscReal ratio, PetscInt64 id)
 
   if (scene->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
   MpmLayoutPlace(scene, id, &cell, &xi);
+  cell = (cell + scene->cells) % scene->cells; /* jitter may take it over the end of a periodic domain */
   return pow(ratio, Share(scene, cell + xi));
 }
 

@@ -93,7 +93,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin(s->scene->progress, "phase", &progress));
+  PetscCall(MpmProgressBegin("phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscInt        largest, exponent;
@@ -119,10 +119,10 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
    How far rounding may have split a defective pair. It decides where nothing grows beyond the tolerance, and is not
    looked for elsewhere: it costs as much as the factors.
 */
-static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, MpmSymbol *s)
+static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, PetscReal tolerance, MpmSymbol *s)
 {
   PetscFunctionBegin;
-  if (!(s->growth <= 1 + NEAR * s->scene->tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(s->growth <= 1 + NEAR * tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscReal       error;
@@ -206,8 +206,8 @@ PetscErrorCode MpmSymbolCheck(const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
-                               MpmSymbol **symbol)
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscReal tolerance,
+                               PetscBool keep, MpmSymbol **symbol)
 {
   const PetscReal begin = MPI_Wtime();
   PetscMPIInt     rank, size;
@@ -238,7 +238,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   if (keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
-  PetscCall(FindBlur(comm, &reader, s));
+  PetscCall(FindBlur(comm, &reader, tolerance, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));
   PetscCall(PetscFree(reader.noisy));
   PetscCall(MpmBlochDestroy(&reader.bloch));

@@ -4,32 +4,32 @@
 #include "task/task.h"
 #include <slepcsys.h>
 
-static PetscErrorCode One(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect   expect = scene->expect;
+  MpmExpect   expect = request->expect;
   MpmCritical critical;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
   if (MpmSymbolWhyNot(scene)) PetscCall(SlepcInitializeNoArguments());
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &critical));
-  PetscCall(MpmCriticalPrint(scene, &critical));
-  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, 1, &scene, &critical));
-  if (scene->json[0]) PetscCall(MpmCriticalWriteJson(scene, &critical, MPI_Wtime() - started));
+  PetscCall(MpmCriticalFind(scene, request->tolerance, PETSC_FALSE, &critical));
+  PetscCall(MpmCriticalPrint(scene, request, &critical));
+  if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, 1, &scene, &critical));
+  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, &critical, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
   PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
   if (MpmSymbolWhyNot(scene)) PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
   *missed = 0;
-  if (scene->survey)
-    PetscCall(MpmCriticalSurvey(scene));
+  if (request->survey)
+    PetscCall(MpmCriticalSurvey(scene, request));
   else
-    PetscCall(One(scene, started, missed));
+    PetscCall(One(scene, request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,18 +4,18 @@
 #include "task/task.h"
 #include <slepcsys.h>
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect    expect = scene->expect;
+  MpmExpect    expect = request->expect;
   MpmEnsemble *ensemble;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one layout */
   PetscCall(SlepcInitializeNoArguments());
-  PetscCall(MpmEnsembleCreate(scene, &ensemble));
+  PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
   PetscCall(MpmEnsemblePrint(ensemble));
-  if (scene->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
-  if (scene->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
+  if (request->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
+  if (request->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));

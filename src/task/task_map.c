@@ -3,18 +3,18 @@
 #include "report/results.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect        expect = scene->expect;
+  MpmExpect        expect = request->expect;
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one point */
-  PetscCall(MpmStabilityMapCreate(scene, &map));
+  PetscCall(MpmStabilityMapCreate(scene, request, &map));
   PetscCall(MpmStabilityMapPrint(map));
-  if (scene->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
-  if (scene->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
-  if (scene->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
+  if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
+  if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
+  if (request->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   PetscFunctionReturn(PETSC_SUCCESS);

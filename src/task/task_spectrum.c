@@ -5,17 +5,17 @@
 #include "task/task.h"
 
 /* SLEPc is there for this task alone: the others start without it. */
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmSpectrum *spectrum;
 
   PetscFunctionBegin;
   PetscCall(SlepcInitializeNoArguments());
-  PetscCall(MpmSpectrumCreate(scene, started, &spectrum));
+  PetscCall(MpmSpectrumCreate(scene, request, started, &spectrum));
   PetscCall(MpmSpectrumPrint(spectrum));
   PetscCall(MpmSpectrumWriteFiles(spectrum));
-  if (scene->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
-  PetscCall(MpmExpectFinding(&scene->expect, &spectrum->finding, missed));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
+  PetscCall(MpmExpectFinding(&request->expect, &spectrum->finding, missed));
   PetscCall(MpmSpectrumDestroy(&spectrum));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);

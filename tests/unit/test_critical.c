@@ -14,7 +14,7 @@ static PetscErrorCode Find(const char options[], MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, c));
+  PetscCall(MpmCriticalFind(scene, check_request.tolerance, PETSC_FALSE, c));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -144,7 +144,7 @@ static PetscErrorCode CheckBelow(const char options[], PetscReal limit)
   at = *scene;
   for (int n = 0; n <= 100; n++) {
     at.courant = n ? c.courant * MpmHash(21, n) : c.unstable_at * (1 + 1e-9);
-    PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &at, n ? 97 : 256, PETSC_FALSE, &symbol));
+    PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &at, n ? 97 : 256, 1e-6, PETSC_FALSE, &symbol));
     if (n) CHECK(symbol->growth <= 1 + 1e-6, "%s: growth %.9g at %.9g", options, symbol->growth, at.courant);
     PetscCall(MpmSymbolDestroy(&symbol));
   }

@@ -37,7 +37,7 @@ static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
   PetscReal     growth = NAN;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->scene, op->scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->scene, op->scene->cells, 1e-6, PETSC_FALSE, &symbol));
   PetscCall(Growth(op, &growth));
   /* defective eigenvalues at 1, in blocks of up to three, and periods of several steps */
   CHECK_NEAR(growth, symbol->growth, (fabs(symbol->growth - 1) < 1e-4 ? 3e-5 : 1e-8) * symbol->growth);

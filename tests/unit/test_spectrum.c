@@ -10,8 +10,8 @@ static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpec
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  (*scene)->measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(*scene, 0, spectrum));
+  check_request.measure = PETSC_FALSE;
+  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,7 +154,7 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_TRUE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, 1e-6, PETSC_TRUE, &symbol));
   PetscCall(MpmSymbolTarget(PETSC_COMM_WORLD, symbol, op->exponent, target));
   for (int part = 0; part < 2; part++) target[part] *= 1 + 1e-10;
   if (scatter)
@@ -185,7 +185,7 @@ static PetscErrorCode CheckLargest(void)
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-cells 1100 -courant 0.5 -jitter 0.4", &scene));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->eigen->largest && !s->eigen->complete && s->finding.verdict == MPM_UNSTABLE, "%s: %s", s->eigen->solver,
         MpmVerdictNames[s->finding.verdict]);
   CHECK(fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= 0.02, "measured %.9g, spectrum %.9g",
@@ -202,9 +202,9 @@ static PetscErrorCode CheckUndecided(const char options[], const char solver[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  scene->measure = PETSC_FALSE;
+  check_request.measure = PETSC_FALSE;
   PetscCall(PetscOptionsInsertString(NULL, solver));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   PetscCall(PetscOptionsClear(NULL));
   for (PetscInt j = 0; j < s->eigen->n; j++)
     CHECK(s->eigen->residual[j] <= 1e-7, "%s: lists a residual of %.3g", options, s->eigen->residual[j]);
@@ -277,7 +277,7 @@ static PetscErrorCode CheckOffRange(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->eigen->failed && s->finding.verdict == MPM_UNSTABLE, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
   PetscCall(Close(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -108,7 +108,7 @@ static PetscErrorCode CheckLinear(const char options[], PetscReal c)
   CHECK(fabs(t->largest / norm - 1) <= 1e-9 && t->at_step == (PetscInt)last && fabs(t->excess / norm - 1) <= 1e-9,
         "%s: %.12g, closed form %.12g", options, t->largest, norm);
   CHECK_NEAR(t->power, 1, 0.01);
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 4, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(op->A, 4, 1e-6, &p));
   CHECK(p->kreiss > 0.1 * c / MPM_KREISS_NEAREST && fabs(p->edge_power - 1) < 1e-3, "%s: %.12g, power %g", options,
         p->kreiss, p->edge_power);
   PetscCall(MpmPseudospectrumDestroy(&p));
@@ -130,7 +130,7 @@ static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
   PetscCall(MpmTransientCreate(op, 300, 1, &t));
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 5, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(op->A, 5, 1e-6, &p));
   CHECK(p->kreiss >= least && p->kreiss <= t->largest * (1 + 1e-9) && t->largest <= M_E * p->order * p->kreiss,
         "%s: Kreiss %.9g, norms up to %.9g", options, p->kreiss, t->largest);
   CHECK(t->missing == 0 && fabs(t->power) <= 0.02 && p->edge_power < 0.1, "%s: norms like n^%.3f, on the edge %.3f",
@@ -161,7 +161,7 @@ static PetscErrorCode CheckNearLimit(PetscReal k)
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
   PetscCall(MpmTransientCreate(op, 200, 1, &t));
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 3, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(op->A, 3, 1e-6, &p));
   CHECK(p->kreiss <= kreiss * (1 + 1e-9) && p->kreiss >= 0.999 * kreiss, "%s: Kreiss %.9g, closed form %.9g", options,
         p->kreiss, kreiss);
   CHECK(t->largest <= norm * (1 + 1e-9) && t->largest >= 0.99 * norm, "%s: norms up to %.9g, closed form %.9g", options,
