@@ -4,6 +4,7 @@
 #include "linalg/dense.h"
 #include "scene/layout.h"
 #include "analysis/modes.h"
+#include <mpmstab/march.h>
 #include <mpmstab/operator.h>
 #include "base/progress.h"
 #include <math.h>
@@ -94,6 +95,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, PetscReal tolerance, 
 {
   const PetscInt64 unknowns = scene->table->nstate * scene->particles;
   Probe            probe    = {.scene = *scene};
+  MpmMarch        *march;
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
@@ -102,6 +104,8 @@ PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, PetscReal tolerance, 
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
                 scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
+  PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &march)); /* refuses a grid that no run could have */
+  PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmProgressBegin("", &probe.progress));
   PetscCall(Search(&probe, scene->courant, c));
   c->courant = INFINITY;
