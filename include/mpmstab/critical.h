@@ -21,7 +21,7 @@ S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, moving, closed, closed_beta, seconds;
   PetscBool      threshold, assembled;
-  PetscInt       order;
+  PetscInt       order, doubts;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;
@@ -31,6 +31,7 @@ typedef struct {
 #define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
+#define MPM_CRITICAL_PRECISION 1e-10 /* of a bracket through the symbol, relative */
 #define MPM_CRITICAL_DRIFT 8    /* one cell in so many steps, where it is asked what motion does */
 #define MPM_CRITICAL_STEP 0.003 /* under drift, at most */
 
@@ -86,7 +87,3 @@ PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);
 typedef PetscErrorCode (*MpmFunction)(void *context, PetscReal x, PetscReal *value);
 PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, PetscReal hi, PetscReal *x,
                                 PetscReal *value);
-
-/* Collective. The searches through symbol and assembled operator, parts of MpmCriticalFind. */
-PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);

@@ -1,5 +1,5 @@
 /* The largest stable Courant number: by symbol or operator, and by closed form. */
-#include <mpmstab/critical.h>
+#include "analysis/critical_parts.h"
 #include <math.h>
 
 #define SAME 1e-5       /* closed form and search, relative */

@@ -1,5 +1,5 @@
 /* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
-#include <mpmstab/critical.h>
+#include "analysis/critical_parts.h"
 #include "linalg/dense.h"
 #include "scene/layout.h"
 #include "analysis/modes.h"

@@ -1,6 +1,6 @@
 /* The largest stable Courant number through the symbol. */
 #include "symbol/bloch.h"
-#include <mpmstab/critical.h>
+#include "analysis/critical_parts.h"
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "base/progress.h"
@@ -270,7 +270,7 @@ PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCr
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(MpmProgressBegin(scene, "phase", &probe.progress));
-  PetscCall(Search(&probe, c));
+  PetscCall(MpmSceneDrifts(scene) ? MpmCriticalUnderDrift(scene, c) : Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
   if (!alone) PetscCall(Asked(&probe, scene->courant, c));
   c->evaluations = probe.evaluations;

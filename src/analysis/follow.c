@@ -1,0 +1,454 @@
+/*
+   Factors along a line. l_i(x) are the factors at x, in any order. With their derivatives at both ends of a step h
+
+     abs(l_j(x + h) - l_i(x) - h (l_i' + l_j') / 2)
+
+   is of order h^3 when j is the continuation of i: so factors are matched. For two that come near each other the mean
+   S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4 are smooth, l = S +- sqrt(Q). On the unit circle Q / S^2 is negative; where
+   it becomes positive a window of growth is open, of abs up to 1 + sqrt(Q / S^2).
+*/
+#include "analysis/follow.h"
+#include <math.h>
+
+#define TURN 0.3        /* at most: how far a factor moves in a step */
+#define RATIO 0.5       /* at most: a step over its place */
+#define BESIDE 1e-2     /* of a step: distance at which derivatives are taken, */
+#define CLOSER 1e-4     /* and at a meeting, of the distance between the places of its model */
+#define COINCIDE 3e-8   /* factors nearer than this are moved together: rounding splits what is defective so far */
+#define NOISE 1e-7      /* rounding may move a factor so far from its prediction */
+#define INSIDE 0.3      /* factors of smaller abs are left alone until they have grown to it */
+#define MATCHED 0.1     /* how far from its prediction a factor may be, over the way of the fastest */
+#define NEAR 0.5        /* how near two factors come, over the way they make past each other, to be looked at */
+#define FIRST 0.1       /* first step over the first place */
+#define LEAST 1e-5      /* least step over its place */
+#define NARROW 1e-10    /* distance of two places of a model, over the place: they show no more */
+#define LEAST_GROWING 1e-3 /* the same towards a place that grows: bisection takes it from there */
+#define PRECISION 1e-10 /* of a bracket, relative */
+#define RISE 0.1        /* of the tolerance: how far a factor rises between two places to be looked at */
+#define CLOSE 1e-4      /* how near to the tolerance it must then come */
+#define MOST_LOOKS 10   /* at one meeting */
+#define ENOUGH 1e-2     /* error of Q over the square of what is tolerated */
+#define GRID 16
+#define GOLDEN 0.6180339887498949
+#define GOLDEN_STEPS 24
+#define SAMPLES 3 /* two ends of a step, one between */
+
+struct MpmSample_ {
+  PetscReal       x, largest; /* logarithm of the largest abs */
+  double complex *value, *slope;
+};
+
+PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance, MpmFactorsAt at, void *context,
+                               MpmFollow *f)
+{
+  PetscFunctionBegin;
+  *f = (MpmFollow){.n = n, .period = period, .most = period * log1p(tolerance), .at = at, .context = context};
+  PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
+  for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFollowDestroy(MpmFollow *f)
+{
+  PetscFunctionBegin;
+  if (!f->samples) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int s = 0; s < SAMPLES; s++) PetscCall(PetscFree2(f->samples[s].value, f->samples[s].slope));
+  PetscCall(PetscFree4(f->samples, f->beside, f->match, f->cost));
+  PetscCall(PetscFree(f->meetings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal LogLargest(PetscInt n, const double complex value[])
+{
+  PetscReal largest = 0;
+
+  for (PetscInt i = 0; i < n; i++) largest = fmax(largest, cabs(value[i]));
+  return log(largest);
+}
+
+static PetscErrorCode GrowthAt(MpmFollow *f, PetscReal x, PetscReal *largest)
+{
+  PetscFunctionBegin;
+  PetscCall(f->at(f->context, x, f->beside));
+  f->evaluations++;
+  *largest = LogLargest(f->n, f->beside);
+  f->peak  = fmax(f->peak, *largest / f->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Factors that coincide have no derivatives of their own: they take the mean, which has one. */
+static void MoveTogether(const MpmFollow *f, MpmSample *s)
+{
+  for (PetscInt i = 0; i < f->n; i++) {
+    double complex sum   = 0;
+    PetscInt       count = 0;
+
+    for (PetscInt j = 0; j < f->n; j++) {
+      if (cabs(s->value[j] - s->value[i]) > COINCIDE) continue;
+      sum += s->slope[j];
+      count++;
+    }
+    f->beside[i] = sum / count;
+  }
+  for (PetscInt i = 0; i < f->n; i++) s->slope[i] = f->beside[i];
+}
+
+/* Factors at x and their derivatives, from those at x + d. */
+static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
+{
+  PetscFunctionBegin;
+  s->x = x;
+  PetscCall(f->at(f->context, x, s->value));
+  s->largest = LogLargest(f->n, s->value);
+  f->peak    = fmax(f->peak, s->largest / f->period);
+  PetscCall(f->at(f->context, x + d, f->beside));
+  f->evaluations += 2;
+  for (PetscInt i = 0; i < f->n; i++) {
+    PetscInt nearest = i;
+
+    for (PetscInt j = i + 1; j < f->n; j++)
+      if (cabs(f->beside[j] - s->value[i]) < cabs(f->beside[nearest] - s->value[i])) nearest = j;
+    s->slope[i]        = (f->beside[nearest] - s->value[i]) / d;
+    f->beside[nearest] = f->beside[i];
+  }
+  if (isfinite(s->largest)) MoveTogether(f, s);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Counts(const MpmSample *s, PetscInt i)
+{
+  return cabs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
+{
+  PetscReal speed = 0;
+
+  for (PetscInt i = 0; i < f->n; i++)
+    if (Counts(s, i)) speed = fmax(speed, cabs(s->slope[i]));
+  return speed;
+}
+
+/* Brings b's factors into the order of a's, nearest to their predictions first; says whether all are where predicted. */
+static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
+{
+  const PetscReal h   = b->x - a->x;
+  const PetscReal way = h * fmax(Fastest(f, a), Fastest(f, b));
+  PetscReal       off = 0;
+
+  if (!isfinite(b->largest) || h * Fastest(f, b) > 2 * TURN) return PETSC_FALSE;
+  for (PetscInt i = 0; i < f->n; i++) {
+    const double complex middle = a->value[i] + h / 2 * a->slope[i];
+    double complex       kept;
+    PetscInt             best  = i;
+    PetscReal            least = INFINITY;
+
+    for (PetscInt j = i; j < f->n; j++) {
+      const PetscReal cost = cabs(b->value[j] - h / 2 * b->slope[j] - middle);
+
+      if (cost >= least) continue;
+      best  = j;
+      least = cost;
+    }
+    kept           = b->value[i];
+    b->value[i]    = b->value[best];
+    b->value[best] = kept;
+    kept           = b->slope[i];
+    b->slope[i]    = b->slope[best];
+    b->slope[best] = kept;
+    if (Counts(a, i) || Counts(b, i)) off = fmax(off, least);
+  }
+  return off <= fmax(MATCHED * way, NOISE) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Two factors at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
+typedef struct {
+  PetscReal      x;
+  double complex S, dS, Q, dQ;
+} Pair;
+
+static Pair PairOf(const MpmSample *s, PetscInt i, PetscInt j)
+{
+  const double complex d = s->value[i] - s->value[j];
+
+  return (Pair){s->x, (s->value[i] + s->value[j]) / 2, (s->slope[i] + s->slope[j]) / 2, d * d / 4,
+                d * (s->slope[i] - s->slope[j]) / 2};
+}
+
+/* Hermite's cubic through the values and derivatives at a and b. */
+static double complex Cubic(PetscReal a, PetscReal b, double complex fa, double complex da, double complex fb,
+                            double complex db, PetscReal x)
+{
+  const PetscReal h = b - a, t = (x - a) / h, r = 1 - t;
+
+  return r * r * ((1 + 2 * t) * fa + t * h * da) + t * t * ((1 + 2 * r) * fb - r * h * db);
+}
+
+typedef struct {
+  const Pair *a, *b;
+  PetscBool   growth; /* the function is the growth, not Q / S^2 */
+} Model;
+
+static PetscReal ModelAt(const Model *m, PetscReal x, double complex *S, double complex *Q)
+{
+  *S = Cubic(m->a->x, m->b->x, m->a->S, m->a->dS, m->b->S, m->b->dS, x);
+  *Q = Cubic(m->a->x, m->b->x, m->a->Q, m->a->dQ, m->b->Q, m->b->dQ, x);
+  if (!m->growth) return creal(*Q / (*S * *S));
+  return log(fmax(cabs(*S + csqrt(*Q)), cabs(*S - csqrt(*Q))));
+}
+
+/* The place of the largest value of a function of the model in [lo, hi]. */
+static PetscReal Largest(const Model *m, PetscReal lo, PetscReal hi)
+{
+  const PetscReal step = (hi - lo) / GRID;
+  double complex  S, Q;
+  PetscReal       at = lo, best = -INFINITY, a, b, fa, fb;
+
+  for (int i = 0; i <= GRID; i++) {
+    const PetscReal value = ModelAt(m, lo + i * step, &S, &Q);
+
+    if (value <= best) continue;
+    best = value;
+    at   = lo + i * step;
+  }
+  lo = fmax(lo, at - step);
+  hi = fmin(hi, at + step);
+  a  = hi - GOLDEN * (hi - lo);
+  b  = lo + GOLDEN * (hi - lo);
+  fa = ModelAt(m, a, &S, &Q);
+  fb = ModelAt(m, b, &S, &Q);
+  for (int i = 0; i < GOLDEN_STEPS; i++) {
+    if (fa >= fb) {
+      hi = b;
+      b  = a;
+      fb = fa;
+      a  = hi - GOLDEN * (hi - lo);
+      fa = ModelAt(m, a, &S, &Q);
+    } else {
+      lo = a;
+      a  = b;
+      fa = fb;
+      b  = lo + GOLDEN * (hi - lo);
+      fb = ModelAt(m, b, &S, &Q);
+    }
+  }
+  return fa >= fb ? a : b;
+}
+
+/* Where in [lo, hi] the pair grows most by the model, and how much. */
+static PetscReal Peak(const Pair *a, const Pair *b, PetscReal lo, PetscReal hi, PetscReal *x)
+{
+  Model          ratio = {a, b, PETSC_FALSE}, growth = {a, b, PETSC_TRUE};
+  double complex S, Q;
+  PetscReal      at[2], value[2];
+
+  at[0]    = Largest(&ratio, lo, hi);
+  at[1]    = Largest(&growth, lo, hi);
+  value[0] = ModelAt(&growth, at[0], &S, &Q);
+  value[1] = ModelAt(&growth, at[1], &S, &Q);
+  *x       = value[0] >= value[1] ? at[0] : at[1];
+  return fmax(value[0], value[1]);
+}
+
+/* The pair at a place that is most like the model's; error: how far its Q is from the model's. */
+static Pair Find(const MpmFollow *f, const MpmSample *s, double complex S, double complex Q, PetscReal *error)
+{
+  PetscReal least = INFINITY;
+  Pair      found = {.x = s->x};
+
+  for (PetscInt i = 0; i < f->n; i++) {
+    for (PetscInt j = 0; j < i; j++) {
+      const double complex sum = (s->value[i] + s->value[j]) / 2, half = (s->value[i] - s->value[j]) / 2;
+      const PetscReal      off = cabs(sum - S) + sqrt(cabs(half * half - Q));
+
+      if (off >= least) continue;
+      least  = off;
+      found  = PairOf(s, i, j);
+      *error = cabs(half * half - Q);
+    }
+  }
+  return found;
+}
+
+static PetscErrorCode Note(MpmFollow *f, PetscReal x, PetscReal peak, PetscReal angle)
+{
+  PetscFunctionBegin;
+  f->peak = fmax(f->peak, peak / f->period);
+  if (!(peak >= MPM_MEETING_FLOOR * f->most)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (f->nmeetings == f->room) {
+    f->room = PetscMax(64, 2 * f->room);
+    PetscCall(PetscRealloc(sizeof(*f->meetings) * (size_t)f->room, &f->meetings));
+  }
+  f->meetings[f->nmeetings++] = (MpmMeeting){x, peak / f->period, angle};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks at the place where the pair grows most by the model, and replaces the farther end of the model by it. */
+static PetscErrorCode Improve(MpmFollow *f, Pair pair[2], PetscReal x, PetscReal *error)
+{
+  const Model     model   = {&pair[0], &pair[1], PETSC_FALSE};
+  MpmSample      *between = &f->samples[2];
+  double complex  S, Q;
+
+  PetscFunctionBegin;
+  ModelAt(&model, x, &S, &Q);
+  PetscCall(Look(f, x, CLOSER * fabs(pair[1].x - pair[0].x), between));
+  *error = INFINITY;
+  if (between->largest > f->most) {
+    f->hit = fmin(f->hit, x);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  pair[fabs(x - pair[0].x) >= fabs(x - pair[1].x) ? 0 : 1] = Find(f, between, S, Q, error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Two factors that come near each other between a and b: how large they become there. It is settled when the model's
+   error cannot hide a window, or when the model was right to a fraction of what is tolerated.
+*/
+static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
+{
+  const PetscReal way     = (b->x - a->x) * fmax(Fastest(f, a), Fastest(f, b));
+  Pair            pair[2] = {PairOf(a, i, j), PairOf(b, i, j)};
+  PetscReal       x, peak, error = INFINITY, w = 0;
+  double complex  S, Q;
+  PetscBool       settled = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  peak = Peak(&pair[0], &pair[1], a->x, b->x, &x);
+  if (peak < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int look = 0; look < MOST_LOOKS && !settled; look++) {
+    Model model = {&pair[0], &pair[1], PETSC_FALSE};
+
+    PetscCall(Improve(f, pair, x, &error));
+    if (isfinite(f->hit) && isinf(error)) PetscFunctionReturn(PETSC_SUCCESS);
+    w = fabs(pair[1].x - pair[0].x);
+    if (w < NARROW * x) break;
+    peak    = Peak(&pair[0], &pair[1], fmax(a->x, fmin(pair[0].x, pair[1].x) - 2 * w),
+                   fmin(b->x, fmax(pair[0].x, pair[1].x) + 2 * w), &x);
+    settled = error <= ENOUGH * f->most * f->most ||
+                      (ModelAt(&model, x, &S, &Q) < -2 * error && peak < MPM_MEETING_FLOOR * f->most)
+                  ? PETSC_TRUE
+                  : PETSC_FALSE;
+  }
+  ModelAt(&(Model){&pair[0], &pair[1], PETSC_FALSE}, x, &S, &Q);
+  if (w < NARROW * x)
+    peak = f->samples[2].largest;
+  else if (!settled && peak > f->most) f->doubts++;
+  PetscCall(Note(f, x, peak, carg(S)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether two factors approach each other after a and part before b, so near that they may meet. */
+static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
+{
+  const double complex da = a->value[i] - a->value[j], db = b->value[i] - b->value[j];
+  const double complex sa = a->slope[i] - a->slope[j], sb = b->slope[i] - b->slope[j];
+  PetscReal            least = INFINITY;
+
+  if ((cabs(da) <= COINCIDE) != (cabs(db) <= COINCIDE)) return PETSC_TRUE;
+  if (cabs(da) <= COINCIDE || creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0) return PETSC_FALSE;
+  for (int t = 0; t <= GRID; t++)
+    least = fmin(least, cabs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
+  return least <= NEAR * cabs(db - da) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* One factor whose abs has a maximum between a and b, of Hermite's cubic of its logarithm. */
+static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i)
+{
+  const PetscReal at[2]    = {log(cabs(a->value[i])), log(cabs(b->value[i]))};
+  const PetscReal slope[2] = {creal(a->slope[i] / a->value[i]), creal(b->slope[i] / b->value[i])};
+  PetscReal       best = -INFINITY, x = 0, largest;
+
+  PetscFunctionBegin;
+  if (!(slope[0] > 0 && slope[1] < 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int t = 1; t < GRID; t++) {
+    const PetscReal place = a->x + (b->x - a->x) * t / GRID;
+    const PetscReal value = creal(Cubic(a->x, b->x, at[0], slope[0], at[1], slope[1], place));
+
+    if (value <= best) continue;
+    best = value;
+    x    = place;
+  }
+  if (best < f->most - CLOSE || best < fmax(at[0], at[1]) + RISE * f->most) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthAt(f, x, &largest));
+  if (largest > f->most) f->hit = fmin(f->hit, x);
+  PetscCall(Note(f, x, largest, carg(a->value[i])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What may grow between two places whose factors are in the same order. */
+static PetscErrorCode LookBetween(MpmFollow *f, const MpmSample *a, const MpmSample *b)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < f->n; i++) {
+    if (!Counts(a, i) && !Counts(b, i)) continue;
+    PetscCall(Rise(f, a, b, i));
+    for (PetscInt j = 0; j < i; j++)
+      if ((Counts(a, j) || Counts(b, j)) && MayMeet(a, b, i, j)) PetscCall(Meet(f, a, b, i, j));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
+{
+  PetscFunctionBegin;
+  while (bracket[1] - bracket[0] > PRECISION * bracket[1]) {
+    const PetscReal x = (bracket[0] + bracket[1]) / 2;
+    PetscReal       largest;
+
+    PetscCall(GrowthAt(f, x, &largest));
+    bracket[largest <= f->most ? 0 : 1] = x;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The next place after a: as far as factors can be told apart. */
+static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, MpmSample *b, PetscBool *matched)
+{
+  PetscFunctionBegin;
+  for (*matched = PETSC_FALSE;; h /= 2) {
+    PetscCall(Look(f, a->x + h, BESIDE * h, b));
+    *matched = Match(f, a, b);
+    if (*matched || (b->largest > f->most && h < LEAST_GROWING * a->x)) PetscFunctionReturn(PETSC_SUCCESS);
+    if (h >= LEAST * a->x) continue;
+    f->doubts++;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+}
+
+PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscReal bracket[2])
+{
+  MpmSample *a = &f->samples[0], *b = &f->samples[1];
+  PetscReal  h = FIRST * from;
+
+  PetscFunctionBegin;
+  f->nmeetings = 0;
+  f->peak      = -INFINITY;
+  f->hit       = INFINITY;
+  bracket[0]   = 0;
+  bracket[1]   = from;
+  PetscCall(Look(f, from, BESIDE * h, a));
+  if (!(a->largest <= f->most)) PetscFunctionReturn(PETSC_SUCCESS);
+  while (to - a->x > LEAST * to) {
+    MpmSample *kept = a;
+    PetscBool  matched;
+
+    h = fmin(fmin(2 * h, RATIO * a->x), fmin(TURN / Fastest(f, a), to - a->x));
+    PetscCall(Step(f, a, h, b, &matched));
+    if (matched) PetscCall(LookBetween(f, a, b));
+    if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
+    bracket[0] = a->x;
+    bracket[1] = f->hit;
+    if (isfinite(f->hit)) {
+      PetscCall(Bisect(f, bracket));
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    h = b->x - a->x;
+    a = b;
+    b = kept;
+  }
+  bracket[0] = to;
+  bracket[1] = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
