@@ -42,17 +42,34 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether it rings when particles move: a limit at rest does not say. */
+/* Whether growth appears when particles move: a limit at rest does not say. */
 static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
 {
   MpmScene   drifting = *scene;
-  MpmSymbol *symbol;
+  MpmFinding finding;
+  PetscReal  beta;
 
   PetscFunctionBegin;
   drifting.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &drifting, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
-  c->moving = symbol->growth;
-  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmCriticalGrowthAt(&drifting, scene->courant, &finding, &beta));
+  c->moving = finding.growth;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A limit above a Courant number that grows has missed it: the search goes on from there. */
+static PetscErrorCode BySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+{
+  PetscErrorCode (*find)(const MpmScene *, PetscReal, PetscReal, MpmCritical *) =
+      MpmSceneDrifts(scene) ? MpmCriticalUnderDrift : MpmCriticalAtRest;
+  PetscReal beta;
+
+  PetscFunctionBegin;
+  PetscCall(find(scene, INFINITY, NAN, c));
+  if (alone) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCriticalGrowthAt(scene, scene->courant, &c->asked, &beta));
+  if (c->asked.verdict == MPM_UNSTABLE && scene->courant < c->stable_at)
+    PetscCall(find(scene, scene->courant, beta, c));
+  if (!MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -73,8 +90,7 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
   if (MpmSymbolWhyNot(scene))
     PetscCall(MpmCriticalAssembled(scene, c));
   else
-    PetscCall(MpmCriticalBySymbol(scene, alone, c));
-  if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
+    PetscCall(BySymbol(scene, alone, c));
   PetscCall(MpmCriticalByClosedForm(scene, c));
   /* long waves may grow by less than tolerance per step: the closed form knows */
   if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;

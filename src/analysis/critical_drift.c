@@ -321,6 +321,7 @@ static PetscErrorCode Refine(Plane *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What was found, in the result. */
 static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
 {
   PetscFunctionBegin;
@@ -336,7 +337,18 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, MpmCritical *c)
+/* The least limit that can be reached from growth at a Courant number and a phase. */
+static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
+{
+  Limit limit;
+
+  PetscFunctionBegin;
+  PetscCall(LimitBetween(p, beta, PetscMin(MPM_CRITICAL_FROM, courant / 2), courant, &limit));
+  if (isfinite(limit.unstable)) PetscCall(Descend(p, limit, PETSC_PI / MPM_CRITICAL_PHASES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *c)
 {
   PetscMPIInt rank, size;
   Plane      *p;
@@ -347,10 +359,55 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, MpmCritical *c)
   PetscCall(PetscNew(&p));
   PetscCall(PlaneCreate(scene, p));
   c->order = p->bloch.size;
-  PetscCall(VisitPhases(p, rank, size));
-  PetscCall(Gather(p, size));
-  PetscCall(Refine(p));
-  PetscCall(SetLimit(p, c));
+  if (isfinite(unstable)) {
+    PetscCall(Below(p, unstable, beta));
+  } else {
+    PetscCall(VisitPhases(p, rank, size));
+    PetscCall(Gather(p, size));
+    PetscCall(Refine(p));
+  }
+  if (isinf(unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
+  PetscCall(PlaneDestroy(p));
+  PetscCall(PetscFree(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, MpmFinding *finding, PetscReal *beta)
+{
+  MpmScene   at = *scene;
+  MpmSymbol *symbol;
+  PetscReal  bracket[2] = {0, INFINITY};
+  Plane     *p;
+
+  PetscFunctionBegin;
+  at.courant = courant;
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &at, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  *beta                = symbol->beta_at_max;
+  finding->tolerance   = scene->tolerance;
+  finding->growth      = symbol->growth;
+  finding->uncertainty = symbol->uncertainty;
+  finding->blur        = symbol->blur;
+  PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence, "the symbol at %d phases, and followed between",
+                          2 * MPM_CRITICAL_PHASES));
+  finding->verdict = MpmVerdictOf(finding);
+  PetscCall(MpmSymbolDestroy(&symbol));
+  if (finding->verdict != MPM_STABLE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(&p));
+  PetscCall(PlaneCreate(&at, p));
+  p->over_phases = PETSC_TRUE;
+  p->fixed       = courant;
+  PetscCall(MpmFollowLine(&p->follow, LEAST_BETA, PETSC_PI, bracket));
+  if (isfinite(bracket[1])) {
+    finding->growth      = exp(p->follow.peak);
+    finding->uncertainty = finding->blur;
+    *beta                = bracket[1];
+  }
+  finding->verdict = MpmVerdictOf(finding);
+  if (finding->verdict == MPM_STABLE && p->follow.doubts) {
+    finding->verdict = MPM_UNDECIDED;
+    PetscCall(PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart",
+                           sizeof finding->evidence));
+  }
   PetscCall(PlaneDestroy(p));
   PetscCall(PetscFree(p));
   PetscFunctionReturn(PETSC_SUCCESS);

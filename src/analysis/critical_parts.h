@@ -2,7 +2,22 @@
 #pragma once
 #include <mpmstab/critical.h>
 
-/* Collective. The searches through the symbol (at rest, under drift) and through the assembled operator. */
-PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
-PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, MpmCritical *critical);
+/*
+   The limit through the symbol, at rest and under drift: unstable infinite asks for the search over all phases; else it
+   is a Courant number at which phase beta is known to grow, and only what can be reached from there is looked at.
+
+   Collective.
+*/
+PetscErrorCode MpmCriticalAtRest(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *critical);
+PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *critical);
+
+/* Collective. The limit through all eigenvalues of the assembled operator, and growth at the scene's Courant number. */
 PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);
+
+/*
+   MpmCriticalGrowthAt - growth and verdict at a Courant number, over all phases; beta: the phase that grows most.
+
+   Collective. By the symbol at twice MPM_CRITICAL_PHASES phases and, where nothing grows there, by its factors followed
+   from phase to phase. Undecided where some of them could not be told apart.
+*/
+PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, MpmFinding *finding, PetscReal *beta);

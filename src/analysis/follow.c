@@ -26,7 +26,9 @@
 #define PRECISION 1e-10 /* of a bracket, relative */
 #define RISE 0.1        /* of the tolerance: how far a factor rises between two places to be looked at */
 #define CLOSE 1e-4      /* how near to the tolerance it must then come */
-#define MOST_LOOKS 10   /* at one meeting */
+#define MOST_LOOKS 60   /* at one meeting */
+#define SAFE 2          /* times the error of a model */
+#define STRAIGHT 3      /* divisions that go straight to a piece fine enough */
 #define ENOUGH 1e-2     /* error of Q over the square of what is tolerated */
 #define GRID 16
 #define GOLDEN 0.6180339887498949
@@ -129,14 +131,54 @@ static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
   return speed;
 }
 
-/* Brings b's factors into the order of a's, nearest to their predictions first; says whether all are where predicted. */
+/* Two factors at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
+typedef struct {
+  PetscReal      x;
+  double complex S, dS, Q, dQ;
+} Pair;
+
+static Pair PairOf(const MpmSample *s, PetscInt i, PetscInt j)
+{
+  const double complex d = s->value[i] - s->value[j];
+
+  return (Pair){s->x, (s->value[i] + s->value[j]) / 2, (s->slope[i] + s->slope[j]) / 2, d * d / 4,
+                d * (s->slope[i] - s->slope[j]) / 2};
+}
+
+/* Of the factors that are not where they were predicted the one nearest to i, or -1. */
+static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, PetscReal allowed)
+{
+  PetscInt nearest = -1;
+
+  for (PetscInt j = 0; j < f->n; j++)
+    if (j != i && f->cost[j] > allowed &&
+        (nearest < 0 || cabs(a->value[j] - a->value[i]) < cabs(a->value[nearest] - a->value[i])))
+      nearest = j;
+  return nearest;
+}
+
+/* Whether the mean of a pair and the square of its half difference are where they were predicted. */
+static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j, PetscReal allowed)
+{
+  const Pair      p = PairOf(a, i, j), q = PairOf(b, i, j);
+  const PetscReal h = b->x - a->x;
+
+  return cabs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
+                 cabs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (cabs(p.Q) + cabs(q.Q)) + allowed * allowed
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+   Brings b's factors into the order of a's, nearest to their predictions first. Says whether all are where predicted:
+   by themselves, or two that meet in between together; then match[i] is the other one, else -1.
+*/
 static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
 {
-  const PetscReal h   = b->x - a->x;
-  const PetscReal way = h * fmax(Fastest(f, a), Fastest(f, b));
-  PetscReal       off = 0;
+  const PetscReal h       = b->x - a->x;
+  const PetscReal allowed = fmax(MATCHED * fmin(h * fmax(Fastest(f, a), Fastest(f, b)), TURN), NOISE);
 
-  if (!isfinite(b->largest) || h * Fastest(f, b) > 2 * TURN) return PETSC_FALSE;
+  if (!isfinite(b->largest)) return PETSC_FALSE;
   for (PetscInt i = 0; i < f->n; i++) {
     const double complex middle = a->value[i] + h / 2 * a->slope[i];
     double complex       kept;
@@ -156,23 +198,13 @@ static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
     kept           = b->slope[i];
     b->slope[i]    = b->slope[best];
     b->slope[best] = kept;
-    if (Counts(a, i) || Counts(b, i)) off = fmax(off, least);
+    f->cost[i]     = Counts(a, i) || Counts(b, i) ? least : 0;
   }
-  return off <= fmax(MATCHED * way, NOISE) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Two factors at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
-typedef struct {
-  PetscReal      x;
-  double complex S, dS, Q, dQ;
-} Pair;
-
-static Pair PairOf(const MpmSample *s, PetscInt i, PetscInt j)
-{
-  const double complex d = s->value[i] - s->value[j];
-
-  return (Pair){s->x, (s->value[i] + s->value[j]) / 2, (s->slope[i] + s->slope[j]) / 2, d * d / 4,
-                d * (s->slope[i] - s->slope[j]) / 2};
+  for (PetscInt i = 0; i < f->n; i++) {
+    f->match[i] = f->cost[i] > allowed ? Partner(f, a, i, allowed) : -1;
+    if (f->cost[i] > allowed && (f->match[i] < 0 || !MatchPair(a, b, i, f->match[i], allowed))) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
 }
 
 /* Hermite's cubic through the values and derivatives at a and b. */
@@ -184,21 +216,16 @@ static double complex Cubic(PetscReal a, PetscReal b, double complex fa, double 
   return r * r * ((1 + 2 * t) * fa + t * h * da) + t * t * ((1 + 2 * r) * fb - r * h * db);
 }
 
-typedef struct {
-  const Pair *a, *b;
-  PetscBool   growth; /* the function is the growth, not Q / S^2 */
-} Model;
-
-static PetscReal ModelAt(const Model *m, PetscReal x, double complex *S, double complex *Q)
+/* The model of S and Q at x; returns the real part of Q / S^2. */
+static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double complex *Q)
 {
-  *S = Cubic(m->a->x, m->b->x, m->a->S, m->a->dS, m->b->S, m->b->dS, x);
-  *Q = Cubic(m->a->x, m->b->x, m->a->Q, m->a->dQ, m->b->Q, m->b->dQ, x);
-  if (!m->growth) return creal(*Q / (*S * *S));
-  return log(fmax(cabs(*S + csqrt(*Q)), cabs(*S - csqrt(*Q))));
+  *S = Cubic(m[0].x, m[1].x, m[0].S, m[0].dS, m[1].S, m[1].dS, x);
+  *Q = Cubic(m[0].x, m[1].x, m[0].Q, m[0].dQ, m[1].Q, m[1].dQ, x);
+  return creal(*Q / (*S * *S));
 }
 
-/* The place of the largest value of a function of the model in [lo, hi]. */
-static PetscReal Largest(const Model *m, PetscReal lo, PetscReal hi)
+/* The place in [lo, hi] where Q / S^2 is largest by the model: where the factors meet. */
+static PetscReal Meeting(const Pair m[2], PetscReal lo, PetscReal hi)
 {
   const PetscReal step = (hi - lo) / GRID;
   double complex  S, Q;
@@ -235,19 +262,14 @@ static PetscReal Largest(const Model *m, PetscReal lo, PetscReal hi)
   return fa >= fb ? a : b;
 }
 
-/* Where in [lo, hi] the pair grows most by the model, and how much. */
-static PetscReal Peak(const Pair *a, const Pair *b, PetscReal lo, PetscReal hi, PetscReal *x)
+/* Where in [lo, hi] the pair meets by the model, and the logarithm of the larger abs there. */
+static PetscReal Peak(const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
 {
-  Model          ratio = {a, b, PETSC_FALSE}, growth = {a, b, PETSC_TRUE};
   double complex S, Q;
-  PetscReal      at[2], value[2];
 
-  at[0]    = Largest(&ratio, lo, hi);
-  at[1]    = Largest(&growth, lo, hi);
-  value[0] = ModelAt(&growth, at[0], &S, &Q);
-  value[1] = ModelAt(&growth, at[1], &S, &Q);
-  *x       = value[0] >= value[1] ? at[0] : at[1];
-  return fmax(value[0], value[1]);
+  *x = Meeting(m, lo, hi);
+  ModelAt(m, *x, &S, &Q);
+  return log(fmax(cabs(S + csqrt(Q)), cabs(S - csqrt(Q))));
 }
 
 /* The pair at a place that is most like the model's; error: how far its Q is from the model's. */
@@ -283,59 +305,64 @@ static PetscErrorCode Note(MpmFollow *f, PetscReal x, PetscReal peak, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Looks at the place where the pair grows most by the model, and replaces the farther end of the model by it. */
-static PetscErrorCode Improve(MpmFollow *f, Pair pair[2], PetscReal x, PetscReal *error)
+/*
+   The pair between two places. Hermite's cubic of Q is off by at most fourth (w / 2)^4, w the distance of the places,
+   where its error at x is fourth (x - a)^2 (x - b)^2. What this cannot hide is settled: no window, or one of known
+   growth. Else the place where they meet divides the interval; one at its end is told apart by a small piece.
+*/
+static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal fourth, PetscInt depth, PetscInt *looks)
 {
-  const Model     model   = {&pair[0], &pair[1], PETSC_FALSE};
-  MpmSample      *between = &f->samples[2];
+  const PetscReal w     = end[1].x - end[0].x;
+  const PetscReal error = fourth * w * w * w * w / 16, fine = ENOUGH * f->most * f->most;
+  PetscReal       x, peak, ratio, piece, off = 0;
   double complex  S, Q;
+  Pair            half[2];
 
   PetscFunctionBegin;
-  ModelAt(&model, x, &S, &Q);
-  PetscCall(Look(f, x, CLOSER * fabs(pair[1].x - pair[0].x), between));
-  *error = INFINITY;
-  if (between->largest > f->most) {
+  peak  = Peak(end, end[0].x, end[1].x, &x);
+  ratio = ModelAt(end, x, &S, &Q) + SAFE * error / creal(conj(S) * S);
+  if (isfinite(fourth)) {
+    if (ratio < 0) PetscFunctionReturn(PETSC_SUCCESS);
+    if (log(fmax(cabs(S), fmax(cabs(end[0].S), cabs(end[1].S)))) + sqrt(ratio) < MPM_MEETING_FLOOR * f->most)
+      PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (error <= fine || w < NARROW * x || *looks >= MOST_LOOKS) {
+    if (error > fine && w >= NARROW * x && peak > f->most) f->doubts++;
+    PetscCall(Note(f, x, peak, carg(S)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  piece = isfinite(fourth) ? pow(8 * fine / fourth, 0.25) : 0;
+  piece = fmin(w / 2, depth > STRAIGHT ? fmax(piece, w / 8) : fmax(piece, w / 64));
+  x     = fmin(fmax(x, end[0].x + piece), end[1].x - piece);
+  ModelAt(end, x, &S, &Q);
+  PetscCall(Look(f, x, CLOSER * w, &f->samples[2]));
+  ++*looks;
+  if (f->samples[2].largest > f->most) {
     f->hit = fmin(f->hit, x);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  pair[fabs(x - pair[0].x) >= fabs(x - pair[1].x) ? 0 : 1] = Find(f, between, S, Q, error);
+  half[1] = half[0] = Find(f, &f->samples[2], S, Q, &off);
+  off /= (x - end[0].x) * (x - end[0].x) * (x - end[1].x) * (x - end[1].x);
+  for (int side = 0; side < 2; side++) {
+    half[side] = end[side];
+    PetscCall(MeetWithin(f, half, isfinite(fourth) ? fmax(off, fourth / 16) : off, depth + 1, looks));
+    if (isfinite(f->hit)) break;
+    half[0] = half[1];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Two factors that come near each other between a and b: how large they become there. It is settled when the model's
-   error cannot hide a window, or when the model was right to a fraction of what is tolerated.
-*/
+/* Two factors that come near each other between a and b: how large they become there. */
 static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
 {
-  const PetscReal way     = (b->x - a->x) * fmax(Fastest(f, a), Fastest(f, b));
-  Pair            pair[2] = {PairOf(a, i, j), PairOf(b, i, j)};
-  PetscReal       x, peak, error = INFINITY, w = 0;
-  double complex  S, Q;
-  PetscBool       settled = PETSC_FALSE;
+  const Pair      end[2] = {PairOf(a, i, j), PairOf(b, i, j)};
+  const PetscReal way    = (b->x - a->x) * fmax(Fastest(f, a), Fastest(f, b));
+  PetscReal       x;
+  PetscInt        looks = 0;
 
   PetscFunctionBegin;
-  peak = Peak(&pair[0], &pair[1], a->x, b->x, &x);
-  if (peak < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int look = 0; look < MOST_LOOKS && !settled; look++) {
-    Model model = {&pair[0], &pair[1], PETSC_FALSE};
-
-    PetscCall(Improve(f, pair, x, &error));
-    if (isfinite(f->hit) && isinf(error)) PetscFunctionReturn(PETSC_SUCCESS);
-    w = fabs(pair[1].x - pair[0].x);
-    if (w < NARROW * x) break;
-    peak    = Peak(&pair[0], &pair[1], fmax(a->x, fmin(pair[0].x, pair[1].x) - 2 * w),
-                   fmin(b->x, fmax(pair[0].x, pair[1].x) + 2 * w), &x);
-    settled = error <= ENOUGH * f->most * f->most ||
-                      (ModelAt(&model, x, &S, &Q) < -2 * error && peak < MPM_MEETING_FLOOR * f->most)
-                  ? PETSC_TRUE
-                  : PETSC_FALSE;
-  }
-  ModelAt(&(Model){&pair[0], &pair[1], PETSC_FALSE}, x, &S, &Q);
-  if (w < NARROW * x)
-    peak = f->samples[2].largest;
-  else if (!settled && peak > f->most) f->doubts++;
-  PetscCall(Note(f, x, peak, carg(S)));
+  if (Peak(end, a->x, b->x, &x) < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MeetWithin(f, end, INFINITY, 0, &looks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -347,10 +374,11 @@ static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, Pet
   PetscReal            least = INFINITY;
 
   if ((cabs(da) <= COINCIDE) != (cabs(db) <= COINCIDE)) return PETSC_TRUE;
-  if (cabs(da) <= COINCIDE || creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0) return PETSC_FALSE;
+  if (cabs(da) <= COINCIDE) return PETSC_FALSE;
+  if (creal(conj(da) * db) > 0 && (creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0)) return PETSC_FALSE;
   for (int t = 0; t <= GRID; t++)
     least = fmin(least, cabs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
-  return least <= NEAR * cabs(db - da) ? PETSC_TRUE : PETSC_FALSE;
+  return least <= NEAR * fmax(cabs(db - da), (b->x - a->x) * fmax(cabs(sa), cabs(sb))) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* One factor whose abs has a maximum between a and b, of Hermite's cubic of its logarithm. */
@@ -385,7 +413,8 @@ static PetscErrorCode LookBetween(MpmFollow *f, const MpmSample *a, const MpmSam
     if (!Counts(a, i) && !Counts(b, i)) continue;
     PetscCall(Rise(f, a, b, i));
     for (PetscInt j = 0; j < i; j++)
-      if ((Counts(a, j) || Counts(b, j)) && MayMeet(a, b, i, j)) PetscCall(Meet(f, a, b, i, j));
+      if ((Counts(a, j) || Counts(b, j)) && (f->match[i] == j || f->match[j] == i || MayMeet(a, b, i, j)))
+        PetscCall(Meet(f, a, b, i, j));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
