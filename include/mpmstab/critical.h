@@ -19,9 +19,10 @@
    the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
-  PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, moving, closed, closed_beta, seconds;
+  PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
+  PetscReal      seconds;
   PetscBool      threshold, assembled;
-  PetscInt       order, doubts;
+  PetscInt       order;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;

@@ -79,6 +79,7 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
 
   PetscFunctionBegin;
   *c = (MpmCritical){.unstable_at = INFINITY,
+                     .doubtful    = INFINITY,
                      .beta        = NAN,
                      .null_share  = NAN,
                      .fading      = NAN,

@@ -22,6 +22,8 @@
 #define WIDEST 100       /* a widest place is sought to this part of the distance between phases */
 #define PROMISING 3      /* halvings after which a curve must have come to half the tolerance */
 
+#define NEAR_LIMIT 1e-4  /* what could not be told apart so near the limit, relative, does not matter */
+
 typedef struct {
   PetscReal stable, unstable, beta;
 } Limit;
@@ -256,6 +258,7 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
     limits[2 * m]     = p->phases[m].stable;
     limits[2 * m + 1] = p->phases[m].unstable;
   }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->follow.doubtful, 1, MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, limits, 2 * (MPM_CRITICAL_PHASES + 1), MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
   for (PetscInt m = 1; m <= MPM_CRITICAL_PHASES; m++)
     p->phases[m] = (Limit){limits[2 * m], limits[2 * m + 1], MpmCriticalPhase(m)};
@@ -329,7 +332,7 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   c->unstable_at = p->least.unstable;
   c->beta        = p->least.beta;
   c->courant     = c->stable_at;
-  c->doubts      = p->follow.doubts;
+  c->doubtful    = p->follow.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? p->follow.doubtful : INFINITY;
   p->fixed       = c->beta;
   if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
   c->evaluations += p->follow.evaluations;
@@ -403,7 +406,7 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, Mpm
     *beta                = bracket[1];
   }
   finding->verdict = MpmVerdictOf(finding);
-  if (finding->verdict == MPM_STABLE && p->follow.doubts) {
+  if (finding->verdict == MPM_STABLE && isfinite(p->follow.doubtful)) {
     finding->verdict = MPM_UNDECIDED;
     PetscCall(PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart",
                            sizeof finding->evidence));

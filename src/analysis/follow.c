@@ -15,8 +15,9 @@
 #define BESIDE 1e-2     /* of a step: distance at which derivatives are taken, */
 #define CLOSER 1e-4     /* and at a meeting, of the distance between the places of its model */
 #define COINCIDE 3e-8   /* factors nearer than this are moved together: rounding splits what is defective so far */
-#define NOISE 1e-7      /* rounding may move a factor so far from its prediction */
+#define NOISE 1e-6      /* rounding may move a factor so far from its prediction, by derivatives taken so near */
 #define INSIDE 0.3      /* factors of smaller abs are left alone until they have grown to it */
+#define HARMLESS 0.7    /* abs of factors that need not be told apart */
 #define MATCHED 0.1     /* how far from its prediction a factor may be, over the way of the fastest */
 #define NEAR 0.5        /* how near two factors come, over the way they make past each other, to be looked at */
 #define FIRST 0.1       /* first step over the first place */
@@ -44,7 +45,12 @@ PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance,
                                MpmFollow *f)
 {
   PetscFunctionBegin;
-  *f = (MpmFollow){.n = n, .period = period, .most = period * log1p(tolerance), .at = at, .context = context};
+  *f = (MpmFollow){.n        = n,
+                   .period   = period,
+                   .most     = period * log1p(tolerance),
+                   .doubtful = INFINITY,
+                   .at       = at,
+                   .context  = context};
   PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
   for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -113,7 +119,7 @@ static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
     s->slope[i]        = (f->beside[nearest] - s->value[i]) / d;
     f->beside[nearest] = f->beside[i];
   }
-  if (isfinite(s->largest)) MoveTogether(f, s);
+  if (s->largest < INFINITY) MoveTogether(f, s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,7 +184,8 @@ static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
   const PetscReal h       = b->x - a->x;
   const PetscReal allowed = fmax(MATCHED * fmin(h * fmax(Fastest(f, a), Fastest(f, b)), TURN), NOISE);
 
-  if (!isfinite(b->largest)) return PETSC_FALSE;
+  for (PetscInt i = 0; i < f->n; i++) f->cost[i] = 0;
+  if (!(b->largest < INFINITY)) return PETSC_FALSE;
   for (PetscInt i = 0; i < f->n; i++) {
     const double complex middle = a->value[i] + h / 2 * a->slope[i];
     double complex       kept;
@@ -327,7 +334,7 @@ static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal four
       PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (error <= fine || w < NARROW * x || *looks >= MOST_LOOKS) {
-    if (error > fine && w >= NARROW * x && peak > f->most) f->doubts++;
+    if (error > fine && w >= NARROW * x && peak > f->most) f->doubtful = fmin(f->doubtful, x);
     PetscCall(Note(f, x, peak, carg(S)));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -432,16 +439,25 @@ static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether one of the factors that are not where they were predicted is so large that it might grow. */
+static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
+{
+  for (PetscInt i = 0; i < f->n; i++)
+    if (f->cost[i] > NOISE && cabs(a->value[i]) > HARMLESS) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* The next place after a: as far as factors can be told apart. */
-static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, MpmSample *b, PetscBool *matched)
+static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, PetscReal least, MpmSample *b,
+                           PetscBool *matched)
 {
   PetscFunctionBegin;
   for (*matched = PETSC_FALSE;; h /= 2) {
     PetscCall(Look(f, a->x + h, BESIDE * h, b));
     *matched = Match(f, a, b);
     if (*matched || (b->largest > f->most && h < LEAST_GROWING * a->x)) PetscFunctionReturn(PETSC_SUCCESS);
-    if (h >= LEAST * a->x) continue;
-    f->doubts++;
+    if (h >= least) continue;
+    if (IsDoubtful(f, a)) f->doubtful = fmin(f->doubtful, a->x);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
 }
@@ -449,7 +465,7 @@ static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, MpmSam
 PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscReal bracket[2])
 {
   MpmSample *a = &f->samples[0], *b = &f->samples[1];
-  PetscReal  h = FIRST * from;
+  PetscReal  h = FIRST * from, least = LEAST;
 
   PetscFunctionBegin;
   f->nmeetings = 0;
@@ -457,14 +473,15 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
   f->hit       = INFINITY;
   bracket[0]   = 0;
   bracket[1]   = from;
-  PetscCall(Look(f, from, BESIDE * h, a));
+  PetscCall(Look(f, from, BESIDE * LEAST * from, a));
   if (!(a->largest <= f->most)) PetscFunctionReturn(PETSC_SUCCESS);
   while (to - a->x > LEAST * to) {
     MpmSample *kept = a;
     PetscBool  matched;
 
     h = fmin(fmin(2 * h, RATIO * a->x), fmin(TURN / Fastest(f, a), to - a->x));
-    PetscCall(Step(f, a, h, b, &matched));
+    PetscCall(Step(f, a, h, least * a->x, b, &matched));
+    least = matched ? LEAST : 2 * least; /* where nothing can be told apart the way is not crept */
     if (matched) PetscCall(LookBetween(f, a, b));
     if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
     bracket[0] = a->x;

@@ -21,13 +21,14 @@ typedef struct MpmSample_ MpmSample;
    MpmFollow - the factors of a line and what was found on it.
 
    n factors, of a period of so many steps. most: the logarithm of the largest abs over a period that counts as no
-   growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the tolerance. doubts: places,
-   of all lines so far, where factors could not be told apart at the least step. evaluations: places looked at so far.
+   growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the tolerance. doubtful: the least
+   place, of all lines so far, where factors could not be told apart at the least step; infinite for none. evaluations:
+   places looked at so far.
 S*/
 typedef struct {
-  PetscInt        n, period, nmeetings, room, doubts;
+  PetscInt        n, period, nmeetings, room;
   PetscInt64      evaluations;
-  PetscReal       most, peak, hit;
+  PetscReal       most, peak, hit, doubtful;
   MpmFactorsAt    at;
   void           *context;
   MpmMeeting     *meetings;
