@@ -23,7 +23,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(scene, &predictor));
   c->closed = NAN;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not; m--) {
+  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not && scene->formulation->limit; m--) {
     PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
     if (limit >= c->closed) continue;
     c->closed      = limit;

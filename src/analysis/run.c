@@ -60,11 +60,12 @@ static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy in the scene's units; NaN when it is out of the range of doubles. */
+/* The energy in the scene's units; NaN when it is out of the range of doubles, or when there is none. */
 static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 {
   const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
-  const PetscReal  velocity = sqrt(energy) * march->scene->formulation->wave->velocity_unit(&profile);
+  const MpmWave   *wave     = march->scene->formulation->wave;
+  const PetscReal  velocity = sqrt(energy) * (wave ? wave->velocity_unit(&profile) : 1);
   const PetscReal  value    = PetscSqr(scalbn(velocity, (int)march->exponent));
 
   return isnormal(value) || energy == 0 ? value : NAN;
@@ -81,7 +82,8 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 
   PetscFunctionBegin;
   PetscCall(MpmMarchNorms(march, &norms));
-  *follow   = isfinite(norms.state) && isfinite(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  *follow   = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  if (march->scene->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);

@@ -73,11 +73,14 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
     }
   } else
     MpmPrint("error: none, these data have no exact solution\n");
-  MpmPrint("energy");
-  PetscCall(PrintNumber(run->energy_initial));
-  MpmPrint(" first");
-  PetscCall(PrintNumber(run->energy_final));
-  MpmPrint(" last\n");
+  if (run->scene->formulation->nenergy) {
+    MpmPrint("energy");
+    PetscCall(PrintNumber(run->energy_initial));
+    MpmPrint(" first");
+    PetscCall(PrintNumber(run->energy_final));
+    MpmPrint(" last\n");
+  } else
+    MpmPrint("energy: none, the formulation names none; growth is that of the norm of its fields\n");
   if (run->blew_up_at_step != MPM_NEVER)
     MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
              run->lost ? "; the run stopped there" : "; it was followed by rescaling");

@@ -179,6 +179,12 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsRefuse(settings, "mode",
                                 MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                           : "allowed: a whole number from 1 to cells"));
+  if (MpmInitialHasExact(scene->initial) && !scene->formulation->wave) {
+    if (MpmSettingsSource(settings, "initial") != MPM_FROM_DEFAULT)
+      PetscCall(MpmSettingsRefuse(settings, "initial",
+                                  "the formulation has no exact solution to start from; allowed: random or eigenmode"));
+    scene->initial = MPM_INITIAL_RANDOM;
+  }
   if (scene->initial == MPM_INITIAL_STEP && (!MpmEndIsFixed(scene->ends[0]) || scene->ends[1] != MPM_FREE))
     PetscCall(
         MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
@@ -220,7 +226,7 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < scene->table->nstate; f++)
+  for (PetscInt f = 0; f < scene->table->nstate && scene->formulation->wave; f++)
     if (!isnormal(scene->formulation->wave->amplitude(&profile, f)))
       PetscCall(
           MpmSettingsRefuse(settings, "wave_speed",

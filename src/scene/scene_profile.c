@@ -5,6 +5,7 @@
 
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
+  if (!scene->formulation->wave) return PETSC_FALSE;
   if (!MpmInitialHasExact(scene->initial) || scene->material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
   return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -33,6 +33,7 @@ PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *p)
 
   PetscFunctionBegin;
   *p = (MpmPredictor){.scene = scene, .why_not = WhyNot(scene), .why_not_published = WhyNotPublished(scene)};
+  p->why_not_corrected = scene->formulation->corrected ? p->why_not : "the formulation has no closed form";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc3(scene->ppc, &p->node, scene->ppc * reach, &p->value, scene->ppc * reach, &p->slope));
   for (PetscInt j = 0; j < scene->ppc; j++) {
@@ -90,7 +91,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal beta)
 {
   MpmCellSymbols cell;
 
-  if (p->why_not) return NAN;
+  if (p->why_not_corrected) return NAN;
   cell = MpmPredictorSymbols(p, beta);
   return p->scene->formulation->corrected(&cell, p->scene->courant);
 }

@@ -3,15 +3,16 @@
 #include <mpmstab/symbol.h>
 
 /*S
-   MpmPredictor - a formulation's closed forms for a scene. why_not: NULL when they cover it, else what they leave out
-   (moving or scattered particles, ends); why_not_published: the same of the slides' (other bases and transfers too).
+   MpmPredictor - a formulation's closed forms for a scene. why_not: NULL when closed forms can cover it, else what they
+   leave out (moving or scattered particles, ends); why_not_corrected: the same, or that the formulation has none;
+   why_not_published: the same of the slides' (other bases and transfers too).
 
    e = C1 - C2 of the slides' weights. node[j]: the first that particle j of a cell sees; value and slope: its phi_ip
    and h dphi_ip/dx, MpmMapReach of each.
 S*/
 typedef struct {
   const MpmScene *scene;
-  const char     *why_not, *why_not_published;
+  const char     *why_not, *why_not_corrected, *why_not_published;
   PetscReal       e;
   PetscInt       *node;
   PetscReal      *value, *slope;
