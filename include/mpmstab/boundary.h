@@ -1,4 +1,4 @@
-/* Ends of the domain. */
+/* Boundary: what holds at the ends of the domain, and what the nodes beyond them stand for. */
 #pragma once
 #include <mpmstab/compat.h>
 
@@ -23,3 +23,29 @@ static inline PetscBool MpmEndIsFixed(MpmEnd end)
 {
   return end == MPM_FIXED || end == MPM_FIXED_REACTION ? PETSC_TRUE : PETSC_FALSE;
 }
+
+/*S
+   MpmDirection - one direction of the grid: how many cells and nodes it has, and what holds at its two ends.
+
+   A periodic direction has as many nodes as cells; between walls there is one node more.
+S*/
+typedef struct {
+  PetscInt cells, nodes;
+  MpmEnd   ends[2];
+} MpmDirection;
+
+/*
+   MpmDirectionMirror - the sign that a node field has beyond each end, where nodes are mirror images of those inside:
+   -1 beyond a fixed end for an antisymmetric field, that is one which is 0 at the wall; else 1.
+
+   Not collective.
+*/
+void MpmDirectionMirror(const MpmDirection *direction, PetscBool antisymmetric, PetscReal sign[2]);
+
+/*
+   MpmDirectionImage - the node of the grid that a node of the unbounded grid stands for: in a periodic direction the
+   grid's end meets its beginning; a node beyond a wall is the mirror image of one inside.
+
+   Not collective. sign: of the image's value, 1 for a node itself (see MpmDirectionMirror).
+*/
+PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, PetscBool antisymmetric, PetscReal *sign);

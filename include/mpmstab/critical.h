@@ -1,6 +1,6 @@
 /* The largest stable Courant number of a scene, and what limits it. */
 #pragma once
-#include "symbol/predict.h"
+#include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 
 /*S
@@ -28,6 +28,28 @@ typedef struct {
   MpmFinding     asked;
 } MpmCritical;
 
+/*S
+   MpmCriticalCase - whose limit is sought: a scheme on a layout, with the drift of step. step.courant is only where
+   growth is asked for besides. Growth per step up to 1 + tolerance counts as none.
+S*/
+typedef struct {
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  PetscReal        tolerance;
+  MpmProgressWish  progress;
+} MpmCriticalCase;
+
+/* Not collective. The case of a scene. */
+static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene)
+{
+  return (MpmCriticalCase){.layout    = &scene->layout,
+                           .scheme    = &scene->scheme,
+                           .step      = scene->step,
+                           .tolerance = scene->tolerance,
+                           .progress  = scene->progress};
+}
+
 /* Courant numbers that are looked at, and how many phases in (0, pi] at first. */
 #define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
@@ -46,10 +68,20 @@ typedef struct {
    Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
    that.
 */
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
+PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
+
+/*
+   MpmCriticalSurvey - the limit of every formulation, transfer and basis at a case's layout and drift, in its scheme's
+   place; bases vary fastest. Calls row with each as it comes.
+
+   Collective on PETSC_COMM_WORLD. Refuses layouts without a symbol.
+*/
+typedef PetscErrorCode (*MpmCriticalRow)(void *context, const MpmScheme *scheme, const MpmCritical *critical);
+PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, void *context);
 
 /* Not collective. Sets closed, closed_beta and cell: the least of the closed form over all phases. */
-PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *critical);
+PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                       MpmCritical *critical);
 
 /* Growth per step at a Courant number. */
 typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);

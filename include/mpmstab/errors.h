@@ -2,6 +2,9 @@
 #pragma once
 #include <mpmstab/compat.h>
 
+/* Exit status of the program. MPM_EXIT_STOPPED is what shells report for a program that SIGTERM has ended. */
+enum { MPM_EXIT_DONE = 0, MPM_EXIT_FAILED = 1, MPM_EXIT_REFUSED = 2, MPM_EXIT_MISSED = 3, MPM_EXIT_STOPPED = 143 };
+
 /*MC
    MpmRefuse - ends the task because of what the user gave: an option, a scene or a file.
 

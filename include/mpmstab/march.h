@@ -1,31 +1,9 @@
 /* March: the explicit loop. Reads a table's passes; knows nothing of gas or bar. */
 #pragma once
-#include "base/float_check.h"
-#include "march/grid.h"
-#include "march/nodal_solve.h"
-#include "march/particles.h"
-#include "march/passes.h"
+#include <mpmstab/scene.h>
 
-/*S
-   MpmMarch - a scene in motion.
-
-   The state is particle fields times 2^exponent: an unstable run is rescaled by powers of two, which changes
-   no digit, so that it can be followed for any number of steps.
-*/
-typedef struct {
-  const MpmScene *scene;
-  MpmGrid        *grid;
-  MpmParticles   *particles;
-  MpmSchedule     schedule;
-  PetscInt        nnodes, slack;
-  Vec             node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
-  MpmNodalSolve  *nodal_solve;                                               /* NULL: the table has no SOLVE */
-  PetscInt64      step, migrations;
-  PetscInt        exponent;
-  PetscReal       squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
-  PetscLogEvent   pass_event, sum_event, migrate_event;
-  MpmFloatCheck   float_check;
-} MpmMarch;
+/* A scene in motion: its grid, its particles and the passes of a step. */
+typedef struct MpmMarch_ MpmMarch;
 
 /*
    MpmMarchCreate - grid, particles and passes for a scene, ready for the first step.
@@ -34,12 +12,6 @@ typedef struct {
 */
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
-
-/*
-   Collective. A pass and those joined to it, with halo sums and the last one's node operations. The
-   particles' step moves on with DRIFT; migration is the caller's.
-*/
-PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample);
 
 /* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
@@ -58,15 +30,3 @@ typedef struct {
 
 /* Collective. Valid after a sampled step, and before the first. */
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms);
-
-/* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
-PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
-
-/* Collective. P2G of one particle field at the current places into a local vector, ghosts included. */
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
-
-/*
-   Collective. The same where the particles will be after the next DRIFT, while they stay; inverse_mass, a local vector,
-   becomes that of the nodes there. Under drift there must be slack in the ghost layer.
-*/
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node);

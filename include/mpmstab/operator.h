@@ -1,10 +1,11 @@
 /* Operator: the second reader. A formulation's table over sparse matrices gives the map from state to state. */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 #include <petscmat.h>
 
 /*S
-   MpmOperator - the assembled operator of a scene: of one step, or under drift of the period after which the particles
+   MpmOperator - the assembled operator of a scheme on a layout: of one step, or under drift of the period after which the particles
    are back in their places.
 
    The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is parallel
@@ -17,15 +18,23 @@
    Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
 */
 typedef struct {
-  const MpmScene *scene;
-  Mat             A, balanced, p2g;
-  Vec             unit;
-  PetscInt        fields, order, period, exponent;
-  PetscReal       nonzeros, bytes, assemble_s;
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  Mat              A, balanced, p2g;
+  Vec              unit;
+  PetscInt         fields, order, period, exponent;
+  PetscReal        nonzeros, bytes, assemble_s;
 } MpmOperator;
 
-/* Collective. Refuses drifts without a short period, and operators that would fill the memory. */
-PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperator **op);
+/*
+   MpmOperatorCreate - assembles a scheme's operator on a layout, with the Courant number and the drift of step.
+
+   Collective. layout and scheme must outlive the operator. Refuses drifts without a short period, and operators that
+   would fill the memory.
+*/
+PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                 MpmOperator **op);
 PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
 
 /* Collective. Sets balanced and unit from A; part of MpmOperatorCreate. */

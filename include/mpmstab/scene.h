@@ -1,9 +1,9 @@
 /* Scene: everything a task needs to know, checked and immutable. */
 #pragma once
-#include <mpmstab/basis.h>
-#include <mpmstab/formulation.h>
+#include "base/progress.h"
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 #include "scene/settings.h"
-#include <mpmstab/table.h>
 #include <mpmstab/verdict.h>
 
 /*S
@@ -15,29 +15,6 @@ typedef struct {
   MpmGrowthKind kind;
   PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2], share[2];
 } MpmExpect;
-
-#define MPM_MAX_COUNTS 64
-
-/*S
-   MpmCounts - numbers of particles in cells 0 .. n - 1, repeated over the grid; before: in the cells before each of
-   them. n = 1: as many in every cell. voids: some have none.
-S*/
-typedef struct {
-  PetscInt   n, of[MPM_MAX_COUNTS];
-  PetscInt64 before[MPM_MAX_COUNTS + 1];
-  PetscBool  voids;
-} MpmCounts;
-
-/*S
-   MpmMaterial - what particles are made of: density and stiffness of the second material over the first's, and the
-   cells between which it is.
-S*/
-typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
-
-typedef struct {
-  MpmMaterialKind kind;
-  PetscReal       density, stiffness, inclusion[2];
-} MpmMaterial;
 
 /*S
    MpmAxis - what a map goes over along one of its axes: points equally spaced numbers, fractions where they have short
@@ -53,36 +30,29 @@ typedef struct {
 } MpmAxis;
 
 /*S
-   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1:
-   courant k = c dt / h, drift delta = U0 dt / h in cells per step, offset and jitter in particle spacings.
+   MpmScene - one problem. Units: length and time are the user's, everything else follows THEORY.md, section 1.
 
-   table is what the readers read. nodes: of the whole grid, one more than cells between walls. Particle id is number
-   first + id of a layout that fills all cells with sites; particles are those that there are. ppc: in the cells that
-   have most. width: half a particle's, in cells. cluster: the part of its cell that particles are spread over.
+   layout, scheme and step are what the readers of a table take: march, operator and symbol. cell_width h, wave_speed c
+   and dt turn their numbers, which are in cells and steps, into the user's units.
 S*/
 typedef struct {
-  const MpmFormulation *formulation;
-  const MpmBasis       *basis;
-  const MpmTransfer    *transfer;
-  MpmTransferNumbers    numbers;
-  MpmTable             *table;
-  MpmEnd                ends[2];
-  const char           *task, *layout;
-  char                  boundary[64];
-  PetscInt              dim, cells, nodes, ppc, mode;
-  PetscInt64            sites, first, particles, seed, steps, output_every, checkpoint_every;
-  MpmCounts             counts;
-  MpmMaterial           material;
-  PetscReal             cluster[2], width, length, cell_width, wave_speed, courant, dt, jitter, amplitude, tolerance;
-  MpmFraction           offset, drift;
-  MpmInitial            initial;
-  PetscBool             stagger, has_progress, progress, measure, survey, weights, source_term, ringing;
-  PetscInt              phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
-  MpmAxis               axes[2];
-  char                  output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
-  char                  json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
-  char                  checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
-  MpmExpect             expect;
+  MpmLayout       layout;
+  MpmScheme       scheme;
+  MpmStep         step;
+  const char     *task;
+  char            boundary[64];
+  PetscInt        dim, mode;
+  PetscInt64      steps, output_every, checkpoint_every;
+  PetscReal       length, cell_width, wave_speed, dt, amplitude, tolerance;
+  MpmInitial      initial;
+  PetscBool       stagger, measure, survey, weights, source_term, ringing;
+  MpmProgressWish progress;
+  PetscInt        phases, modes, layouts, powers, pseudospectrum; /* powers, pseudospectrum 0: none */
+  MpmAxis         axes[2];
+  char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN]; /* "": none */
+  char            json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN];
+  char            checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
+  MpmExpect       expect;
 } MpmScene;
 
 /*
@@ -106,9 +76,6 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 /* Collective. How many particles there are in which cells, and where in them. Called by MpmSceneCreate. */
 PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene);
 
-/* Not collective. As many particles in every cell. */
-void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
-
 /* Collective. What must come out. Called by MpmSceneCreate, when initial data are known. */
 PetscErrorCode MpmSettingsExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect);
 
@@ -124,28 +91,19 @@ PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene);
 /* Not collective. Whether particles move against the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
 {
-  return scene->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmStepDrifts(&scene->step);
 }
 
 /* Not collective. Whether the domain has no ends. */
 static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
 {
-  return scene->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+  return MpmLayoutIsPeriodic(&scene->layout);
 }
 
 /* Not collective. Whether every cell has its particles. */
 static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 {
-  return scene->particles == scene->sites && !scene->counts.voids ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/*
-   Not collective. The sign that a node field has beyond each end: nodes there are mirror images of those inside, of the
-   other sign for fields that are 0 at the wall.
-*/
-static inline void MpmSceneMirror(const MpmScene *scene, PetscBool odd, PetscReal sign[2])
-{
-  for (int end = 0; end < 2; end++) sign[end] = odd && MpmEndIsFixed(scene->ends[end]) ? -1 : 1;
+  return MpmLayoutIsFull(&scene->layout);
 }
 
 /*

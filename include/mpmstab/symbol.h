@@ -3,7 +3,20 @@
    matrix.
 */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/progress.h>
+#include <mpmstab/scheme.h>
+
+/*S
+   MpmSymbolWish - what is asked of a symbol: phases of them in [0, 2 pi), keep the factors and not only the growth, the
+   tolerance within which growth counts as none (see blur), and who sees the progress.
+S*/
+typedef struct {
+  PetscInt        phases;
+  PetscBool       keep;
+  PetscReal       tolerance;
+  MpmProgressWish progress;
+} MpmSymbolWish;
 
 /*S
    MpmSymbol - amplification factors over the phases beta = 2 pi m / phases, of one step, or under drift of a period.
@@ -23,26 +36,30 @@
    Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
 */
 typedef struct {
-  const MpmScene *scene;
-  PetscInt        phases, half, first, count, size, period, exponent;
-  PetscReal       growth, beta_at_max, condition, uncertainty, blur, seconds;
-  PetscReal      *per_phase, *seen, *factors;
-  PetscInt       *exponents;
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  MpmSymbolWish    wish;
+  PetscInt         phases, half, first, count, size, period, exponent;
+  PetscReal        growth, beta_at_max, condition, uncertainty, blur, seconds;
+  PetscReal       *per_phase, *seen, *factors;
+  PetscInt        *exponents;
 } MpmSymbol;
 
-/* Not collective. Why a scene has no symbol, or NULL when it has one. */
-const char *MpmSymbolWhyNot(const MpmScene *scene);
+/* Not collective. Why there is no symbol on a layout, or NULL when there is one. */
+const char *MpmSymbolWhyNot(const MpmLayout *layout);
 
-/* Collective. Refuses a scene that has no symbol. */
-PetscErrorCode MpmSymbolCheck(const MpmScene *scene);
+/* Collective. Refuses a layout on which there is no symbol. */
+PetscErrorCode MpmSymbolCheck(const MpmLayout *layout);
 
 /*
-   MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth.
+   MpmSymbolCreate - the symbol of a scheme on a layout, with the Courant number and the drift of step.
 
-   Collective. Refuses layouts that are not uniform and drifts without a short period.
+   Collective. layout and scheme must outlive the symbol. Refuses layouts that are not uniform and drifts without a
+   short period.
 */
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
-                               MpmSymbol **symbol);
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                               const MpmSymbolWish *wish, MpmSymbol **symbol);
 PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol);
 
 /* Not collective. Phase m of n. */

@@ -7,20 +7,18 @@
    MpmTable - the operations of one step, in order, and the registers they work on.
 
    Particle registers [0, nstate) are the state, those up to nparticles scratch that holds nothing from one operation
-   sequence P2G or G2P to the next. odd[n]: node field n is 0 at fixed ends, so that nodes beyond one are its mirror
-   images with the other sign. filtered[f]: a filter acts on state field f; unfiltered: how many have none. varies:
-   which properties are not the same for all particles.
+   sequence P2G or G2P to the next. antisymmetric[n]: node field n is 0 at fixed ends, so that nodes beyond one are its mirror
+   images with the other sign. filtered[f]: a filter acts on state field f; unfiltered: how many have none.
 S*/
 struct MpmTable_ {
   PetscInt    nops, room;
   MpmOp      *ops;
   PetscInt    nstate, nparticles, nnodes, unfiltered;
   const char *fields[MPM_MAX_FIELDS + 1];
-  PetscBool   odd[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
+  PetscBool   antisymmetric[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
   PetscInt    affine; /* the field that has an affine part, or MPM_NONE */
   PetscInt    affine_part;
   MpmEnd      ends[2];
-  PetscBool   varies[MPM_PROPERTIES];
 };
 
 /*
@@ -45,11 +43,8 @@ PetscErrorCode MpmTableImpose(MpmTable *table, PetscInt node);
 /* Not collective. The first operation through which nodes see a particle field (P2G; DIV for a stress), or NULL. */
 const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field);
 
-/* Not collective. Whether P2G of a particle field is 0 at fixed ends (see odd). */
+/* Not collective. Whether P2G of a particle field is 0 at fixed ends (see antisymmetric). */
 PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field);
-
-/* Not collective. The property that an operation weighs particles with, or MPM_NO_PROPERTY where all have the same. */
-MpmProperty MpmTableWeight(const MpmTable *table, MpmOpKind kind);
 
 /* Not collective. Whether the table has an operation of a kind. */
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind);

@@ -1,5 +1,6 @@
 /* The largest stable Courant number: by symbol or operator, and by closed form. */
 #include "analysis/critical_parts.h"
+#include "symbol/predict.h"
 #include <math.h>
 
 #define SAME 1e-5       /* closed form and search, relative */
@@ -11,19 +12,20 @@ static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limi
   const MpmCellSymbols cell      = MpmPredictorSymbols(predictor, beta);
 
   PetscFunctionBegin;
-  *limit = predictor->scene->formulation->limit(&cell);
+  *limit = predictor->scheme->formulation->limit(&cell);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
+PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                       MpmCritical *c)
 {
   MpmPredictor predictor;
   PetscReal    limit, beta;
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not && scene->formulation->limit; m--) {
+  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not && scheme->formulation->limit; m--) {
     PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
     if (limit >= c->closed) continue;
     c->closed      = limit;
@@ -43,37 +45,38 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmScene *scene, MpmCritical *c)
 }
 
 /* Whether growth appears when particles move: a limit at rest does not say. */
-static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
+static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
 {
-  MpmScene   drifting = *scene;
-  MpmFinding finding;
-  PetscReal  beta;
+  MpmCriticalCase moving = *of;
+  MpmFinding      finding;
+  PetscReal       beta;
 
   PetscFunctionBegin;
-  drifting.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(MpmCriticalGrowthAt(&drifting, scene->courant, &finding, &beta));
+  moving.step.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
+  PetscCall(MpmCriticalGrowthAt(&moving, &finding, &beta));
   c->moving = finding.growth;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A limit above a Courant number that grows has missed it: the search goes on from there. */
-static PetscErrorCode BySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
-  PetscErrorCode (*find)(const MpmScene *, PetscReal, PetscReal, MpmCritical *) =
-      MpmSceneDrifts(scene) ? MpmCriticalUnderDrift : MpmCriticalAtRest;
+  const PetscBool drifts = MpmStepDrifts(&of->step);
+  PetscErrorCode (*find)(const MpmCriticalCase *, PetscReal, PetscReal, MpmCritical *) =
+      drifts ? MpmCriticalUnderDrift : MpmCriticalAtRest;
   PetscReal beta;
 
   PetscFunctionBegin;
-  PetscCall(find(scene, INFINITY, NAN, c));
+  PetscCall(find(of, INFINITY, NAN, c));
   if (alone) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmCriticalGrowthAt(scene, scene->courant, &c->asked, &beta));
-  if (c->asked.verdict == MPM_UNSTABLE && scene->courant < c->stable_at)
-    PetscCall(find(scene, scene->courant, beta, c));
-  if (!MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
+  PetscCall(MpmCriticalGrowthAt(of, &c->asked, &beta));
+  if (c->asked.verdict == MPM_UNSTABLE && of->step.courant < c->stable_at)
+    PetscCall(find(of, of->step.courant, beta, c));
+  if (!drifts) PetscCall(WhenMoving(of, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin = MPI_Wtime();
 
@@ -87,12 +90,12 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
                      .closed      = NAN,
                      .closed_beta = NAN,
                      .threshold   = PETSC_TRUE,
-                     .asked       = {.tolerance = scene->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
-  if (MpmSymbolWhyNot(scene))
-    PetscCall(MpmCriticalAssembled(scene, c));
+                     .asked       = {.tolerance = of->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+  if (MpmSymbolWhyNot(of->layout))
+    PetscCall(MpmCriticalAssembled(of, c));
   else
-    PetscCall(BySymbol(scene, alone, c));
-  PetscCall(MpmCriticalByClosedForm(scene, c));
+    PetscCall(BySymbol(of, alone, c));
+  PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, MpmStepDrifts(&of->step), c));
   /* long waves may grow by less than tolerance per step: the closed form knows */
   if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
   c->seconds = MPI_Wtime() - begin;

@@ -1,9 +1,9 @@
 /* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
 #include "analysis/critical_parts.h"
 #include "linalg/dense.h"
-#include "scene/layout.h"
 #include "analysis/modes.h"
 #include <mpmstab/operator.h>
+#include <mpmstab/symbol.h>
 #include "base/progress.h"
 #include <math.h>
 
@@ -13,21 +13,21 @@
 #define PRECISION 1e-7
 
 typedef struct {
-  MpmScene    scene; /* with a Courant number of its own */
-  MpmProgress progress;
-  PetscInt64  evaluations;
+  const MpmCriticalCase *of;
+  MpmProgress            progress;
+  PetscInt64             evaluations;
 } Probe;
 
 static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
 {
-  char note[128];
+  const MpmStep step = {.courant = courant, .drift = p->of->step.drift};
+  char          note[128];
 
   PetscFunctionBegin;
-  p->scene.courant = courant;
   p->evaluations++;
   PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene, op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,7 +69,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 /* Up to the scene's own Courant number first: if that grows, the limit is below. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
-  const PetscBool  drifts = MpmSceneDrifts(&p->scene);
+  const PetscBool  drifts = MpmStepDrifts(&p->of->step);
   MpmFinding      *asked  = &c->asked;
   MpmCriticalSteps steps  = {
        .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
@@ -79,35 +79,35 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   PetscCall(Growth(p, courant, &asked->growth));
   asked->verdict = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
-  if (!(asked->growth <= 1 + p->scene.tolerance)) {
+  if (!(asked->growth <= 1 + p->of->tolerance)) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }
-  PetscCall(MpmCriticalCross(Growth, p, p->scene.tolerance, &steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(Growth, p, p->of->tolerance, &steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
 {
-  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
-  Probe            probe    = {.scene = *scene};
+  const PetscInt64 unknowns = of->scheme->table->nstate * of->layout->particles;
+  Probe            probe    = {.of = of};
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                scene->cells, scene->ppc, MpmSymbolWhyNot(scene), unknowns, MPM_DENSE_MANY);
+                of->layout->grid.cells, of->layout->ppc, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
-  PetscCall(MpmProgressBegin(scene, "", &probe.progress));
-  PetscCall(Search(&probe, scene->courant, c));
+  PetscCall(MpmProgressBegin(of->progress, "", &probe.progress));
+  PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));
+    PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
     PetscCall(LimitingMode(&probe, c));
-    c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
+    c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
   }
   PetscCall(MpmProgressEnd(&probe.progress));
   c->evaluations = probe.evaluations;

@@ -6,9 +6,9 @@
 */
 #include "analysis/critical_parts.h"
 #include "linalg/small_eigen.h"
-#include "scene/layout.h"
 #include "base/progress.h"
 #include "symbol/bloch.h"
+#include <mpmstab/symbol.h>
 #include "analysis/follow.h"
 #include <math.h>
 
@@ -35,11 +35,10 @@ typedef struct {
 
 /* The factors of a period, over Courant numbers at a phase, or over phases at a Courant number. */
 typedef struct {
-  MpmScene      scene; /* with a Courant number of its own */
   MpmBloch      bloch;
   MpmSmallEigen eigen;
   MpmFollow     follow;
-  PetscReal     fixed, tolerance;
+  PetscReal     fixed, tolerance, log_tolerance; /* log_tolerance: of 1 + tolerance */
   PetscBool     over_phases;
   Limit         least, phases[MPM_CRITICAL_PHASES + 1];
   PetscInt      nplaces, room;
@@ -52,36 +51,37 @@ static PetscErrorCode FactorsAt(void *context, PetscReal x, double complex value
   PetscInt exponent;
 
   PetscFunctionBegin;
-  p->scene.courant = p->over_phases ? p->fixed : x;
-  PetscCall(MpmBlochMatrix(&p->bloch, p->over_phases ? x : p->fixed, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, p->over_phases ? p->fixed : x, p->over_phases ? x : p->fixed, PETSC_FALSE,
+                           p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) value[i] = p->eigen.value[i] * scalbn(1, (int)exponent);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PlaneCreate(const MpmScene *scene, Plane *p)
+static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
 {
-  PetscInt period;
+  Plane *p;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(p, sizeof(*p)));
-  p->scene     = *scene;
-  p->tolerance = log1p(scene->tolerance);
-  p->least     = (Limit){INFINITY, INFINITY, NAN};
-  PetscCall(MpmLayoutPeriod(scene, &period));
-  PetscCall(MpmBlochCreate(&p->scene, period, &p->bloch));
+  PetscCall(PetscNew(plane));
+  p                = *plane;
+  p->tolerance     = of->tolerance;
+  p->log_tolerance = log1p(of->tolerance);
+  p->least         = (Limit){INFINITY, INFINITY, NAN};
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &p->bloch));
   PetscCall(MpmSmallEigenCreate(p->bloch.size, &p->eigen));
-  PetscCall(MpmFollowCreate(p->bloch.size, period, scene->tolerance, FactorsAt, p, &p->follow));
+  PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.period, of->tolerance, FactorsAt, p, &p->follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PlaneDestroy(Plane *p)
+static PetscErrorCode PlaneDestroy(Plane **plane)
 {
   PetscFunctionBegin;
-  PetscCall(MpmFollowDestroy(&p->follow));
-  PetscCall(MpmSmallEigenDestroy(&p->eigen));
-  PetscCall(MpmBlochDestroy(&p->bloch));
-  PetscCall(PetscFree(p->places));
+  PetscCall(MpmFollowDestroy(&(*plane)->follow));
+  PetscCall(MpmSmallEigenDestroy(&(*plane)->eigen));
+  PetscCall(MpmBlochDestroy(&(*plane)->bloch));
+  PetscCall(PetscFree((*plane)->places));
+  PetscCall(PetscFree(*plane));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,7 +110,7 @@ static PetscErrorCode LimitBetween(Plane *p, PetscReal beta, PetscReal from, Pet
   PetscCall(MpmFollowLine(&p->follow, from, to, bracket));
   if (bracket[0] == 0 && from > start) PetscCall(MpmFollowLine(&p->follow, start, from, bracket));
   if (bracket[0] == 0)
-    PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
+    PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
   *limit = (Limit){bracket[0], bracket[1], beta};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -168,7 +168,7 @@ static PetscErrorCode Ascend(Plane *p, MpmMeeting meeting, PetscReal beta, Petsc
   int             side = 1;
 
   PetscFunctionBegin;
-  for (int failed = 0; step > finest && (step > promising || meeting.peak > p->tolerance / 2);) {
+  for (int failed = 0; step > finest && (step > promising || meeting.peak > p->log_tolerance / 2);) {
     const PetscReal   next = PetscMin(PetscMax(beta + side * step, LEAST_BETA), PETSC_PI);
     const PetscReal   rise = fabs(next - beta) * (SLOPE + SLOPE_LONG * meeting.x / next);
     const PetscReal   from = PetscMax(meeting.x / 2, meeting.x - rise), to = meeting.x + rise;
@@ -213,14 +213,14 @@ static PetscErrorCode VisitPhase(Plane *p, PetscInt m, PetscReal bound)
 }
 
 /* All phases, spread over the ranks, every COARSEth first: their limits bound the way to go at those between. */
-static PetscErrorCode VisitPhases(Plane *p, PetscMPIInt rank, PetscMPIInt size)
+static PetscErrorCode VisitPhases(Plane *p, MpmProgressWish wish, PetscMPIInt rank, PetscMPIInt size)
 {
   PetscReal   bound = MPM_CRITICAL_TO;
   PetscInt    done  = 0;
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin(&p->scene, "phase", &progress));
+  PetscCall(MpmProgressBegin(wish, "phase", &progress));
   for (PetscInt stride = COARSE; stride > 0; stride /= 2) {
     for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m -= stride) {
       if (stride < COARSE && m % (2 * stride) == 0) continue;
@@ -334,7 +334,7 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   c->courant     = c->stable_at;
   c->doubtful    = p->follow.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? p->follow.doubtful : INFINITY;
   p->fixed       = c->beta;
-  if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
+  if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->evaluations += p->follow.evaluations;
   p->follow.evaluations = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -351,7 +351,7 @@ static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
 {
   PetscMPIInt rank, size;
   Plane      *p;
@@ -359,34 +359,32 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, PetscReal unstable, 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(PetscNew(&p));
-  PetscCall(PlaneCreate(scene, p));
+  PetscCall(PlaneCreate(of, &p));
   c->order = p->bloch.size;
   if (isfinite(unstable)) {
     PetscCall(Below(p, unstable, beta));
   } else {
-    PetscCall(VisitPhases(p, rank, size));
+    PetscCall(VisitPhases(p, of->progress, rank, size));
     PetscCall(Gather(p, size));
     PetscCall(Refine(p));
   }
   if (isinf(unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
-  PetscCall(PlaneDestroy(p));
-  PetscCall(PetscFree(p));
+  PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, MpmFinding *finding, PetscReal *beta)
+PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
 {
-  MpmScene   at = *scene;
+  const MpmSymbolWish wish = {
+      .phases = 2 * MPM_CRITICAL_PHASES, .tolerance = of->tolerance, .progress = of->progress};
   MpmSymbol *symbol;
   PetscReal  bracket[2] = {0, INFINITY};
   Plane     *p;
 
   PetscFunctionBegin;
-  at.courant = courant;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &at, 2 * MPM_CRITICAL_PHASES, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, &wish, &symbol));
   *beta                = symbol->beta_at_max;
-  finding->tolerance   = scene->tolerance;
+  finding->tolerance   = of->tolerance;
   finding->growth      = symbol->growth;
   finding->uncertainty = symbol->uncertainty;
   finding->blur        = symbol->blur;
@@ -395,10 +393,9 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, Mpm
   finding->verdict = MpmVerdictOf(finding);
   PetscCall(MpmSymbolDestroy(&symbol));
   if (finding->verdict != MPM_STABLE) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscNew(&p));
-  PetscCall(PlaneCreate(&at, p));
+  PetscCall(PlaneCreate(of, &p));
   p->over_phases = PETSC_TRUE;
-  p->fixed       = courant;
+  p->fixed       = of->step.courant;
   PetscCall(MpmFollowLine(&p->follow, LEAST_BETA, PETSC_PI, bracket));
   if (isfinite(bracket[1])) {
     finding->growth      = exp(p->follow.peak);
@@ -411,7 +408,6 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, Mpm
     PetscCall(PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart",
                            sizeof finding->evidence));
   }
-  PetscCall(PlaneDestroy(p));
-  PetscCall(PetscFree(p));
+  PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,16 +8,16 @@
 
    Collective.
 */
-PetscErrorCode MpmCriticalAtRest(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *critical);
-PetscErrorCode MpmCriticalUnderDrift(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *critical);
+PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *critical);
+PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *critical);
 
-/* Collective. The limit through all eigenvalues of the assembled operator, and growth at the scene's Courant number. */
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);
+/* Collective. The limit through all eigenvalues of the assembled operator, and growth at the case's Courant number. */
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *critical);
 
 /*
-   MpmCriticalGrowthAt - growth and verdict at a Courant number, over all phases; beta: the phase that grows most.
+   MpmCriticalGrowthAt - growth and verdict at the case's Courant number, over all phases; beta: the phase that grows most.
 
    Collective. By the symbol at twice MPM_CRITICAL_PHASES phases and, where nothing grows there, by its factors followed
    from phase to phase. Undecided where some of them could not be told apart.
 */
-PetscErrorCode MpmCriticalGrowthAt(const MpmScene *scene, PetscReal courant, MpmFinding *finding, PetscReal *beta);
+PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta);

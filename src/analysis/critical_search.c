@@ -1,4 +1,5 @@
 /* Searches in one variable. */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include <math.h>
 

@@ -2,7 +2,6 @@
 #include "symbol/bloch.h"
 #include "analysis/critical_parts.h"
 #include "linalg/small_eigen.h"
-#include "scene/layout.h"
 #include "base/progress.h"
 #include <math.h>
 
@@ -11,10 +10,9 @@
 
 /* The symbol as a function of Courant number and phase. */
 typedef struct {
-  MpmScene         scene; /* with a Courant number of its own */
   MpmBloch         bloch;
   MpmSmallEigen    eigen;
-  PetscReal        beta;              /* the phase */
+  PetscReal        tolerance, beta;   /* beta: the phase */
   MpmCriticalSteps steps;             /* where its limit is looked for */
   PetscReal        least, least_beta; /* limit of a phase that was looked at, and which */
   MpmProgress      progress;
@@ -28,9 +26,8 @@ static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, PetscReal beta, Pets
   PetscReal largest = 0;
 
   PetscFunctionBegin;
-  p->scene.courant = courant;
   p->evaluations++;
-  PetscCall(MpmBlochMatrix(&p->bloch, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, courant, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->eigen.value[i]));
   *growth = MpmGrowthPerStep(largest, exponent, p->bloch.period);
@@ -54,7 +51,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
 
   PetscFunctionBegin;
   p->beta = beta;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   *limit = bracket[1];
   if (*limit < p->least) {
     p->least      = *limit;
@@ -71,7 +68,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
   PetscFunctionBegin;
   if (isfinite(c->unstable_at)) {
     PetscCall(GrowthAt(p, c->unstable_at, MpmCriticalPhase(m), &g));
-    if (g <= 1 + p->scene.tolerance) PetscFunctionReturn(PETSC_SUCCESS);
+    if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
   }
@@ -128,7 +125,7 @@ static PetscErrorCode Refine(Probe *p, MpmCritical *c)
   }
   p->beta     = c->beta;
   p->steps.to = c->unstable_at;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->scene.tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = PetscMin(bracket[1], c->unstable_at);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -143,7 +140,7 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Refine(p, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
+  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->threshold ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -155,21 +152,20 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
   c->unstable_at = courant;
   c->beta        = beta;
   PetscCall(Refine(p, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->scene.tolerance, c));
+  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->stable_at;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAtRest(const MpmScene *scene, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
 {
-  Probe probe = {.scene = *scene, .comm = PETSC_COMM_WORLD};
+  Probe probe = {.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
 
   PetscFunctionBegin;
-  PetscCall(MpmLayoutPeriod(scene, &c->order));
-  PetscCall(MpmBlochCreate(&probe.scene, c->order, &probe.bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
-  PetscCall(MpmProgressBegin(scene, "phase", &probe.progress));
+  PetscCall(MpmProgressBegin(of->progress, "phase", &probe.progress));
   PetscCall(isfinite(unstable) ? Below(&probe, unstable, beta, c) : Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
   c->evaluations += probe.evaluations;

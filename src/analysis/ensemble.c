@@ -2,8 +2,9 @@
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
+#include <mpmstab/operator.h>
 #include "analysis/ensemble.h"
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <math.h>
 
 #define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */
@@ -23,21 +24,22 @@ void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
 /* Everything that could be refused depends on the scene, not on the seed: all ranks meet it here, together. */
 static PetscErrorCode Check(const MpmScene *scene)
 {
-  const PetscInt64 unknowns = scene->table->nstate * scene->particles;
+  const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
   MpmOperator     *op;
   MpmMarch        *march;
 
   PetscFunctionBegin;
-  MpmCheckInput(scene->jitter > 0, "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
-  MpmCheckInput(scene->seed <= LAST_SEED - scene->layouts + 1,
+  MpmCheckInput(scene->layout.jitter > 0,
+                "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
+  MpmCheckInput(scene->layout.seed <= LAST_SEED - scene->layouts + 1,
                 "seed %" PetscInt64_FMT " with layouts %" PetscInt_FMT
                 ": the last seed is out of range; allowed: seed + layouts - 1 up to %" PetscInt64_FMT,
-                scene->seed, scene->layouts, (PetscInt64)LAST_SEED);
+                scene->layout.seed, scene->layouts, (PetscInt64)LAST_SEED);
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": all eigenvalues of %" PetscInt64_FMT
                 " unknowns are sought for each layout; allowed: at most %d, so fewer cells",
-                scene->cells, scene->ppc, unknowns, MPM_DENSE_MANY);
-  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, scene, &op));
+                scene->layout.grid.cells, scene->layout.ppc, unknowns, MPM_DENSE_MANY);
+  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &march));
   PetscCall(MpmMarchDestroy(&march));
@@ -87,14 +89,14 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Judge(const MpmScene *layout, MpmFinding *f)
+static PetscErrorCode Judge(const MpmScene *scene, const MpmLayout *layout, MpmFinding *f)
 {
   MpmOperator *op;
   PetscReal    value[2], norm, mismatch;
 
   PetscFunctionBegin;
-  *f = (MpmFinding){.tolerance = layout->tolerance};
-  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &op));
+  *f = (MpmFinding){.tolerance = scene->tolerance};
+  PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &scene->scheme, &scene->step, &op));
   PetscCall(Mismatch(op, &mismatch));
   PetscCall(MpmDenseLargest(op->balanced, value));
   f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
@@ -110,12 +112,12 @@ static PetscErrorCode Judge(const MpmScene *layout, MpmFinding *f)
 static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 {
   MpmEnsemble *e      = context;
-  MpmScene     layout = *e->scene;
+  MpmLayout    layout = e->scene->layout;
   MpmFinding   f;
 
   PetscFunctionBegin;
   layout.seed += i;
-  PetscCall(Judge(&layout, &f));
+  PetscCall(Judge(e->scene, &layout, &f));
   e->growth[i]      = f.growth;
   e->uncertainty[i] = f.uncertainty;
   e->verdict[i]     = f.verdict;
@@ -125,7 +127,7 @@ static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 static PetscErrorCode Solve(MpmEnsemble *e)
 {
   PetscFunctionBegin;
-  PetscCall(MpmFarm(e->scene, "layout", e->n, JudgeSeed, e));
+  PetscCall(MpmFarm(e->scene->progress, "layout", e->n, JudgeSeed, e));
   PetscCall(MpmFarmSumReals(e->n, e->growth));
   PetscCall(MpmFarmSumReals(e->n, e->uncertainty));
   PetscCall(MpmFarmSumInts(e->n, e->verdict));
@@ -151,7 +153,7 @@ static PetscErrorCode Spread(MpmEnsemble *e)
     e->growth_min          = sorted[0];
     e->growth_median       = n % 2 ? sorted[n / 2] : (sorted[n / 2 - 1] + sorted[n / 2]) / 2;
     e->growth_max          = sorted[n - 1];
-    e->worst_seed          = e->scene->seed + worst;
+    e->worst_seed          = e->scene->layout.seed + worst;
     e->finding.uncertainty = e->uncertainty[worst];
   }
   PetscCall(PetscFree(sorted));
@@ -192,7 +194,7 @@ PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, MpmEnsemble **ensemble)
   e        = *ensemble;
   e->scene = scene;
   e->n     = scene->layouts;
-  e->order = (PetscInt)(scene->table->nstate * scene->particles);
+  e->order = (PetscInt)(scene->scheme.table->nstate * scene->layout.particles);
   PetscCall(PetscCalloc3(e->n, &e->growth, e->n, &e->uncertainty, e->n, &e->verdict));
   PetscCall(Solve(e));
   PetscCall(Sum(e));

@@ -3,7 +3,7 @@
 #include <mpmstab/scene.h>
 
 /*S
-   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->seed and those
+   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->layout.seed and those
    after it.
 
    growth (per step), uncertainty and verdict are of each layout, in the order of seeds, on every rank. share is
@@ -43,8 +43,3 @@ PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble);
    Source: Wilson 1927, Probable Inference, the Law of Succession, and Statistical Inference, J. Am. Stat. Assoc. 22.
 */
 void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2]);
-
-/* Collective. The table for people; the JSON object, and the CSV with a row for each layout. */
-PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *ensemble);
-PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *ensemble, PetscReal wall_s);
-PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *ensemble);

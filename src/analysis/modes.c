@@ -1,12 +1,9 @@
 /* Wavenumber and null-space share of eigenvectors. */
 #include "operator/assemble.h"
-#include "scene/layout.h"
 #include "analysis/modes.h"
-#include <mpmstab/verdict.h>
 #include <complex.h> /* before fftw3.h, whose numbers are then C's */
 #include <fftw3.h>
 #include <math.h>
-#include <petscviewerhdf5.h>
 #include <slepcsvd.h>
 
 #define SEEN 1e-8  /* share of a mode below which the grid does not see it */
@@ -191,96 +188,27 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
 
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 {
-  const MpmTable *table = op->scene->table;
+  const MpmTable *table = op->scheme->table;
   MpmRegisters    registers;
   PetscInt        unseen = 0;
   Mat             map;
 
   PetscFunctionBegin;
   *nullity = 0;
-  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
+  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
   for (PetscInt f = 0; f < table->nstate; f++) {
     const MpmOp *seen = MpmTableSeenBy(table, f);
 
     if (table->filtered[f]) continue;
     if (!seen) { /* no node feels any of it */
-      *nullity += (PetscInt)op->scene->particles;
+      *nullity += (PetscInt)op->layout->particles;
       continue;
     }
-    PetscCall(MpmRegistersMap(&registers, seen->kind, table->odd[seen->dst], 0, &map));
+    PetscCall(MpmRegistersMap(&registers, seen->kind, table->antisymmetric[seen->dst], 0, &map));
     PetscCall(Nullity(map, &unseen));
     PetscCall(MatDestroy(&map));
     *nullity += unseen;
   }
   PetscCall(MpmRegistersDestroy(&registers));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
-{
-  const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
-  const PetscReal growth = MpmGrowthPerStep(hypot(eigen->re[j], eigen->im[j]), op->exponent, op->period);
-  char            group[64];
-
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "re", PETSC_REAL, &re));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "im", PETSC_REAL, &im));
-  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "growth", PETSC_REAL, &growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Where the particles start: what belongs under a mode's values. */
-static PetscErrorCode WriteCoordinates(const MpmScene *scene, MpmDataFile *file)
-{
-  PetscMPIInt rank;
-  PetscReal  *x;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)file->viewer), &rank));
-  PetscCall(PetscMalloc1(rank ? 0 : scene->particles, &x));
-  for (PetscInt64 id = 0; id < scene->particles && rank == 0; id++) {
-    PetscInt  cell;
-    PetscReal xi;
-
-    MpmLayoutPlace(scene, id, &cell, &xi);
-    x[id] = scene->cell_width * ((cell + scene->cells) % scene->cells + xi); /* jitter may leave the domain */
-  }
-  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)scene->particles, 1, x));
-  PetscCall(PetscFree(x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
-{
-  static const char *const parts[] = {"re", "im"};
-  Vec                      x[2], field;
-
-  PetscFunctionBegin;
-  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->scene, file));
-  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
-  PetscCall(MatCreateVecs(op->p2g, &field, NULL));
-  for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
-    char name[128];
-
-    PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
-    PetscCall(MpmOperatorToState(op, x[0], x[1]));
-    PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT, j + 1));
-    PetscCall(PetscViewerHDF5PushGroup(file->viewer, name));
-    for (PetscInt f = 0; f < op->fields; f++) {
-      for (int part = 0; part < 2; part++) {
-        PetscCall(VecSetBlockSize(x[part], op->fields));
-        PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
-        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scene->table->fields[f], parts[part]));
-        PetscCall(PetscObjectSetName((PetscObject)field, name));
-        PetscCall(VecView(field, file->viewer));
-      }
-    }
-    PetscCall(PetscViewerHDF5PopGroup(file->viewer));
-    PetscCall(WriteEigenvalue(op, eigen, j, file));
-  }
-  PetscCall(VecDestroy(&x[0]));
-  PetscCall(VecDestroy(&x[1]));
-  PetscCall(VecDestroy(&field));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

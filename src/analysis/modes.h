@@ -1,7 +1,7 @@
 /* Modes: what eigenvectors look like on particles and grid. */
 #pragma once
-#include "io/datafile.h"
 #include "linalg/eigen.h"
+#include <mpmstab/operator.h>
 
 /*S
    MpmModes - for each listed eigenvalue: beta, the phase per cell of the largest Fourier component of its nodal trace
@@ -24,12 +24,3 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes);
    Collective. By singular values; for orders that are solved whole.
 */
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity);
-
-/*
-   MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the
-   order of global ids, counted from 1, and where the particles start, /modes/coordinates; the group's attributes re, im
-   and growth are the eigenvalue and its growth per step.
-
-   Collective.
-*/
-PetscErrorCode MpmModesWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file);

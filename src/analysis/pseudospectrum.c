@@ -6,6 +6,7 @@
    from below: the largest over circles outside the unit circle, at evenly spaced angles and at those of the
    eigenvalues near it, then refined about the best of them. A is real: sigma(conj z) = sigma(z).
 */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "analysis/pseudospectrum.h"
@@ -23,13 +24,13 @@
 
 PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
 {
-  const PetscInt64 order = scene->table->nstate * scene->particles;
+  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
 
   PetscFunctionBegin;
   MpmCheckInput(!scene->pseudospectrum || order <= MPM_RESOLVENT_ORDER,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
-                scene->cells, scene->ppc, order, MPM_RESOLVENT_ORDER);
+                scene->layout.grid.cells, scene->layout.ppc, order, MPM_RESOLVENT_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,7 +195,7 @@ PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt po
   for (PetscInt j = 0; j < points; j++) s->re[j] = half * (2.0 * j - (points - 1)) / (points - 1);
   PetscCall(PointsCreate(s, &r, &p));
   p.resolvent = &r;
-  PetscCall(MpmFarm(scene, "point of the pseudospectrum", p.n, Sigma, &p));
+  PetscCall(MpmFarm(scene->progress, "point of the pseudospectrum", p.n, Sigma, &p));
   PetscCall(MpmFarmSumReals(p.n, p.sigma));
   for (PetscInt i = 0; i < points; i++)
     for (PetscInt j = 0; j < points; j++) s->sigma[i * points + j] = p.sigma[PetscMin(i, points - 1 - i) * points + j];

@@ -4,8 +4,8 @@
 #include <mpmstab/errors.h>
 #include "scene/layout.h"
 #include "scene/material.h"
-#include "base/memory.h"
 #include "io/mode_file.h"
+#include "io/output.h"
 #include "base/progress.h"
 #include "report/run_csv.h"
 #include "base/stop.h"
@@ -37,12 +37,13 @@ typedef struct {
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
 static PetscInt64 SampleGap(const MpmScene *scene)
 {
-  PetscReal least = MpmLayoutIsUniform(scene) ? scene->ppc : LEAST_MASS;
+  PetscReal least = MpmLayoutIsUniform(&scene->layout) ? scene->layout.ppc : LEAST_MASS;
   PetscReal extreme[MPM_PROPERTIES], bound, safe;
 
-  MpmMaterialBounds(scene, extreme);
+  MpmMaterialBounds(&scene->layout, extreme);
   least *= extreme[MPM_MASS] / extreme[MPM_VOLUME];
-  bound = MpmScheduleBound(scene->table, scene->basis, scene->courant, scene->ppc, least, extreme[MPM_STIFFNESS]);
+  bound = MpmScheduleBound(scene->scheme.table, scene->scheme.basis, scene->step.courant, scene->layout.ppc, least,
+                           extreme[MPM_STIFFNESS]);
   safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
   return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
 }
@@ -64,7 +65,7 @@ static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 {
   const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
-  const MpmWave   *wave     = march->scene->formulation->wave;
+  const MpmWave   *wave     = march->scheme->formulation->wave;
   const PetscReal  velocity = sqrt(energy) * (wave ? wave->velocity_unit(&profile) : 1);
   const PetscReal  value    = PetscSqr(scalbn(velocity, (int)march->exponent));
 
@@ -83,7 +84,7 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   PetscFunctionBegin;
   PetscCall(MpmMarchNorms(march, &norms));
   *follow   = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
-  if (march->scene->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
+  if (march->scheme->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);
@@ -144,7 +145,7 @@ static PetscErrorCode March(Loop *loop)
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   if (loop->output) PetscCall(WriteOutput(loop));
-  PetscCall(MpmProgressBegin(scene, "step", &progress));
+  PetscCall(MpmProgressBegin(scene->progress, "step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
   while (loop->march->step < scene->steps && follow && !stop) {
@@ -224,7 +225,7 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   PetscBool alike; /* on all ranks */
 
   PetscFunctionBegin;
-  PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, scene, MpmMemoryOfMarch(scene), "the march"));
+  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene), "the march"));
   PetscCall(PetscNew(run));
   r                  = *run;
   r->scene           = scene;
@@ -243,7 +244,8 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **r
   r->steps = loop.march->step;
   alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
-  r->bytes = MpmScheduleBytes(scene->table, &loop.march->schedule, (PetscReal)scene->particles / scene->nodes, alike);
+  r->bytes = MpmScheduleBytes(scene->scheme.table, &loop.march->schedule,
+                              (PetscReal)scene->layout.particles / scene->layout.grid.nodes, alike);
   if (loop.exchange) {
     r->exchange_first = loop.exchange->first;
     r->exchange_last  = loop.exchange->last;

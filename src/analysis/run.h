@@ -40,7 +40,3 @@ typedef struct {
 */
 PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run);
 PetscErrorCode MpmRunDestroy(MpmRun **run);
-
-/* Collective. The table for people, on standard output; the JSON object, when the scene asks for it. */
-PetscErrorCode MpmRunPrint(const MpmRun *run);
-PetscErrorCode MpmRunWriteJson(const MpmRun *run);

@@ -62,7 +62,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
-  PetscCall(MpmProgressBegin(s->scene, "", &progress));
+  PetscCall(MpmProgressBegin(s->scene->progress, "", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
@@ -145,8 +145,9 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                                          : "none, the solver did not converge (up to order 4096 all are found)";
   }
   PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
-  if (s->scene->jitter != 0 && s->eigen->n) {
-    PetscCall(PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->seed));
+  if (s->scene->layout.jitter != 0 && s->eigen->n) {
+    PetscCall(
+        PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->layout.seed));
     PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
   }
   PetscCall(Sensitivity(s));
@@ -166,7 +167,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
 /* Random data excite every mode; as many steps as show the growth, or leave it out when that is too much work. */
 static PetscErrorCode Measure(MpmSpectrum *s)
 {
-  const PetscReal room  = MEASURE_WORK / (PetscReal)s->scene->particles;
+  const PetscReal room  = MEASURE_WORK / (PetscReal)s->scene->layout.particles;
   PetscReal       steps = MEASURE_STEPS;
 
   PetscFunctionBegin;
@@ -200,7 +201,8 @@ static PetscErrorCode Transient(MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->scene->powers) PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, &s->transient));
+  if (s->scene->powers)
+    PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, s->scene->progress, &s->transient));
   if (!s->scene->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
   PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
@@ -242,11 +244,16 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
   PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
-  PetscCall(MpmOperatorCreate(comm, scene, &s->op));
+  PetscCall(MpmOperatorCreate(comm, &scene->layout, &scene->scheme, &scene->step, &s->op));
   PetscCall(MpmPredict(scene, &s->predictions));
-  PetscCall(MpmPredictorCreate(scene, &s->predictor));
-  if (!MpmSymbolWhyNot(scene)) {
-    PetscCall(MpmSymbolCreate(comm, scene, scene->cells, PETSC_TRUE, &s->symbol));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));
+  if (!MpmSymbolWhyNot(&scene->layout)) {
+    PetscCall(MpmSymbolCreate(comm, &scene->layout, &scene->scheme, &scene->step,
+                              &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                               .keep      = PETSC_TRUE,
+                                               .tolerance = scene->tolerance,
+                                               .progress  = scene->progress},
+                              &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));

@@ -1,12 +1,10 @@
 /* Spectrum: published, corrected, symbol, spectrum and measured growth of a scene, side by side. */
 #pragma once
-#include "io/datafile.h"
 #include "analysis/modes.h"
 #include "symbol/predict.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/run.h"
 #include "analysis/transient.h"
-#include <jansson.h>
 
 /*S
    MpmSpectrum - the result of the task spectrum. NaN: not computed.
@@ -47,13 +45,3 @@ typedef struct {
 */
 PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);
-
-/* Collective. The table for people; the JSON object, CSV and HDF5 files when the scene asks for them. */
-PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *spectrum);
-PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *spectrum);
-PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);
-
-/* Collective. Of these, what is said of norm(A^n) and of the pseudospectrum; nothing when not asked for. */
-PetscErrorCode MpmTransientPrint(const MpmSpectrum *spectrum);
-void           MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
-PetscErrorCode MpmTransientWrite(const MpmSpectrum *spectrum, MpmDataFile *file);

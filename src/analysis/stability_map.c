@@ -1,4 +1,5 @@
 /* Growth at the points of a rectangle: the symbol of one scene after another, dealt to the ranks. */
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "scene/layout.h"
@@ -7,22 +8,31 @@
 
 #define MOST_POINTS 10000000
 
-/* A scene's parameter; whatever follows from it and the symbol reads. */
-static void SetParameter(MpmScene *scene, MpmAxisKind kind, const MpmFraction *value)
+/* What the symbol of a point reads: the scene's own layout and step, but for the numbers that the map goes over. */
+typedef struct {
+  MpmLayout layout;
+  MpmStep   step;
+} Point;
+
+static Point OwnPoint(const MpmScene *scene)
+{
+  return (Point){.layout = scene->layout, .step = scene->step};
+}
+
+static void SetParameter(Point *at, MpmAxisKind kind, const MpmFraction *value)
 {
   switch (kind) {
   case MPM_AXIS_COURANT:
-    scene->courant = value->value;
-    scene->dt      = scene->courant * scene->cell_width / scene->wave_speed;
+    at->step.courant = value->value;
     break;
   case MPM_AXIS_DRIFT:
-    scene->drift = *value;
+    at->step.drift = *value;
     break;
   case MPM_AXIS_OFFSET:
-    scene->offset = *value;
+    at->layout.offset = *value;
     break;
   case MPM_AXIS_PPC:
-    MpmSceneSetPpc(scene, (PetscInt)value->num);
+    MpmLayoutSetPpc(&at->layout, (PetscInt)value->num);
     break;
   }
 }
@@ -37,24 +47,23 @@ static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
   return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
 }
 
-/* The scene of a point; it shows no progress of its own. */
-static void Place(const MpmStabilityMap *map, PetscInt point, MpmScene *scene)
+static Point PointOf(const MpmStabilityMap *map, PetscInt point)
 {
   const PetscInt i[2] = {point / map->points[1], point % map->points[1]};
+  Point          at   = OwnPoint(map->scene);
 
   for (int a = 0; a < 2; a++) {
     const MpmFraction value = NumberOf(&map->scene->axes[a], i[a]);
 
-    SetParameter(scene, map->scene->axes[a].kind, &value);
+    SetParameter(&at, map->scene->axes[a].kind, &value);
   }
-  scene->has_progress = PETSC_TRUE;
-  scene->progress     = PETSC_FALSE;
+  return at;
 }
 
 /* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
 static PetscErrorCode Check(const MpmScene *scene)
 {
-  MpmScene at = *scene;
+  Point    at = OwnPoint(scene);
   PetscInt period;
 
   PetscFunctionBegin;
@@ -72,21 +81,23 @@ static PetscErrorCode Check(const MpmScene *scene)
                     scene->axes[0].points, scene->axes[1].points, value.value, MPM_LONGEST_PERIOD);
       SetParameter(&at, scene->axes[a].kind, &value);
     }
-  PetscCall(MpmLayoutPeriod(&at, &period));
-  PetscCall(MpmSymbolCheck(&at));
+  PetscCall(MpmStepPeriod(&at.step, &period));
+  PetscCall(MpmSymbolCheck(&at.layout));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
-  MpmStabilityMap *map = context;
-  MpmFinding       f   = {.tolerance = map->scene->tolerance};
-  MpmScene         at  = *map->scene;
-  MpmSymbol       *symbol;
+  MpmStabilityMap    *map  = context;
+  MpmFinding          f    = {.tolerance = map->scene->tolerance};
+  const Point         at   = PointOf(map, i);
+  const MpmSymbolWish wish = {.phases    = map->scene->phases,
+                              .tolerance = map->scene->tolerance,
+                              .progress  = MPM_PROGRESS_NEVER}; /* the map itself shows how many points are done */
+  MpmSymbol          *symbol;
 
   PetscFunctionBegin;
-  Place(map, i, &at);
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at, map->scene->phases, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &map->scene->scheme, &at.step, &wish, &symbol));
   f.growth        = symbol->growth;
   f.uncertainty   = symbol->uncertainty;
   f.blur          = symbol->blur;
@@ -102,7 +113,7 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   const PetscInt n = map->points[0] * map->points[1];
 
   PetscFunctionBegin;
-  PetscCall(MpmFarm(map->scene, "point", n, SolvePoint, map));
+  PetscCall(MpmFarm(map->scene->progress, "point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
   PetscCall(MpmFarmSumReals(n, map->beta));
   PetscCall(MpmFarmSumInts(n, map->verdict));
@@ -131,15 +142,13 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
 
 static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 {
-  MpmScene     at = *map->scene;
   MpmPredictor predictor;
 
   PetscFunctionBegin;
   map->published_limit = NAN;
   if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
-  at.drift = (MpmFraction){.num = 0, .den = 1, .value = 0};
-  PetscCall(MpmPredictorCreate(&at, &predictor));
-  if (!predictor.why_not_published) map->published_limit = map->scene->formulation->published_limit;
+  PetscCall(MpmPredictorCreate(&map->scene->layout, &map->scene->scheme, PETSC_FALSE, &predictor));
+  if (!predictor.why_not_published) map->published_limit = map->scene->scheme.formulation->published_limit;
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -148,7 +157,7 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
 {
   const MpmAxis *axes  = map->scene->axes;
   const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
-  MpmScene       at    = *map->scene;
+  Point          at    = OwnPoint(map->scene);
   MpmCritical    critical;
 
   PetscFunctionBegin;
@@ -158,7 +167,7 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
     const MpmFraction value = NumberOf(&axes[other], i);
 
     SetParameter(&at, axes[other].kind, &value);
-    PetscCall(MpmCriticalByClosedForm(&at, &critical));
+    PetscCall(MpmCriticalByClosedForm(&at.layout, &map->scene->scheme, MpmStepDrifts(&at.step), &critical));
     map->limits[i] = critical.closed;
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,9 +36,3 @@ PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
    number up to which the closed form says that particles at rest are stable (NaN: it does not cover them).
 */
 PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map);
-
-/* Collective. The table for people; the JSON object; the CSV with a row for each point; the HDF5 file. */
-PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map);
-PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s);
-PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map);
-PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map);

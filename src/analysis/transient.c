@@ -8,7 +8,7 @@
    range.
 */
 #include "scene/layout.h"
-#include "base/memory.h"
+#include <mpmstab/errors.h>
 #include "base/progress.h"
 #include "analysis/transient.h"
 #include <math.h>
@@ -82,8 +82,8 @@ static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Produc
     PetscCall(MatGetInfo(p->step[k], MAT_GLOBAL_SUM, &info));
     p->nonzeros += info.nz_used;
     if (k == 0)
-      PetscCall(MpmMemoryCheck(PetscObjectComm((PetscObject)op->A), op->scene, OF_NONZERO * p->nonzeros * p->period,
-                               "powers, with all steps of the period,"));
+      PetscCall(MpmLayoutCheckMemory(PetscObjectComm((PetscObject)op->A), op->layout,
+                                     OF_NONZERO * p->nonzeros * p->period, "powers, with all steps of the period,"));
   }
   PetscCall(MatCreateVecs(p->step[0], &p->work[0], &p->work[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -173,7 +173,7 @@ static PetscInt Next(PetscInt step, PetscInt last)
   return PetscMin(step < EVERY ? step + 1 : (PetscInt)ceil(SPACING * step), last);
 }
 
-static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, MpmTransient *t)
+static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, MpmProgressWish wish, MpmTransient *t)
 {
   PetscInt    rows, exponent = 0, done = 0, work = 0;
   PetscBool   finite;
@@ -190,7 +190,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
   for (PetscInt i = 0; i < t->n; i++) work += t->steps[i];
-  PetscCall(MpmProgressBegin(op->scene, "steps of powers", &progress));
+  PetscCall(MpmProgressBegin(wish, "steps of powers", &progress));
   for (PetscInt i = 1; i < t->n; i++) {
     PetscReal sigma = NAN;
 
@@ -240,7 +240,8 @@ static void Judge(PetscReal growth, MpmTransient *t)
   t->power  = points >= FEWEST ? (product - points * mean[0] * mean[1]) / (square - points * mean[0] * mean[0]) : NAN;
 }
 
-PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient)
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmProgressWish progress,
+                                  MpmTransient **transient)
 {
   const PetscReal begin = MPI_Wtime();
   Product         product;
@@ -257,7 +258,7 @@ PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscRea
   t->log_norm[0] = 0;
   for (PetscInt i = 1; i < t->n; i++) t->steps[i] = Next(t->steps[i - 1], last);
   PetscCall(ProductCreate(op, last, &product));
-  PetscCall(Norms(op, &product, last, t));
+  PetscCall(Norms(op, &product, last, progress, t));
   PetscCall(ProductDestroy(&product));
   Judge(growth, t);
   t->seconds = MPI_Wtime() - begin;

@@ -3,8 +3,8 @@
    splitmix64's, g its increment (Steele, Lea and Flood 2014).
 */
 #include "base/checksum.h"
+#include "base/hash.h"
 #include <errno.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -14,13 +14,6 @@
 #define CHUNK 65536 /* words */
 
 static const char header[] = "mpmstab checkpoint\nformat %d\nbytes %lld\nsum %llx\n";
-
-static uint64_t Mix(uint64_t z)
-{
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
-}
 
 /* The sum over words [begin, end) behind the seal; the last one is filled up with zeros. */
 static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
@@ -33,7 +26,8 @@ static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
 
     memset(word, 0, sizeof word);
     if (fread(word, 1, 8 * n, file) < 8 * n && ferror(file)) return errno ? errno : EIO;
-    for (size_t i = 0; i < n; i++) *sum += Mix(word[i] + (uint64_t)(begin + (long long)i + 1) * 0x9E3779B97F4A7C15u);
+    for (size_t i = 0; i < n; i++)
+      *sum += MpmHashMix(word[i] + (uint64_t)(begin + (long long)i + 1) * MPM_HASH_INCREMENT);
     begin += (long long)n;
   }
   return 0;

@@ -1,6 +1,5 @@
 /* Refusals print one line; errors inside the program keep PETSc's stack trace. */
 #include <mpmstab/errors.h>
-#include "task/task.h"
 #include "base/unfinished.h"
 #include <ctype.h>
 #include <stdarg.h>

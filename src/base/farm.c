@@ -1,8 +1,7 @@
 /* Parts of work dealt to the ranks in turn. */
 #include "base/farm.h"
-#include "base/progress.h"
 
-PetscErrorCode MpmFarm(const MpmScene *scene, const char unit[], PetscInt n, MpmPart part, void *context)
+PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmPart part, void *context)
 {
   PetscMPIInt rank, size;
   MpmProgress progress;
@@ -10,7 +9,7 @@ PetscErrorCode MpmFarm(const MpmScene *scene, const char unit[], PetscInt n, Mpm
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(MpmProgressBegin(scene, unit, &progress));
+  PetscCall(MpmProgressBegin(wish, unit, &progress));
   for (PetscInt i = rank; i < n; i += size) {
     PetscCall(part(context, i));
     PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, n), n));

@@ -1,6 +1,6 @@
-/* Work that falls into parts, each of which one rank does alone. */
+/* Task farm: work that falls into parts, each of which one rank does alone. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "base/progress.h"
 
 /* Not collective. Part i of the work. */
 typedef PetscErrorCode (*MpmPart)(void *context, PetscInt i);
@@ -11,7 +11,7 @@ typedef PetscErrorCode (*MpmPart)(void *context, PetscInt i);
 
    Collective on PETSC_COMM_WORLD; the parts are not.
 */
-PetscErrorCode MpmFarm(const MpmScene *scene, const char unit[], PetscInt n, MpmPart part, void *context);
+PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmPart part, void *context);
 
 /* Collective. Gives every rank the numbers that parts have set in arrays that were 0 before. */
 PetscErrorCode MpmFarmSumReals(PetscInt n, PetscReal values[]);

@@ -1,14 +1,11 @@
-/* What the machine has left, and what a scene will ask for. */
+/* What the machine has left, and what is asked of it. */
 #include "base/memory.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 #include <stdio.h>
 #include <sys/resource.h>
 
-#define PLENTY 1e8       /* bytes: less is not worth asking the machine for */
-#define OF_PARTICLE 24.0 /* bytes of place, number and owner */
-#define OF_OUTPUT 100.0  /* bytes more a particle: its numbers and coordinates by global id */
-#define OF_NODE 20.0     /* bytes of mass and DMDA's numbers */
-#define OF_NUMBER 8.0    /* bytes of each field's value */
+#define PLENTY 1e8 /* bytes: less is not worth asking the machine for */
 #define GB 1073741824.0
 
 /* One number of a file, in bytes; INFINITY when the machine has none such. */
@@ -37,16 +34,6 @@ static PetscReal Available(PetscReal ranks)
   return available;
 }
 
-PetscReal MpmMemoryOfMarch(const MpmScene *scene)
-{
-  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->table->nparticles + (scene->output[0] ? OF_OUTPUT : 0);
-
-  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-    if (scene->table->varies[w]) particle += OF_NUMBER;
-  return (PetscReal)scene->particles * particle +
-         (PetscReal)scene->nodes * (OF_NODE + OF_NUMBER * scene->table->nnodes);
-}
-
 PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
 {
   PetscMPIInt here;
@@ -61,18 +48,18 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const MpmScene *scene, PetscReal bytes, const char what[])
+PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[])
 {
-  PetscMPIInt size;
+  PetscMPIInt ranks;
   PetscReal   least;
 
   PetscFunctionBegin;
   if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(MpmMemoryOfRank(comm, &least));
-  MpmCheckInput(bytes / size <= least,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": %s needs about %.2g GB, %.2g GB on each of %d "
+  MpmCheckInput(bytes / ranks <= least,
+                "%s: %s needs about %.2g GB, %.2g GB on each of %d "
                 "ranks; allowed: %.2g GB a rank, so fewer cells or particles, or more machines",
-                scene->cells, scene->ppc, what, bytes / GB, bytes / size / GB, size, least / GB);
+                size, what, bytes / GB, bytes / ranks / GB, ranks, least / GB);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,18 +5,20 @@
 #define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
 #define BETWEEN_S 0.5
 
-PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress)
+PetscErrorCode MpmProgressBegin(MpmProgressWish wish, const char unit[], MpmProgress *progress)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  progress->unit    = unit;
-  progress->enabled = scene->has_progress ? scene->progress : (isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE);
-  if (rank) progress->enabled = PETSC_FALSE;
+  progress->unit = unit;
+  progress->enabled =
+      !rank && (wish == MPM_PROGRESS_ALWAYS || (wish == MPM_PROGRESS_ON_TERMINAL && isatty(STDERR_FILENO)))
+          ? PETSC_TRUE
+          : PETSC_FALSE;
   progress->shown   = PETSC_FALSE;
   progress->started = MPI_Wtime();
-  progress->last    = progress->started - BETWEEN_S + (scene->has_progress ? 0 : SILENT_S);
+  progress->last    = progress->started - BETWEEN_S + (wish == MPM_PROGRESS_ALWAYS ? 0 : SILENT_S);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

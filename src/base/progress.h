@@ -1,6 +1,7 @@
 /* Progress: one line with the time left, on a terminal, for work that takes long. */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/compat.h>
+#include <mpmstab/progress.h>
 
 typedef struct {
   const char *unit; /* what is counted: steps, phases */
@@ -8,8 +9,8 @@ typedef struct {
   PetscReal   started, last;
 } MpmProgress;
 
-/* Not collective. Enabled on the first rank when standard error is a terminal or the scene asks. */
-PetscErrorCode MpmProgressBegin(const MpmScene *scene, const char unit[], MpmProgress *progress);
+/* Not collective. Only the first rank prints. */
+PetscErrorCode MpmProgressBegin(MpmProgressWish wish, const char unit[], MpmProgress *progress);
 PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscInt64 total);
 PetscErrorCode MpmProgressEnd(MpmProgress *progress);
 

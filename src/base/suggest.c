@@ -1,5 +1,5 @@
 /* The nearest known name to a misspelled one, by Levenshtein's distance. */
-#include "scene/settings.h"
+#include "base/suggest.h"
 #include <string.h>
 
 #define LONGEST 40 /* longer words have no near name */

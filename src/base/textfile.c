@@ -1,6 +1,6 @@
 /* Files that appear whole or not at all: written aside, checked, renamed. */
 #include <mpmstab/errors.h>
-#include "io/output.h"
+#include "base/textfile.h"
 #include "base/unfinished.h"
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 #include "io/checkpoint.h"
 #include <mpmstab/errors.h>
 #include "scene/scene_keys.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "base/checksum.h"
 #include "io/slabs.h"
 #include "base/unfinished.h"
@@ -113,8 +113,8 @@ static PetscErrorCode WriteState(MpmSlabs *s, const MpmMarch *march)
   PetscCall(WriteField(s, march->particles, DMSwarmField_pid, H5T_NATIVE_INT64));
   PetscCall(WriteField(s, march->particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
   PetscCall(WriteCells(s, march));
-  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
-    PetscCall(WriteField(s, march->particles, march->scene->table->fields[f], H5T_NATIVE_DOUBLE));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(WriteField(s, march->particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
   PetscCall(WriteNode(s, "inverse_mass", march->inverse_mass));
   for (PetscInt f = 0; f < march->nnodes; f++) {
     PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
@@ -128,12 +128,13 @@ static PetscErrorCode Reserve(const char path[], const char part[], const MpmMar
                               const char csv[])
 {
   char       what[PETSC_MAX_PATH_LEN + 64];
-  PetscInt64 bytes = 8 * (3 + march->scene->table->nstate) * march->particles->total + 24 * run->series.n + (1 << 20);
+  PetscInt64 bytes = 8 * (3 + march->scheme->table->nstate) * march->particles->total + 24 * run->series.n + (1 << 20);
   PetscInt   nodes;
 
   PetscFunctionBegin;
   PetscCall(VecGetLocalSize(march->inverse_mass, &nodes));
-  bytes += 8 * (1 + march->nnodes) * ((PetscInt64)march->scene->nodes + nodes) + (csv ? (PetscInt64)strlen(csv) : 0);
+  bytes +=
+      8 * (1 + march->nnodes) * ((PetscInt64)march->layout->grid.nodes + nodes) + (csv ? (PetscInt64)strlen(csv) : 0);
   PetscCall(PetscSNPrintf(what, sizeof what, "checkpoint %s of step %" PetscInt64_FMT, path, march->step));
   PetscCall(MpmFileReserve(PetscObjectComm((PetscObject)march->grid->da), what, part, bytes));
   PetscFunctionReturn(PETSC_SUCCESS);

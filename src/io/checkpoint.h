@@ -1,6 +1,6 @@
 /* Checkpoint: all that a run goes on with, in a file that is whole or not there. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include "analysis/run.h"
 
 /*

@@ -73,13 +73,13 @@ static PetscErrorCode CheckStep(const MpmScene *scene, const MpmCheckpoint *file
 static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
-  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->cells : 0;
+  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->layout.grid.cells : 0;
   const PetscInt64  most  = PetscMin(MOST_EXPONENT * (step + 1), PETSC_MAX_INT / 2);
   PetscInt64        cells;
   PetscReal         part;
 
   PetscFunctionBegin;
-  MpmFractionMultiple(&scene->drift, where[MPM_AT_PLACES], &cells, &part);
+  MpmFractionMultiple(&scene->step.drift, where[MPM_AT_PLACES], &cells, &part);
   Allow(where[MPM_AT_REBASED] >= cells - slack && where[MPM_AT_REBASED] <= cells + slack, file->path,
         "its particles have not drifted as the scene's have");
   Allow(where[MPM_AT_EXPONENT] >= -most && where[MPM_AT_EXPONENT] <= most, file->path,
@@ -114,7 +114,7 @@ static PetscErrorCode CheckSeries(const MpmCheckpoint *file)
 
 static PetscErrorCode CheckRanks(const MpmScene *scene, const MpmCheckpoint *file)
 {
-  PetscInt64 left = scene->particles;
+  PetscInt64 left = scene->layout.particles;
 
   PetscFunctionBegin;
   for (PetscInt64 r = 0; r < file->ranks; r++) {
@@ -151,7 +151,7 @@ static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
     Allow(PetscMax(PetscAbsInt(whole[0]), PetscAbsInt(whole[1])) < march->slack, path,
           "its particles have drifted too far from their cells");
   else
-    Allow(!MpmSceneDrifts(march->scene) || whole[0] == 0, path, "its particles have drifted from their cells");
+    Allow(!MpmMarchDrifts(march) || whole[0] == 0, path, "its particles have drifted from their cells");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,7 +188,7 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
 {
   const MpmGrid   *grid  = march->grid;
-  const PetscInt   least = (MpmSceneDrifts(march->scene) ? -1 : 0) - (same ? 0 : grid->first);
+  const PetscInt   least = (MpmMarchDrifts(march) ? -1 : 0) - (same ? 0 : grid->first);
   const PetscInt   most  = same ? grid->count - 1 : grid->cells - 1 - grid->first;
   PetscInt64       bad   = 0;
   PetscInt         whole, now;
@@ -216,12 +216,12 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const c
 static PetscErrorCode CountLost(const MpmMarch *march, PetscInt64 *lost)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; march->scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++) {
     const PetscReal *q;
 
-    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &q));
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &q));
     for (PetscInt p = 0; p < march->particles->count; p++) *lost += !isfinite(q[p] * q[p]);
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &q));
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &q));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

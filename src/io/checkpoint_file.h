@@ -1,6 +1,6 @@
 /* Checkpoint file: what every rank holds of a checkpoint while it is read, and whether a run can have written it. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /* Of the array 'where': the step, that of the places, whole cells of drift taken in, exponent, step of the blow-up. */
 enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_UP, MPM_WHERE };

@@ -84,11 +84,11 @@ static PetscErrorCode ReadAndCheckRun(MpmSlabs *s, const MpmScene *scene, MpmChe
   PetscCall(ReadRun(s, file));
   PetscCall(CheckRead(s, path));
   PetscCall(MpmCheckpointCheckRun(scene, file));
-  PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->particles));
-  PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->particles));
-  PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->particles));
-  for (PetscInt f = 0; scene->table->fields[f]; f++)
-    PetscCall(Require(s, path, scene->table->fields[f], H5T_NATIVE_DOUBLE, scene->particles));
+  PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->layout.particles));
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++)
+    PetscCall(Require(s, path, scene->scheme.table->fields[f], H5T_NATIVE_DOUBLE, scene->layout.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,8 +200,8 @@ static PetscErrorCode ReadParticles(MpmSlabs *s, const Share *share, MpmMarch *m
   PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
   PetscCall(ReadField(s, share, particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
   PetscCall(ReadCells(s, share, march));
-  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
-    PetscCall(ReadField(s, share, particles, march->scene->table->fields[f], H5T_NATIVE_DOUBLE));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(ReadField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -271,7 +271,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
     PetscCall(MpmParticlesComparePlaces(march->particles));
   else
     PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  PetscCall(MpmParticlesWeigh(march->scene, march->particles));
+  PetscCall(MpmParticlesWeigh(march->particles));
   if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

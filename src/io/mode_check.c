@@ -92,35 +92,36 @@ static PetscErrorCode SameScene(Check *c)
 
   PetscFunctionBegin;
   PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  SameText(c, "formulation", s->formulation->name);
-  SameText(c, "basis", s->basis->name);
-  SameText(c, "transfer", s->transfer->name);
+  SameText(c, "formulation", s->scheme.formulation->name);
+  SameText(c, "basis", s->scheme.basis->name);
+  SameText(c, "transfer", s->scheme.transfer->name);
   SameText(c, "boundary", s->boundary);
-  SameCount(c, "cells", s->cells);
-  SameCount(c, "ppc", s->ppc);
+  SameCount(c, "cells", s->layout.grid.cells);
+  SameCount(c, "ppc", s->layout.ppc);
   SameText(c, "counts", counts);
-  SameNumber(c, "cluster_from", s->cluster[0]);
-  SameNumber(c, "cluster_to", s->cluster[1]);
-  SameText(c, "material", MpmMaterialNames[s->material.kind]);
-  SameNumber(c, "density_ratio", s->material.density);
-  SameNumber(c, "stiffness_ratio", s->material.stiffness);
-  SameNumber(c, "inclusion_from", s->material.inclusion[0]);
-  SameNumber(c, "inclusion_to", s->material.inclusion[1]);
-  SameNumber(c, "offset", s->offset.value);
-  SameNumber(c, "jitter", s->jitter);
-  if (s->jitter != 0) SameNumber(c, "seed", (PetscReal)s->seed);
-  SameNumber(c, "courant", s->courant);
-  SameNumber(c, "first", (PetscReal)s->first);
-  SameNumber(c, "particles", (PetscReal)s->particles);
-  if (s->transfer->option) SameNumber(c, s->transfer->option, s->transfer->number(&s->numbers));
-  SameNumber(c, "drift", s->drift.value);
+  SameNumber(c, "cluster_from", s->layout.cluster[0]);
+  SameNumber(c, "cluster_to", s->layout.cluster[1]);
+  SameText(c, "material", MpmMaterialNames[s->layout.material.kind]);
+  SameNumber(c, "density_ratio", s->layout.material.density);
+  SameNumber(c, "stiffness_ratio", s->layout.material.stiffness);
+  SameNumber(c, "inclusion_from", s->layout.material.inclusion[0]);
+  SameNumber(c, "inclusion_to", s->layout.material.inclusion[1]);
+  SameNumber(c, "offset", s->layout.offset.value);
+  SameNumber(c, "jitter", s->layout.jitter);
+  if (s->layout.jitter != 0) SameNumber(c, "seed", (PetscReal)s->layout.seed);
+  SameNumber(c, "courant", s->step.courant);
+  SameNumber(c, "first", (PetscReal)s->layout.first);
+  SameNumber(c, "particles", (PetscReal)s->layout.particles);
+  if (s->scheme.transfer->option)
+    SameNumber(c, s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
+  SameNumber(c, "drift", s->step.drift.value);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A field of the mode: as many numbers as there are particles, all of them finite. */
 static PetscErrorCode Field(Check *c, const char group[], const char field[], const char part[], PetscReal *largest)
 {
-  const PetscInt64 n = c->scene->particles;
+  const PetscInt64 n = c->scene->layout.particles;
   char             name[128];
   hid_t            set, space, type;
   double          *values;
@@ -160,9 +161,9 @@ static PetscErrorCode Mode(Check *c)
   if (!Attribute(c, group, "growth", H5T_FLOAT, H5T_NATIVE_DOUBLE, &growth))
     Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
           c->scene->mode);
-  for (PetscInt f = 0; c->scene->table->fields[f] && !c->why[0]; f++) {
-    PetscCall(Field(c, group, c->scene->table->fields[f], "re", &largest));
-    PetscCall(Field(c, group, c->scene->table->fields[f], "im", &largest));
+  for (PetscInt f = 0; c->scene->scheme.table->fields[f] && !c->why[0]; f++) {
+    PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "re", &largest));
+    PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "im", &largest));
   }
   if (largest == 0) Wrong(c, "mode %" PetscInt_FMT " is zero; " WRITTEN, c->scene->mode);
   PetscFunctionReturn(PETSC_SUCCESS);

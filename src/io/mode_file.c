@@ -35,7 +35,8 @@ static PetscErrorCode ReadField(const MpmScene *scene, PetscViewer viewer, const
   VecScatter        scatter;
 
   PetscFunctionBegin;
-  PetscCall(VecCreateMPI(PetscObjectComm((PetscObject)viewer), PETSC_DECIDE, (PetscInt)scene->particles, &by_id));
+  PetscCall(
+      VecCreateMPI(PetscObjectComm((PetscObject)viewer), PETSC_DECIDE, (PetscInt)scene->layout.particles, &by_id));
   PetscCall(PetscObjectSetName((PetscObject)by_id, name));
   PetscCall(VecLoad(by_id, viewer));
   PetscCall(PetscMalloc1(particles->count, &rows));
@@ -65,14 +66,14 @@ static PetscErrorCode ReadPart(const MpmScene *scene, PetscViewer viewer, const 
 
   PetscFunctionBegin;
   *largest = 0;
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", scene->table->fields[f], part));
-    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
+    PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", scene->scheme.table->fields[f], part));
+    PetscCall(MpmParticlesGet(particles, scene->scheme.table->fields[f], &q));
     PetscCall(ReadField(scene, viewer, name, particles, q));
     for (PetscInt p = 0; p < particles->count; p++) *largest = PetscMax(*largest, fabs(q[p]));
-    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
+    PetscCall(MpmParticlesRestore(particles, scene->scheme.table->fields[f], &q));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, largest, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)viewer)));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -94,12 +95,12 @@ PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmPart
   if (imaginary > largest) PetscCall(ReadPart(scene, viewer, "im", particles, &largest));
   PetscCall(PetscViewerHDF5PopGroup(viewer));
   PetscCall(PetscViewerDestroy(&viewer));
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
+    PetscCall(MpmParticlesGet(particles, scene->scheme.table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) q[p] *= scalbn(scene->amplitude, -(int)exponent) / largest;
-    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
+    PetscCall(MpmParticlesRestore(particles, scene->scheme.table->fields[f], &q));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,9 @@
-/* Eigenvectors from files of the task spectrum, as initial data of a run. */
+/* Mode files: eigenvectors that the task spectrum writes, and that a run takes as its initial data. */
 #pragma once
+#include "io/datafile.h"
+#include "linalg/eigen.h"
 #include "march/particles.h"
+#include <mpmstab/operator.h>
 
 /* Collective. Refuses a scene's mode_file unless it is of the same scheme, grid and particles and holds the mode. */
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene);
@@ -18,3 +21,13 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
    Collective.
 */
 PetscErrorCode MpmModeFileFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles);
+
+/*
+   MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the
+   order of global ids, counted from 1, and where the particles start, /modes/coordinates; the group's attributes re, im
+   and growth are the eigenvalue and its growth per step.
+
+   Collective.
+*/
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file);

@@ -1,6 +1,7 @@
 /* Particle and node fields as HDF5, in the order of global ids, through PETSc's parallel viewer. */
 #include "io/datafile.h"
 #include "io/output.h"
+#include "base/textfile.h"
 #include <petscviewerhdf5.h>
 #include <math.h>
 #include <string.h>
@@ -15,7 +16,7 @@ struct MpmOutput_ {
 PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
-  const PetscInt n    = (PetscInt)march->scene->particles;
+  const PetscInt n    = (PetscInt)march->layout->particles;
   MpmOutput     *o;
 
   PetscFunctionBegin;
@@ -28,7 +29,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
-  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->scene->nodes, &o->global));
+  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->layout->grid.nodes, &o->global));
   PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -99,8 +100,8 @@ static PetscErrorCode WriteParticles(const MpmOutput *output, const MpmMarch *ma
   PetscFunctionBegin;
   PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "particles"));
   PetscCall(WriteCoordinates(output, march));
-  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
-    const char      *name = output->scene->table->fields[f];
+  for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
+    const char      *name = output->scene->scheme.table->fields[f];
     const PetscReal *q;
 
     PetscCall(MpmParticlesGet(march->particles, name, &q));
@@ -117,7 +118,7 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
 {
   PetscFunctionBegin;
   PetscCall(PetscViewerHDF5PushGroup(output->file.viewer, "nodes"));
-  for (PetscInt f = 0; output->scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     PetscReal *from, *to;
 
     PetscCall(MpmMarchProject(march, f, output->local));
@@ -126,7 +127,7 @@ static PetscErrorCode WriteNodes(const MpmOutput *output, MpmMarch *march)
     for (PetscInt i = 0; i < march->grid->nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
     PetscCall(VecRestoreArray(output->global, &to));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
-    PetscCall(ViewAs(output->global, output->scene->table->fields[f], output->file.viewer));
+    PetscCall(ViewAs(output->global, output->scene->scheme.table->fields[f], output->file.viewer));
   }
   PetscCall(PetscViewerHDF5PopGroup(output->file.viewer));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,8 +150,8 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
   const char     *slash = strrchr(output->file.path, '/'), *file = slash ? slash + 1 : output->file.path;
   char            particles[32], nodes[32];
 
-  snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->particles);
-  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->nodes);
+  snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->layout.particles);
+  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->layout.grid.nodes);
   fprintf(xmf,
           "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
           "<Grid Name=\"particles\" GridType=\"Uniform\">\n"
@@ -158,15 +159,16 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
           "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"%s 3\" NumberType=\"Float\" Precision=\"8\" "
           "Format=\"HDF\">%s:%s/particles/coordinates</DataItem></Geometry>\n",
           time, particles, particles, file, group);
-  for (PetscInt f = 0; s->table->fields[f]; f++)
-    DescribeField(xmf, file, group, "particles", s->table->fields[f], particles);
+  for (PetscInt f = 0; s->scheme.table->fields[f]; f++)
+    DescribeField(xmf, file, group, "particles", s->scheme.table->fields[f], particles);
   fprintf(xmf,
           "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
           "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
           "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
           "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
           nodes, s->cell_width);
-  for (PetscInt f = 0; s->table->fields[f]; f++) DescribeField(xmf, file, group, "nodes", s->table->fields[f], nodes);
+  for (PetscInt f = 0; s->scheme.table->fields[f]; f++)
+    DescribeField(xmf, file, group, "nodes", s->scheme.table->fields[f], nodes);
   fprintf(xmf, "</Grid>\n</Grid>\n");
 }
 

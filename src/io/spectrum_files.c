@@ -1,6 +1,7 @@
 /* Dumps for reports: eigenvalues, modes and the symbol's curves, as HDF5 and CSV. */
-#include "io/output.h"
-#include "analysis/spectrum.h"
+#include "base/textfile.h"
+#include "io/mode_file.h"
+#include "io/spectrum_files.h"
 #include "io/symbol_files.h"
 #include <math.h>
 
@@ -51,6 +52,27 @@ static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WriteTransient(const MpmSpectrum *s, MpmDataFile *file)
+{
+  const MpmTransient      *t = s->transient;
+  const MpmPseudospectrum *p = s->pseudospectrum;
+  PetscReal               *steps;
+
+  PetscFunctionBegin;
+  if (t) {
+    PetscCall(PetscMalloc1(t->n, &steps));
+    for (PetscInt i = 0; i < t->n; i++) steps[i] = (PetscReal)t->steps[i];
+    PetscCall(MpmDataFileArray(file, "/transient", "steps", t->n, 1, steps));
+    PetscCall(MpmDataFileArray(file, "/transient", "norm", t->n, 1, t->norm));
+    PetscCall(PetscFree(steps));
+  }
+  if (!p) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "re", p->points, 1, p->re));
+  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "im", p->points, 1, p->re));
+  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "sigma", p->points, p->points, p->sigma));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
 {
   MpmModes    modes;
@@ -63,9 +85,9 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
   if (s->scene->output[0]) {
     PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, &file));
     PetscCall(WriteEigenvalues(s, &modes, &file));
-    PetscCall(MpmModesWrite(s->op, s->eigen, s->scene->modes, &file));
+    PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->scene->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
-    PetscCall(MpmTransientWrite(s, &file));
+    PetscCall(WriteTransient(s, &file));
     PetscCall(MpmDataFileClose(&file, NULL));
   }
   PetscCall(MpmModesDestroy(&modes));

@@ -1,5 +1,5 @@
 /* The symbol's curves as HDF5 and CSV. */
-#include "io/output.h"
+#include "base/textfile.h"
 #include "io/symbol_files.h"
 
 /* A curve over 0..half, continued to all phases: growth is even in beta. */
@@ -24,8 +24,8 @@ static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, M
   PetscCall(PetscMalloc3(s->phases, &beta, s->half + 1, &published, s->half + 1, &corrected));
   for (PetscInt m = 0; m < s->phases; m++) beta[m] = MpmSymbolPhase(m, s->phases);
   for (PetscInt m = 0; m <= s->half; m++) {
-    published[m] = MpmPredictorPublished(p, beta[m]);
-    corrected[m] = MpmPredictorCorrected(p, beta[m]);
+    published[m] = MpmPredictorPublished(p, s->step.courant, beta[m]);
+    corrected[m] = MpmPredictorCorrected(p, s->step.courant, beta[m]);
   }
   PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->phases, 1, beta));
   PetscCall(WriteEven(s, "published", published, PETSC_TRUE, file));
@@ -70,8 +70,8 @@ PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, cons
       fprintf(csv.stream, "%.17g", beta);
       MpmTextFileCell(&csv, growth[m]);
       if (seen) MpmTextFileCell(&csv, seen[m]);
-      MpmTextFileCell(&csv, MpmPredictorPublished(p, beta));
-      MpmTextFileCell(&csv, MpmPredictorCorrected(p, beta));
+      MpmTextFileCell(&csv, MpmPredictorPublished(p, s->step.courant, beta));
+      MpmTextFileCell(&csv, MpmPredictorCorrected(p, s->step.courant, beta));
       fprintf(csv.stream, "\n");
     }
   }

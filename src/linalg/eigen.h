@@ -1,6 +1,6 @@
 /* Eigenvalues of an assembled operator, by SLEPc. */
 #pragma once
-#include <mpmstab/operator.h>
+#include <mpmstab/compat.h>
 #include <slepcbv.h>
 #include <slepceps.h>
 

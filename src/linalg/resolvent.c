@@ -5,7 +5,7 @@
 */
 #include "linalg/complex_lapack.h"
 #include "linalg/dense.h"
-#include "scene/layout.h"
+#include "base/hash.h"
 #include "linalg/resolvent.h"
 #include <math.h>
 

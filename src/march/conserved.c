@@ -10,11 +10,11 @@
 static PetscErrorCode SumParticles(const MpmMarch *march, PetscInt field, PetscReal sums[2])
 {
   const MpmParticles *particles = march->particles;
-  const PetscBool     weighed   = march->scene->table->varies[MPM_MASS];
+  const PetscBool     weighed   = march->layout->varies[MPM_MASS];
   const PetscReal    *q, *mass = NULL;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, march->scene->table->fields[field], &q));
+  PetscCall(MpmParticlesGet(particles, march->scheme->table->fields[field], &q));
   if (weighed) PetscCall(MpmParticlesGet(particles, MpmPropertyNames[MPM_MASS], &mass));
   for (PetscInt p = 0; p < particles->count; p++) {
     const PetscReal momentum = weighed ? mass[p] * q[p] : q[p];
@@ -23,7 +23,7 @@ static PetscErrorCode SumParticles(const MpmMarch *march, PetscInt field, PetscR
     sums[1] += fabs(momentum);
   }
   if (weighed) PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[MPM_MASS], &mass));
-  PetscCall(MpmParticlesRestore(particles, march->scene->table->fields[field], &q));
+  PetscCall(MpmParticlesRestore(particles, march->scheme->table->fields[field], &q));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -42,15 +42,14 @@ static PetscErrorCode SumNodes(const MpmMarch *march, PetscReal *sum)
 
 PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *c)
 {
-  const MpmScene *scene    = march->scene;
-  const PetscInt  field    = scene->formulation->conserved;
-  PetscReal       sums[3]  = {0, 0, 0};
-  MPI_Comm        comm     = PetscObjectComm((PetscObject)march->grid->da);
-  PetscBool       no_walls = PETSC_TRUE;
+  const PetscInt field    = march->scheme->formulation->conserved;
+  PetscReal      sums[3]  = {0, 0, 0};
+  MPI_Comm       comm     = PetscObjectComm((PetscObject)march->grid->da);
+  PetscBool      no_walls = PETSC_TRUE;
 
   PetscFunctionBegin;
   for (int end = 0; end < 2; end++)
-    if (MpmEndIsFixed(scene->ends[end])) no_walls = PETSC_FALSE;
+    if (MpmEndIsFixed(march->layout->grid.ends[end])) no_walls = PETSC_FALSE;
   *c = (MpmConserved){.particles    = march->particles->count,
                       .exponent     = march->exponent,
                       .has_momentum = field != MPM_NONE && no_walls ? PETSC_TRUE : PETSC_FALSE};

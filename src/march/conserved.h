@@ -1,6 +1,6 @@
 /* Conserved: what a run must not lose. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 #define MPM_MASS_ROUNDING 1e-10 /* of the nodes' mass, relative */
 

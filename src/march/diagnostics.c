@@ -8,10 +8,10 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
 {
   const MpmScene     *scene     = march->scene;
   const MpmParticles *particles = march->particles;
-  const char         *name      = scene->table->fields[field];
-  const PetscReal     lag       = scene->stagger && field == scene->formulation->staggered ? scene->dt / 2 : 0;
+  const char         *name      = scene->scheme.table->fields[field];
+  const PetscReal     lag       = scene->stagger && field == scene->scheme.formulation->staggered ? scene->dt / 2 : 0;
   const PetscReal     t         = march->step * scene->dt - lag;
-  const PetscBool     weighed   = scene->table->varies[MPM_VOLUME];
+  const PetscBool     weighed   = scene->layout.varies[MPM_VOLUME];
   const PetscReal    *xi, *q, *volume = NULL;
   const PetscInt     *cell;
 
@@ -23,7 +23,7 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
   sums[0] = sums[1] = sums[2] = 0;
   for (PetscInt p = 0; p < particles->count; p++) {
     const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, march->grid, cell[p], xi[p]);
-    const PetscReal e = fabs(q[p] - scale * scene->formulation->wave->value(profile, field, X, t));
+    const PetscReal e = fabs(q[p] - scale * scene->scheme.formulation->wave->value(profile, field, X, t));
     const PetscReal V = weighed ? volume[p] : 1;
 
     sums[0] += V * e;
@@ -40,15 +40,16 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
 PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
 {
   const MpmScene       *scene = march->scene;
-  const MpmFormulation *f     = scene->formulation;
+  const MpmFormulation *f     = scene->scheme.formulation;
   const int             start = ilogb(scene->amplitude), grown = (int)march->exponent - start;
   const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
   const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
   /* of all particles: a grid full of them has ppc units of volume in each cell, however many share it */
-  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->cells * scene->ppc : (PetscReal)scene->particles;
+  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->layout.grid.cells * scene->layout.ppc
+                                                 : (PetscReal)scene->layout.particles;
 
   PetscFunctionBegin;
-  for (PetscInt field = 0; field < scene->table->nstate; field++) {
+  for (PetscInt field = 0; field < scene->scheme.table->nstate; field++) {
     const PetscReal unit = f->wave->amplitude(&profile, field);
     PetscReal       sums[3];
 

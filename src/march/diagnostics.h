@@ -1,6 +1,6 @@
 /* Diagnostics: how far a run is from the exact solution. */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /* Errors of one field over the particles, weighted by volume, relative to the exact amplitude. */
 typedef struct {

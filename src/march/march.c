@@ -1,5 +1,5 @@
 /* The march: pass after pass, and migration before particles would run out of the ghost layer. */
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 static PetscErrorCode Migrate(MpmMarch *march)
 {
@@ -43,54 +43,43 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 }
 
 /*
-   Through a view of the march whose table has the one node field that is summed to. inverse_mass: at the next step's
-   places, with masses of their own; NULL: at the present ones.
+   P2G of one particle field with the particles at the places of a step; with_mass: the nodal masses too, of which the
+   inverses go to inverse_mass.
 */
-static PetscErrorCode Project(const MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
+static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, PetscBool with_mass, Vec inverse_mass,
+                              Vec node)
 {
-  const MpmBasis *basis   = march->scene->basis;
-  MpmPass         project = {.nops  = 1,
-                             .nsums = 1,
-                             .op    = {{.kind        = MPM_PASS_MAP,
-                                        .kernel      = basis->kernel[MPM_P2G],
-                                        .mass_kernel = basis->p2g_mass,
-                                        .a           = 1,
-                                        .particle    = field,
-                                        .to_nodes    = PETSC_TRUE,
-                                        .weight      = MpmTableWeight(march->scene->table, MPM_P2G)}}};
-  MpmMarch        view    = *march;
-  MpmScene        scene   = *march->scene;
-  MpmTable        table   = *scene.table;
-  MpmParticles    next    = *march->particles;
+  const MpmBasis      *basis         = march->scheme->basis;
+  const PetscBool      antisymmetric = MpmTableIsAntisymmetric(march->scheme->table, field);
+  const MpmPass        project       = {.nops      = 1,
+                                        .nsums     = 1,
+                                        .sums_mass = with_mass,
+                                        .op        = {{.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                                       .kernel      = basis->kernel[MPM_P2G],
+                                                       .mass_kernel = basis->p2g_mass,
+                                                       .a           = 1,
+                                                       .particle    = field,
+                                                       .to_nodes    = PETSC_TRUE,
+                                                       .weight      = MpmLayoutWeight(march->layout, MPM_P2G)}}};
+  Vec                  spare         = NULL;
+  const MpmNodeVectors nodes         = {
+              .n = 1, .node = &node, .spare = &spare, .inverse_mass = inverse_mass, .antisymmetric = &antisymmetric};
 
   PetscFunctionBegin;
-  table.odd[0]  = MpmTableIsAntisymmetric(scene.table, field);
-  scene.table   = &table;
-  view.scene    = &scene;
-  view.nnodes   = 1;
-  view.node[0]  = node;
-  view.spare[0] = NULL;
-  if (inverse_mass) {
-    next.step++;
-    view.particles     = &next;
-    view.inverse_mass  = inverse_mass;
-    project.op[0].kind = MPM_PASS_MASS;
-    project.sums_mass  = PETSC_TRUE;
-  }
-  PetscCall(MpmMarchRunPasses(&view, 1, &project, PETSC_FALSE));
+  PetscCall(MpmMarchRunPassesOn(march, &nodes, &step, 1, &project, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
 {
   PetscFunctionBegin;
-  PetscCall(Project(march, field, NULL, node));
+  PetscCall(Project(march, field, march->particles->step, PETSC_FALSE, march->inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
 {
   PetscFunctionBegin;
-  PetscCall(Project(march, field, inverse_mass, node));
+  PetscCall(Project(march, field, march->particles->step + 1, PETSC_TRUE, inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

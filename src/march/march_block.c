@@ -22,7 +22,7 @@ static PetscInt CellOf(const MpmMarchArrays *a, PetscInt p)
 
 PetscInt MpmStageLeastNode(const MpmStage *s, PetscInt p)
 {
-  return CellOf(s->arrays, p) + PetscMin(s->whole[0], s->whole[1]) - s->arrays->march->scene->basis->reach_left;
+  return CellOf(s->arrays, p) + PetscMin(s->whole[0], s->whole[1]) - s->arrays->march->scheme->basis->reach_left;
 }
 
 PetscInt MpmStageLargestNode(const MpmStage *s, PetscInt p)
@@ -30,13 +30,13 @@ PetscInt MpmStageLargestNode(const MpmStage *s, PetscInt p)
   const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
 
   return CellOf(s->arrays, p) + PetscMax(s->whole[0], s->whole[1]) + carry +
-         s->arrays->march->scene->basis->reach_right;
+         s->arrays->march->scheme->basis->reach_right;
 }
 
 /* Where n particles from begin on are, after DRIFT or before. */
 static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *placed)
 {
-  const MpmScene  *scene = s->arrays->march->scene;
+  const MpmMarch  *march = s->arrays->march;
   const PetscInt  *cell  = s->arrays->cell + begin;
   const PetscReal *xi    = s->arrays->xi + begin;
   PetscInt         moved[MPM_BLOCK];
@@ -46,7 +46,7 @@ static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after
     cell = moved;
     xi   = placed->xi;
   }
-  MpmBlockPlace(scene->basis, n, cell, xi, scene->width, &placed->block);
+  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width, &placed->block);
 }
 
 void MpmStagePlace(MpmStage *s)

@@ -1,24 +1,26 @@
 /* Nodes of the march: images beyond walls, operations between node fields. */
 #include "march/march_nodes.h"
 
-void MpmMarchFold(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[], PetscReal mass[])
+void MpmMarchFold(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass, PetscReal *const field[],
+                  PetscReal mass[])
 {
   const PetscReal even[2] = {1, 1};
   PetscReal       sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmDirectionMirror(&march->layout->grid, antisymmetric[pass->sum[s]], sign);
     MpmGridFold(march->grid, sign, field[pass->sum[s]]);
   }
   if (pass->sums_mass) MpmGridFold(march->grid, even, mass);
 }
 
-void MpmMarchReflect(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[])
+void MpmMarchReflect(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass,
+                     PetscReal *const field[])
 {
   PetscReal sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmSceneMirror(march->scene, march->scene->table->odd[pass->sum[s]], sign);
+    MpmDirectionMirror(&march->layout->grid, antisymmetric[pass->sum[s]], sign);
     MpmGridReflect(march->grid, sign, field[pass->sum[s]]);
   }
 }
@@ -57,7 +59,7 @@ void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt
   }
 }
 
-PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[],
+PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const MpmPass *pass, PetscReal *const field[],
                                const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[])
 {
   const MpmGrid *grid = march->grid;
@@ -73,8 +75,9 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, const MpmPass *pass, Petsc
     } else if (op->kind == MPM_WALL)
       SetWall(grid, op, field[op->src], field[op->dst]);
     else
-      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, places, march->scene->table->odd[op->dst],
-                                   inverse_mass, field[op->src], field[op->dst]));
+      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, places,
+                                   march->scheme->table->antisymmetric[op->dst], inverse_mass, field[op->src],
+                                   field[op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

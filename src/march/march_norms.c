@@ -1,10 +1,10 @@
 /* Norms of the state: of all particle fields, the formulation's energy, and what of it the grid sees. */
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 #include <math.h>
 
-static PetscBool Differ(const MpmTable *table)
+static PetscBool Differ(const MpmLayout *layout)
 {
-  return table->varies[MPM_MASS] || table->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+  return layout->varies[MPM_MASS] || layout->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* A property's array where it varies, else NULL. */
@@ -12,8 +12,7 @@ static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, c
 {
   PetscFunctionBegin;
   *values = NULL;
-  if (march->scene->table->varies[property])
-    PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], values));
+  if (march->layout->varies[property]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,8 +45,8 @@ static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm 
 /* Before the first step nothing has been sampled in passing. */
 static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, const MpmEnergyTerm *term, PetscReal *sum)
 {
-  const char     *name   = march->scene->table->fields[field];
-  const PetscBool differ = Differ(march->scene->table);
+  const char     *name   = march->scheme->table->fields[field];
+  const PetscBool differ = Differ(march->layout);
   PetscReal      *q;
 
   PetscFunctionBegin;
@@ -81,7 +80,7 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
 /* What the grid sees of a formulation without an energy: the node fields that particle fields are sent to. */
 static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
 {
-  const MpmTable *table = march->scene->table;
+  const MpmTable *table = march->scheme->table;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < table->nstate; f++) {
@@ -90,28 +89,28 @@ static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
 
     if (!seen) continue;
     PetscCall(NodeSquares(march, seen->dst, PETSC_FALSE, &squares));
-    *sum += march->scene->cell_width * squares;
+    *sum += march->cell_width * squares;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 {
-  const MpmScene       *scene       = march->scene;
-  const MpmFormulation *formulation = scene->formulation;
-  const PetscReal       h           = scene->cell_width;
+  const MpmTable       *table       = march->scheme->table;
+  const MpmFormulation *formulation = march->scheme->formulation;
+  const PetscReal       h           = march->cell_width;
   PetscReal             sums[3]     = {0, 0, 0}, squares;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < scene->table->nstate; f++) {
+  for (PetscInt f = 0; f < table->nstate; f++) {
     PetscCall(ParticleSquares(march, f, NULL, &squares));
-    sums[0] += h / scene->ppc * squares;
+    sums[0] += h / march->layout->ppc * squares;
   }
   if (!formulation->nenergy) PetscCall(SeenSquares(march, &sums[2]));
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
     const MpmEnergyTerm *term         = &formulation->energy[t];
     const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-    const MpmOp         *seen         = on_particles ? MpmTableSeenBy(scene->table, term->field) : NULL;
+    const MpmOp         *seen         = on_particles ? MpmTableSeenBy(table, term->field) : NULL;
 
     squares = 0;
     if (seen || !on_particles)
@@ -119,7 +118,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
     sums[2] += h * squares;
     if (on_particles) {
       PetscCall(ParticleSquares(march, term->field, term, &squares));
-      squares /= scene->ppc;
+      squares /= march->layout->ppc;
     }
     sums[1] += h * squares;
   }

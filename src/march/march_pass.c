@@ -9,23 +9,23 @@
 */
 #include "march/march_stage.h"
 
-static PetscErrorCode GetArrays(const MpmMarch *march, MpmMarchArrays *a)
+static PetscErrorCode GetArrays(const MpmMarch *march, const MpmNodeVectors *nodes, MpmMarchArrays *a)
 {
   PetscFunctionBegin;
   a->march = march;
+  a->nodes = nodes;
   a->block = MpmMarchBlockSize(march->particles);
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
-  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
-    PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[f], &a->particle[f]));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &a->particle[f]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-    if (march->scene->table->varies[w])
-      PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
-  for (PetscInt f = 0; f < march->nnodes; f++) {
-    PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
-    if (march->spare[f]) PetscCall(MpmGridGetArray(march->grid, march->spare[f], &a->spare[f]));
+    if (march->layout->varies[w]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; f < nodes->n; f++) {
+    PetscCall(MpmGridGetArray(march->grid, nodes->node[f], &a->node[f]));
+    if (nodes->spare[f]) PetscCall(MpmGridGetArray(march->grid, nodes->spare[f], &a->spare[f]));
   }
-  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &a->mass));
+  PetscCall(MpmGridGetArray(march->grid, nodes->inverse_mass, &a->mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -38,22 +38,24 @@ static void SwapVec(Vec *a, Vec *b)
 }
 
 /* Fields that were summed into their spare array change places with it; last is the group's last stage. */
-static PetscErrorCode RestoreArrays(MpmMarch *march, MpmMarchArrays *a, const MpmStage *last)
+static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
 {
+  const MpmMarch       *march = a->march;
+  const MpmNodeVectors *nodes = a->nodes;
+
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < march->nnodes; f++) {
+  for (PetscInt f = 0; f < nodes->n; f++) {
     const PetscBool swap = last->after[f] != a->node[f] ? PETSC_TRUE : PETSC_FALSE;
 
-    PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
-    if (march->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, march->spare[f], &a->spare[f]));
-    if (swap) SwapVec(&march->node[f], &march->spare[f]);
+    PetscCall(MpmGridRestoreArray(march->grid, nodes->node[f], &a->node[f]));
+    if (nodes->spare[f]) PetscCall(MpmGridRestoreArray(march->grid, nodes->spare[f], &a->spare[f]));
+    if (swap) SwapVec(&nodes->node[f], &nodes->spare[f]);
   }
-  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->mass));
+  PetscCall(MpmGridRestoreArray(march->grid, nodes->inverse_mass, &a->mass));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-    if (march->scene->table->varies[w])
-      PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
-  for (PetscInt f = 0; march->scene->table->fields[f]; f++)
-    PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[f], &a->particle[f]));
+    if (march->layout->varies[w]) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &a->particle[f]));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -68,18 +70,18 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
   PetscFunctionBegin;
   s->pass   = pass;
   s->arrays = a;
-  s->moving = MpmSceneDrifts(march->scene);
+  s->moving = MpmMarchDrifts(march);
   if (s->moving) {
     PetscCall(MpmParticlesWhere(march->particles, step, &s->whole[0], &s->part[0]));
     PetscCall(MpmParticlesWhere(march->particles, step + 1, &s->whole[1], &s->part[1]));
   }
-  for (PetscInt f = 0; f < march->nnodes; f++) s->node[f] = before ? before->after[f] : a->node[f];
+  for (PetscInt f = 0; f < a->nodes->n; f++) s->node[f] = before ? before->after[f] : a->node[f];
   for (PetscInt i = 0; i < pass->nsums; i++) {
     const PetscInt f = pass->sum[i];
 
     s->sum[f] = a->spare[f] ? a->spare[f] : s->node[f];
   }
-  for (PetscInt f = 0; f < march->nnodes; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
+  for (PetscInt f = 0; f < a->nodes->n; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
   MpmStagePlace(s);
@@ -171,33 +173,33 @@ static PetscErrorCode FinishStage(MpmStage *s)
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
   sums[s->pass->nsums] = s->arrays->mass;
-  MpmMarchFold(s->arrays->march, s->pass, s->sum, s->arrays->mass);
+  MpmMarchFold(s->arrays->march, s->arrays->nodes->antisymmetric, s->pass, s->sum, s->arrays->mass);
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
   Complete(s, 0, PetscMin(s->lo, grid->nodes));
   Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
   PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
-  MpmMarchReflect(s->arrays->march, s->pass, s->sum);
+  MpmMarchReflect(s->arrays->march, s->arrays->nodes->antisymmetric, s->pass, s->sum);
   PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
+PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
+                                   const MpmPass passes[], PetscBool sample)
 {
   const PetscInt count                     = march->particles->count;
-  PetscInt64     step                      = march->particles->step;
   MpmMarchArrays arrays                    = {0};
   MpmStage       stage[MPM_MAX_JOINED + 1] = {0};
   MpmPlaced      placed[MPM_MAX_JOINED + 1][2];
   MpmPlaces      places;
 
   PetscFunctionBegin;
-  PetscCall(GetArrays(march, &arrays));
+  PetscCall(GetArrays(march, nodes, &arrays));
   for (PetscInt g = 0; g < n; g++) {
     stage[g].sample  = sample;
     stage[g].squares = march->squares;
     stage[g].placed  = placed[g];
-    PetscCall(BeginStage(&arrays, g ? &stage[g - 1] : NULL, &passes[g], step, &stage[g]));
-    if (passes[g].drifts) step++;
+    PetscCall(BeginStage(&arrays, g ? &stage[g - 1] : NULL, &passes[g], *step, &stage[g]));
+    if (passes[g].drifts) ++*step;
   }
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
   while (stage[0].next < count) {
@@ -206,9 +208,22 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
   }
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  march->particles->step = step;
-  places                 = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
-  PetscCall(MpmMarchNodeOps(march, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
-  PetscCall(RestoreArrays(march, &arrays, &stage[n - 1]));
+  places = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
+  PetscCall(
+      MpmMarchNodeOps(march, *step, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
+  PetscCall(RestoreArrays(&arrays, &stage[n - 1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
+{
+  const MpmNodeVectors nodes = {.n             = march->nnodes,
+                                .node          = march->node,
+                                .spare         = march->spare,
+                                .inverse_mass  = march->inverse_mass,
+                                .antisymmetric = march->scheme->table->antisymmetric};
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchRunPassesOn(march, &nodes, &march->particles->step, n, passes, sample));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,10 +4,11 @@
 
 /* What the passes of a group share: the arrays of particles and nodes, and how many particles a block has. */
 typedef struct {
-  const MpmMarch *march;
-  PetscInt       *cell, block;
-  PetscReal      *xi, *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
-  PetscReal      *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
+  const MpmMarch       *march;
+  const MpmNodeVectors *nodes;
+  PetscInt             *cell, block;
+  PetscReal            *xi, *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
+  PetscReal            *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
 } MpmMarchArrays;
 
 /* Where the particles of a block are, and room for their places when they have moved. */

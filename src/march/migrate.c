@@ -4,6 +4,7 @@
    particles, so the order of places, on which the passes' speed rests, is restored after.
 */
 #include "march/particles.h"
+#include "scheme/kernels.h"
 #include <stdint.h>
 
 /* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived. */
@@ -134,7 +135,7 @@ static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
   for (PetscInt f = 0; particles->table->fields[f]; f++)
     PetscCall(Reorder(particles, particles->table->fields[f], order, buffer));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-    if (particles->table->varies[w]) PetscCall(Reorder(particles, MpmPropertyNames[w], order, buffer));
+    if (particles->layout->varies[w]) PetscCall(Reorder(particles, MpmPropertyNames[w], order, buffer));
   PetscCall(PetscFree(buffer));
   PetscCall(PetscFree(order));
   PetscFunctionReturn(PETSC_SUCCESS);

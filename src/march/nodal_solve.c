@@ -5,21 +5,24 @@
 
 #define MOST_ITERATIONS 20000
 
-PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, MpmNodalSolve **solve)
+PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
+                                   MpmNodalSolve **solve)
 {
-  const PetscInt reach = MpmMapReach(scene->basis), width = PetscMin(2 * reach - 1, scene->nodes);
+  const PetscInt reach = MpmMapReach(basis), width = PetscMin(2 * reach - 1, layout->grid.nodes);
   const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
   MpmNodalSolve *s;
   PC             pc;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(solve));
-  s        = *solve;
-  s->scene = scene;
-  s->grid  = grid;
-  s->step  = -1;
-  PetscCall(MatCreateAIJ(comm, grid->nodes, grid->nodes, scene->nodes, scene->nodes, PetscMin(width, grid->nodes), NULL,
-                         PetscMin(width, scene->nodes - grid->nodes), NULL, &s->matrix));
+  s         = *solve;
+  s->layout = layout;
+  s->basis  = basis;
+  s->grid   = grid;
+  s->step   = -1;
+  PetscCall(MatCreateAIJ(comm, grid->nodes, grid->nodes, layout->grid.nodes, layout->grid.nodes,
+                         PetscMin(width, grid->nodes), NULL, PetscMin(width, layout->grid.nodes - grid->nodes), NULL,
+                         &s->matrix));
   PetscCall(MatSetOption(s->matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscCall(MatSetOption(s->matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatCreateVecs(s->matrix, &s->solution, &s->right));
@@ -48,27 +51,28 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
 /* What a particle at xi in a cell adds to W^T m W. */
 static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi, PetscReal mass)
 {
-  const PetscInt reach = MpmMapReach(s->scene->basis);
+  const PetscInt reach = MpmMapReach(s->basis);
   PetscInt       node[MPM_MAX_REACH];
   PetscReal      row[MPM_MAX_REACH], sign[MPM_MAX_REACH], square[MPM_MAX_REACH * MPM_MAX_REACH];
 
   PetscFunctionBegin;
-  MpmMapRow(s->scene->basis, MPM_G2P, xi, s->scene->width, row);
-  MpmNodesSeen(s->scene, cell, s->odd, PETSC_TRUE, node, sign);
+  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width, row);
+  MpmNodesSeen(&s->layout->grid, s->basis, cell, s->antisymmetric, PETSC_TRUE, node, sign);
   for (PetscInt i = 0; i < reach; i++)
     for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = mass * sign[i] * row[i] * sign[j] * row[j];
   PetscCall(MatSetValues(s->matrix, reach, node, reach, node, square, ADD_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places)
+static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
+                               const MpmPlaces *places)
 {
   PetscInt  whole;
   PetscReal part;
 
   PetscFunctionBegin;
   PetscCall(MatZeroEntries(s->matrix));
-  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
+  PetscCall(MpmParticlesWhere(particles, step, &whole, &part));
   for (PetscInt p = 0; p < particles->count; p++) {
     PetscInt  cell;
     PetscReal xi;
@@ -82,24 +86,24 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places, PetscBool odd,
-                                const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[],
-                                KSPConvergedReason *reason)
+PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
+                                const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
 {
   const PetscInt   last = s->grid->nodes - 1;
   const PetscReal *a;
   PetscReal       *b, mirror[2];
 
   PetscFunctionBegin;
-  if (s->step < 0 || odd != s->odd || (s->step != particles->step && MpmSceneDrifts(s->scene))) {
-    s->odd = odd;
-    PetscCall(Assemble(s, particles, places));
+  if (s->step < 0 || antisymmetric != s->antisymmetric || (s->step != step && particles->drift.value != 0)) {
+    s->antisymmetric = antisymmetric;
+    PetscCall(Assemble(s, particles, step, places));
   }
-  s->step = particles->step;
+  s->step = step;
   PetscCall(VecGetArray(s->right, &b));
   for (PetscInt i = 0; i < s->grid->nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
   for (PetscInt end = 0; end < 2; end++)
-    if (s->grid->wall[end] && odd && s->scene->ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
+    if (s->grid->wall[end] && antisymmetric && s->layout->grid.ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, reason));
@@ -107,18 +111,19 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
   PetscCall(MpmGridSpread(s->grid, 1, &y));
-  MpmSceneMirror(s->scene, odd, mirror);
+  MpmDirectionMirror(&s->layout->grid, antisymmetric, mirror);
   MpmGridReflect(s->grid, mirror, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, const MpmPlaces *places,
-                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[])
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
+                                  const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                  const PetscReal g[], PetscReal y[])
 {
   KSPConvergedReason reason;
 
   PetscFunctionBegin;
-  PetscCall(MpmNodalSolveTry(s, particles, places, odd, inverse_mass, g, y, &reason));
+  PetscCall(MpmNodalSolveTry(s, particles, step, places, antisymmetric, inverse_mass, g, y, &reason));
   MpmCheckInput(reason > 0,
                 "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
                 "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",

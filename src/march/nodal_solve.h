@@ -11,29 +11,32 @@
    from 0 stay there. The matrix is put together when particles have moved since the last solve.
 S*/
 typedef struct {
-  const MpmScene *scene;
-  const MpmGrid  *grid;
-  Mat             matrix;
-  Vec             right, solution;
-  KSP             ksp;
-  PetscInt64      step;
-  PetscBool       odd;
+  const MpmLayout *layout;
+  const MpmBasis  *basis;
+  const MpmGrid   *grid;
+  Mat              matrix;
+  Vec              right, solution;
+  KSP              ksp;
+  PetscInt64       step;
+  PetscBool        antisymmetric;
 } MpmNodalSolve;
 
 /* Collective. */
-PetscErrorCode MpmNodalSolveCreate(const MpmScene *scene, const MpmGrid *grid, MpmNodalSolve **solve);
+PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
+                                   MpmNodalSolve **solve);
 PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
-   MpmNodalSolveApply - solves at the particles' present places, which follow from their resting places; refuses when it
-   does not converge. Local arrays, ghosts included in y; inverse_mass is 0 where there is no mass. odd: y is 0 at the
+   MpmNodalSolveApply - solves with the particles at the places of a step, which follow from their resting places; refuses when it
+   does not converge. Local arrays, ghosts included in y; inverse_mass is 0 where there is no mass. antisymmetric: y is 0 at the
    walls that impose it (fixed without reaction). MpmNodalSolveTry leaves it to the caller: reason is above 0 when it
    converged.
 
    Collective.
 */
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, const MpmPlaces *places,
-                                  PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[]);
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, const MpmPlaces *places,
-                                PetscBool odd, const PetscReal inverse_mass[], const PetscReal g[], PetscReal y[],
-                                KSPConvergedReason *reason);
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
+                                  const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                  const PetscReal g[], PetscReal y[]);
+PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
+                                const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason);

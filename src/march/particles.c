@@ -29,7 +29,7 @@ PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char nam
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+static PetscErrorCode CreateSwarm(const MpmGrid *grid, MpmParticles *particles)
 {
   PetscMPIInt size;
 
@@ -38,15 +38,15 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
   particles->parallel = size > 1 ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(DMCreate(PetscObjectComm((PetscObject)grid->da), &particles->swarm));
   PetscCall(DMSetType(particles->swarm, DMSWARM));
-  PetscCall(DMSetDimension(particles->swarm, scene->dim));
+  PetscCall(DMSetDimension(particles->swarm, 1));
   PetscCall(DMSwarmSetType(particles->swarm, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(particles->swarm));
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
   PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
-  for (PetscInt f = 0; scene->table->fields[f]; f++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, scene->table->fields[f], 1, PETSC_REAL));
+  for (PetscInt f = 0; particles->table->fields[f]; f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, particles->table->fields[f], 1, PETSC_REAL));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-    if (scene->table->varies[w])
+    if (particles->layout->varies[w])
       PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmPropertyNames[w], 1, PETSC_REAL));
   PetscCall(DMSwarmFinalizeFieldRegister(particles->swarm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -56,7 +56,7 @@ static PetscErrorCode CreateSwarm(const MpmScene *scene, const MpmGrid *grid, Mp
    Visits, in the order of their places, the particles whose cell this rank owns; jitter may take a particle
    into a neighbour of its own cell. With arrays it stores them, without it only counts.
 */
-static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
+static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
 {
   PetscInt n = 0;
 
@@ -64,13 +64,13 @@ static PetscInt VisitOwn(const MpmScene *scene, const MpmGrid *grid, PetscInt64 
     const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
 
     if (!grid->periodic && wrapped != c) continue;
-    for (PetscInt j = 0; j < MpmLayoutSitesIn(scene, wrapped); j++) {
-      const PetscInt64 g = MpmLayoutSitesBefore(scene, wrapped) + j - scene->first;
+    for (PetscInt j = 0; j < MpmLayoutSitesIn(layout, wrapped); j++) {
+      const PetscInt64 g = MpmLayoutSitesBefore(layout, wrapped) + j - layout->first;
       PetscInt         place;
       PetscReal        part;
 
-      if (g < 0 || g >= scene->particles) continue;
-      MpmLayoutPlace(scene, g, &place, &part);
+      if (g < 0 || g >= layout->particles) continue;
+      MpmLayoutPlace(layout, g, &place, &part);
       place += c - wrapped - grid->first;
       if (place < 0 || place >= grid->count) continue;
       if (id) {
@@ -89,14 +89,14 @@ PetscInt MpmParticlesRoom(const MpmParticles *particles)
   return particles->parallel ? particles->count / 64 + 256 : 0;
 }
 
-static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParticles *particles)
+static PetscErrorCode Place(const MpmGrid *grid, MpmParticles *particles)
 {
   PetscInt64 *id;
   PetscInt   *cell, size;
   PetscReal  *xi;
 
   PetscFunctionBegin;
-  particles->count = VisitOwn(scene, grid, NULL, NULL, NULL);
+  particles->count = VisitOwn(particles->layout, grid, NULL, NULL, NULL);
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
   PetscCall(DMSwarmGetSize(particles->swarm, &size));
   PetscCheck(size == particles->total, PetscObjectComm((PetscObject)particles->swarm), PETSC_ERR_PLIB,
@@ -104,7 +104,7 @@ static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParti
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  (void)VisitOwn(scene, grid, id, cell, xi);
+  (void)VisitOwn(particles->layout, grid, id, cell, xi);
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
@@ -112,46 +112,72 @@ static PetscErrorCode Place(const MpmScene *scene, const MpmGrid *grid, MpmParti
 }
 
 /* A seed for each field, so that random fields are independent. */
-static PetscInt64 FieldSeed(const MpmScene *scene, PetscInt field)
+static PetscInt64 FieldSeed(PetscInt64 seed, PetscInt field)
 {
-  return (PetscInt64)(0x1p52 * MpmHash(scene->seed + 1, -2 - field));
+  return (PetscInt64)(0x1p52 * MpmHash(seed + 1, -2 - field));
 }
 
-static PetscErrorCode Fill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles)
 {
-  const PetscReal   amplitude = scalbn(scene->amplitude, -(int)exponent);
-  const MpmProfile  profile   = MpmSceneProfile(scene, amplitude);
   const PetscInt64 *id;
-  const PetscInt   *cell;
-  const PetscReal  *xi;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
-    const PetscInt64 seed = FieldSeed(scene, f);
-    const PetscReal  t    = scene->stagger && f == scene->formulation->staggered ? -scene->dt / 2 : 0;
+  for (PetscInt f = 0; particles->table->fields[f]; f++) {
+    const PetscInt64 of_field = FieldSeed(seed, f);
     PetscReal       *q;
 
-    PetscCall(MpmParticlesGet(particles, scene->table->fields[f], &q));
-    for (PetscInt p = 0; p < particles->count; p++) {
-      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
-
-      if (scene->initial == MPM_INITIAL_RANDOM)
-        q[p] = amplitude * (2 * MpmHash(seed, id[p]) - 1);
-      else
-        q[p] = scene->formulation->wave->value(&profile, f, X, t);
-    }
-    PetscCall(MpmParticlesRestore(particles, scene->table->fields[f], &q));
+    PetscCall(MpmParticlesGet(particles, particles->table->fields[f], &q));
+    for (PetscInt p = 0; p < particles->count; p++) q[p] = amplitude * (2 * MpmHash(of_field, id[p]) - 1);
+    PetscCall(MpmParticlesRestore(particles, particles->table->fields[f], &q));
   }
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles)
+/* The exact solution at the start, or half a step before it where a field lags. */
+static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, PetscReal amplitude,
+                                MpmParticles *particles)
+{
+  const MpmProfile profile = MpmSceneProfile(scene, amplitude);
+  const PetscInt  *cell;
+  const PetscReal *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  for (PetscInt f = 0; particles->table->fields[f]; f++) {
+    const PetscReal t = scene->stagger && f == scene->scheme.formulation->staggered ? -scene->dt / 2 : 0;
+    PetscReal      *q;
+
+    PetscCall(MpmParticlesGet(particles, particles->table->fields[f], &q));
+    for (PetscInt p = 0; p < particles->count; p++) {
+      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+
+      q[p] = scene->scheme.formulation->wave->value(&profile, f, X, t);
+    }
+    PetscCall(MpmParticlesRestore(particles, particles->table->fields[f], &q));
+  }
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+{
+  const PetscReal amplitude = scalbn(scene->amplitude, -(int)exponent);
+
+  PetscFunctionBegin;
+  if (scene->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmModeFileFill(scene, exponent, particles));
+  else if (scene->initial == MPM_INITIAL_RANDOM)
+    PetscCall(MpmParticlesFillRandom(particles->layout->seed, amplitude, particles));
+  else
+    PetscCall(FillExact(scene, grid, amplitude, particles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesWeigh(MpmParticles *particles)
 {
   const PetscInt64 *id;
   PetscReal        *weight;
@@ -159,9 +185,10 @@ PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles)
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
-    if (!scene->table->varies[w]) continue;
+    if (!particles->layout->varies[w]) continue;
     PetscCall(MpmParticlesGet(particles, MpmPropertyNames[w], &weight));
-    for (PetscInt p = 0; p < particles->count; p++) weight[p] = MpmMaterialProperty(scene, (MpmProperty)w, id[p]);
+    for (PetscInt p = 0; p < particles->count; p++)
+      weight[p] = MpmMaterialProperty(particles->layout, (MpmProperty)w, id[p]);
     PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[w], &weight));
   }
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
@@ -187,22 +214,19 @@ PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
-                                  MpmParticles **particles)
+PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table, const MpmFraction *drift,
+                                  const MpmGrid *grid, MpmParticles **particles)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(particles));
-  (*particles)->table = scene->table;
-  (*particles)->drift = scene->drift;
-  (*particles)->total = scene->particles;
-  PetscCall(CreateSwarm(scene, grid, *particles));
-  PetscCall(Place(scene, grid, *particles));
+  (*particles)->layout = layout;
+  (*particles)->table  = table;
+  (*particles)->drift  = *drift;
+  (*particles)->total  = layout->particles;
+  PetscCall(CreateSwarm(grid, *particles));
+  PetscCall(Place(grid, *particles));
   PetscCall(MpmParticlesComparePlaces(*particles));
-  PetscCall(MpmParticlesWeigh(scene, *particles));
-  if (scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmModeFileFill(scene, exponent, *particles));
-  else
-    PetscCall(Fill(scene, grid, exponent, *particles));
+  PetscCall(MpmParticlesWeigh(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

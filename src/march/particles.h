@@ -3,6 +3,7 @@
 #include "march/grid.h"
 #include "scene/layout.h"
 #include "scene/material.h"
+#include <mpmstab/scene.h>
 #include <petscdmswarm.h>
 
 /*S
@@ -14,15 +15,16 @@
    memory traffic. DMSwarm's own pid field is the global id.
 S*/
 typedef struct {
-  DM              swarm;
-  const MpmTable *table;
-  MpmFraction     drift;
-  PetscInt        count;    /* on this rank */
-  PetscInt        per_cell; /* particle p + per_cell rests where p does, one cell on; 0: not so for all */
-  PetscInt64      total;    /* on all ranks */
-  PetscInt64      step;     /* time level of the places */
-  PetscInt64      rebased;  /* whole cells of drift already in the cell field */
-  PetscBool       parallel;
+  DM               swarm;
+  const MpmLayout *layout;
+  const MpmTable  *table;
+  MpmFraction      drift;
+  PetscInt         count;    /* on this rank */
+  PetscInt         per_cell; /* particle p + per_cell rests where p does, one cell on; 0: not so for all */
+  PetscInt64       total;    /* on all ranks */
+  PetscInt64       step;     /* time level of the places */
+  PetscInt64       rebased;  /* whole cells of drift already in the cell field */
+  PetscBool        parallel;
 } MpmParticles;
 
 /* Where this rank's particles rest, and their masses where these differ (else NULL): the swarm's arrays. */
@@ -34,16 +36,23 @@ typedef struct {
 extern const char MpmFieldCell[], MpmFieldXi[];
 
 /*
-   MpmParticlesCreate - places a scene's particles and gives them their initial data, divided by 2^exponent.
+   MpmParticlesCreate - places a layout's particles, with the properties in which they differ; the fields of the table's
+   state are there and hold zeros.
 
-   Collective. Only the fields of the scene's formulation are registered.
+   Collective. layout and table must outlive the particles.
 */
-PetscErrorCode MpmParticlesCreate(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent,
-                                  MpmParticles **particles);
+PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table, const MpmFraction *drift,
+                                  const MpmGrid *grid, MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
+/* Not collective. Gives the fields a scene's initial data, divided by 2^exponent. */
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles);
+
+/* Not collective. Gives every field random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
+PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles);
+
 /* Not collective. Gives the particles, by their ids, the properties that vary. */
-PetscErrorCode MpmParticlesWeigh(const MpmScene *scene, MpmParticles *particles);
+PetscErrorCode MpmParticlesWeigh(MpmParticles *particles);
 
 /*
    Not collective. How many more particles than it has a rank's arrays have room for: without, the swarm would give back

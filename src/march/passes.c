@@ -2,11 +2,12 @@
 #include "march/passes.h"
 
 typedef struct {
-  const MpmTable *table;
-  const MpmBasis *basis;
-  PetscReal       courant;
-  PetscBool       fused, mass_due;
-  PetscInt        depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
+  const MpmTable  *table;
+  const MpmBasis  *basis;
+  const MpmLayout *layout;
+  PetscReal        courant;
+  PetscBool        fused, mass_due;
+  PetscInt         depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
   PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G, as it is now; or MPM_NONE */
   MpmSchedule *schedule;
 } Compiler;
@@ -47,7 +48,7 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
                                      .particle    = particle,
                                      .node        = node,
                                      .to_nodes    = to_nodes,
-                                     .weight      = MpmTableWeight(c->table, op->kind)}));
+                                     .weight      = MpmLayoutWeight(c->layout, op->kind)}));
   if (with_mass) {
     pass->sums_mass = PETSC_TRUE;
     c->mass_due     = PETSC_FALSE;
@@ -196,13 +197,18 @@ static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
-                                  PetscBool fused, MpmSchedule *schedule)
+PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, const MpmLayout *layout, PetscReal courant,
+                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
 {
   const PetscInt head = HeadLength(t);
-  Compiler       c    = {
-               .table = t, .basis = basis, .courant = courant, .fused = fused, .mass_due = PETSC_TRUE, .schedule = schedule};
-  MpmPass *pass;
+  Compiler       c    = {.table    = t,
+                         .basis    = basis,
+                         .layout   = layout,
+                         .courant  = courant,
+                         .fused    = fused,
+                         .mass_due = PETSC_TRUE,
+                         .schedule = schedule};
+  MpmPass       *pass;
 
   PetscFunctionBegin;
   PetscCall(MpmScheduleDestroy(schedule));

@@ -8,6 +8,7 @@
 */
 #pragma once
 #include "scheme/maps.h"
+#include "scene/layout.h"
 #include <mpmstab/table.h>
 
 #define MPM_MAX_PASS_OPS 24
@@ -78,11 +79,12 @@ typedef struct {
    Not collective. Begin with a schedule of zeros.
 
    Input Parameters:
-+  drifts - whether particles move; if not, DRIFT is left out and the masses are summed once
++  layout - says in which properties particles differ, and so which operations weigh them
+.  drifts - whether particles move; if not, DRIFT is left out and the masses are summed once
 -  fused  - whether particles may be summed to the grid before they migrate (they stay within the ghost layer)
 */
-PetscErrorCode MpmScheduleCompile(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscBool drifts,
-                                  PetscBool fused, MpmSchedule *schedule);
+PetscErrorCode MpmScheduleCompile(const MpmTable *table, const MpmBasis *basis, const MpmLayout *layout,
+                                  PetscReal courant, PetscBool drifts, PetscBool fused, MpmSchedule *schedule);
 PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
 
 /*

@@ -21,14 +21,14 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, MpmTransferDiagnost
       !scene->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
       "within a step; allowed: more cells, or fewer ranks",
-      scene->drift.value);
+      scene->step.drift.value);
   PetscCall(PetscNew(exchange));
   x        = *exchange;
   x->march = march;
   PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
   PetscCall(VecDuplicate(x->node, &x->other));
   if (scene->source_term) PetscCall(VecDuplicate(x->node, &x->inverse_mass));
-  if (scene->ringing) PetscCall(MpmNodalSolveCreate(scene, march->grid, &x->solve));
+  if (scene->ringing) PetscCall(MpmNodalSolveCreate(march->layout, march->scheme->basis, march->grid, &x->solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,7 +50,7 @@ static PetscErrorCode GetPlaces(const MpmMarch *march, MpmPlaces *places)
   places->mass = NULL;
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &places->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &places->xi));
-  if (march->scene->table->varies[MPM_MASS])
+  if (march->layout->varies[MPM_MASS])
     PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -67,7 +67,7 @@ static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
 /* Sums phi_ip m_p of this rank's particles to the nodes: of all, and of those at the left of the node. */
 static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places, PetscReal left[], PetscReal all[])
 {
-  const MpmBasis *basis = march->scene->basis;
+  const MpmBasis *basis = march->scheme->basis;
   PetscInt        whole;
   PetscReal       part;
 
@@ -78,7 +78,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
     PetscReal xi, row[MPM_MAX_REACH];
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmMapRow(basis, MPM_P2G, xi, march->scene->width, row);
+    MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
       const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
@@ -157,9 +157,8 @@ static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscRea
 static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, const PetscReal q[], PetscReal y[],
                                 PetscReal sums[2])
 {
-  const MpmScene *scene = march->scene;
-  PetscInt        whole;
-  PetscReal       part;
+  PetscInt  whole;
+  PetscReal part;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
@@ -171,8 +170,8 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
     MpmBlock        block;
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmBlockPlace(scene->basis, 1, &cell, &xi, scene->width, &block);
-    scene->basis->kernel[MPM_G2P](&block, -1, &rest, y);
+    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width, &block);
+    march->scheme->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];
   }
@@ -182,8 +181,8 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
 /* node holds P2G of the field at its places. */
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
-  const MpmMarch  *march = x->march;
-  const PetscBool  odd   = MpmTableIsAntisymmetric(march->scene->table, field);
+  const MpmMarch  *march         = x->march;
+  const PetscBool  antisymmetric = MpmTableIsAntisymmetric(march->scheme->table, field);
   PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
   const PetscReal *q;
   MpmPlaces        places;
@@ -195,10 +194,11 @@ static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscRe
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
-  PetscCall(MpmNodalSolveTry(x->solve, march->particles, &places, odd, inverse_mass, g, y, &reason));
-  PetscCall(MpmParticlesGet(march->particles, march->scene->table->fields[field], &q));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, antisymmetric, inverse_mass,
+                             g, y, &reason));
+  PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[field], &q));
   PetscCall(Remainder(march, &places, q, y, sums));
-  PetscCall(MpmParticlesRestore(march->particles, march->scene->table->fields[field], &q));
+  PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[field], &q));
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse_mass));
   PetscCall(MpmGridRestoreArray(march->grid, x->other, &y));
   PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
@@ -232,7 +232,7 @@ PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *x)
 
   PetscFunctionBegin;
   if (scene->weights) PetscCall(Weights(x, &sample));
-  for (PetscInt f = 0; f < scene->table->nstate; f++) {
+  for (PetscInt f = 0; f < x->march->scheme->table->nstate; f++) {
     sample.source[f] = sample.ringing[f] = NAN;
     if (!scene->source_term && !scene->ringing) continue;
     PetscCall(MpmMarchProject(x->march, f, x->node));

@@ -3,7 +3,7 @@
    slides' questions ask for. Nothing of this exists in a run that does not ask.
 */
 #pragma once
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /*S
    MpmTransferDiagnosticsSample - the diagnostics at one step; NaN where they were not asked for, there is nothing to divide by, or

@@ -35,7 +35,8 @@ static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegisters *r)
+PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                  MpmRegisters *r)
 {
   PetscMPIInt rank, size;
   PetscInt64  begin, end;
@@ -43,18 +44,18 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegis
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  *r       = (MpmRegisters){.comm = comm, .scene = scene, .masses_step = -1};
-  r->cells = scene->cells / size + (scene->cells % size > rank ? 1 : 0); /* as DMDA gives them */
+  *r       = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
+  r->cells = layout->grid.cells / size + (layout->grid.cells % size > rank ? 1 : 0); /* as DMDA gives them */
   r->first = 0;
   PetscCallMPI(MPI_Exscan(&r->cells, &r->first, 1, MPIU_INT, MPI_SUM, comm));
-  r->nodes     = r->cells + (rank == size - 1 ? scene->nodes - scene->cells : 0);
-  begin        = PetscMax(MpmLayoutSitesBefore(scene, r->first) - scene->first, 0);
-  end          = PetscMin(MpmLayoutSitesBefore(scene, r->first + r->cells) - scene->first, scene->particles);
+  r->nodes     = r->cells + (rank == size - 1 ? layout->grid.nodes - layout->grid.cells : 0);
+  begin        = PetscMax(MpmLayoutSitesBefore(layout, r->first) - layout->first, 0);
+  end          = PetscMin(MpmLayoutSitesBefore(layout, r->first + r->cells) - layout->first, layout->particles);
   r->begin     = (PetscInt)begin;
   r->particles = (PetscInt)PetscMax(end - begin, 0);
-  r->fields    = scene->table->nstate;
+  r->fields    = scheme->table->nstate;
   r->state     = r->particles * r->fields;
-  for (PetscInt f = 0; f < scene->table->nparticles; f++)
+  for (PetscInt f = 0; f < scheme->table->nparticles; f++)
     if (f < r->fields)
       PetscCall(Identity(r, f, &r->particle[f]));
     else
@@ -74,17 +75,17 @@ PetscErrorCode MpmRegistersDestroy(MpmRegisters *r)
 }
 
 /* A stencil's rows; nodes beyond a wall are images. */
-static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool odd, Mat *map)
+static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool antisymmetric, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
-                         PetscMin(2, r->scene->nodes - r->nodes), NULL, map));
+                         PetscMin(2, r->layout->grid.nodes - r->nodes), NULL, map));
   for (PetscInt i = r->first; i < r->first + r->nodes; i++) {
     for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
       PetscReal      sign;
-      const PetscInt j = MpmNodeImage(r->scene, i + d, odd, &sign);
+      const PetscInt j = MpmDirectionImage(&r->layout->grid, i + d, antisymmetric, &sign);
 
       PetscCall(MatSetValue(*map, i, j, sign * traits.stencil[d + 1], ADD_VALUES));
     }
@@ -97,7 +98,7 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool 
 /* The row of one wall node becomes a times that of another register. */
 static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
 {
-  const PetscInt  wall = op->end ? r->scene->nodes - 1 : 0;
+  const PetscInt  wall = op->end ? r->layout->grid.nodes - 1 : 0;
   const PetscBool mine = wall >= r->first && wall < r->first + r->nodes ? PETSC_TRUE : PETSC_FALSE;
   Mat             only, row;
   Vec             keep;
@@ -141,24 +142,24 @@ static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The maps of a step, each made when it is first used, for even and odd node fields. */
+/* The maps of a step, each made when it is first used, for symmetric and antisymmetric node fields. */
 typedef struct {
   Mat map[MPM_OP_KINDS][2];
 } Maps;
 
 static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps, Mat *map)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscBool   odd    = r->scene->table->odd[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known  = &maps->map[op->kind][odd ? 1 : 0];
+  const MpmOpTraits traits        = MpmOpTraitsOf(op->kind);
+  const PetscBool   antisymmetric = r->scheme->table->antisymmetric[traits.dst == MPM_ON_NODES ? op->dst : op->src];
+  Mat              *known         = &maps->map[op->kind][antisymmetric ? 1 : 0];
 
   PetscFunctionBegin;
   if (!*known && op->kind == MPM_SOLVE)
-    PetscCall(MpmRegistersSolve(r, odd, step, known));
+    PetscCall(MpmRegistersSolve(r, antisymmetric, step, known));
   else if (!*known && traits.dst == traits.src)
-    PetscCall(Stencil(r, op, odd, known));
+    PetscCall(Stencil(r, op, antisymmetric, known));
   else if (!*known)
-    PetscCall(MpmRegistersMap(r, op->kind, odd, step, known));
+    PetscCall(MpmRegistersMap(r, op->kind, antisymmetric, step, known));
   *map = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -166,7 +167,7 @@ static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, M
 static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps)
 {
   const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
-  const PetscReal   a        = MpmOpValue(op, r->scene->courant);
+  const PetscReal   a        = MpmOpValue(op, r->step.courant);
   Mat *const        sides[2] = {r->particle, r->node};
   Mat               map      = NULL;
 
@@ -188,14 +189,14 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
 
 PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
 {
-  const MpmTable *table = r->scene->table;
+  const MpmTable *table = r->scheme->table;
   Maps            maps  = {{{NULL}}};
 
   PetscFunctionBegin;
   MpmFloatBegin();
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-    for (int odd = 0; odd < 2; odd++) PetscCall(MatDestroy(&maps.map[k][odd]));
+    for (int antisymmetric = 0; antisymmetric < 2; antisymmetric++) PetscCall(MatDestroy(&maps.map[k][antisymmetric]));
   PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,8 @@
 #pragma once
 #include "base/float_check.h"
 #include "scheme/maps.h"
-#include <mpmstab/scene.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 #include <petscmat.h>
 
 /*S
@@ -12,27 +13,31 @@
    its first particle's id.
 */
 typedef struct {
-  MPI_Comm        comm;
-  const MpmScene *scene;
-  PetscInt        first, cells, nodes, begin, particles, state;
-  PetscInt        fields;
-  Vec             masses;
-  PetscInt64      masses_step;
-  Mat             particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
-  MpmFloatCheck   float_check;
+  MPI_Comm         comm;
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  PetscInt         first, cells, nodes, begin, particles, state;
+  PetscInt         fields;
+  Vec              masses;
+  PetscInt64       masses_step;
+  Mat              particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
+  MpmFloatCheck    float_check;
 } MpmRegisters;
 
 /* Collective. Particle registers are the identity's rows, node registers empty. */
-PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmScene *scene, MpmRegisters *registers);
+PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                  MpmRegisters *registers);
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
    MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by
-   the nodal masses (0 where there is none). odd: of the node field, see MpmTable.
+   the nodal masses (0 where there is none). antisymmetric: of the node field, see MpmTable.
 
    Collective.
 */
-PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step,
+                               Mat *map);
 
 /*
    MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose
@@ -40,7 +45,7 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBoo
 
    Collective. By all eigenvalues of W^T W; refuses grids too large for that.
 */
-PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool odd, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool antisymmetric, PetscInt64 step, Mat *map);
 
 /* Collective. The operations of one step, with particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);

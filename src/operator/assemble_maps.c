@@ -9,13 +9,14 @@
    Rows are particles in the order of their ids, times what the operation weighs them with. Nodes that a short grid's
    wrap or a wall makes one add up.
 */
-static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool odd, PetscBool drop,
+static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscBool drop,
                                        PetscInt64 step, Mat *map)
 {
-  const MpmScene   *scene = r->scene;
-  const PetscInt    reach = MpmMapReach(scene->basis), own = PetscMin(reach, r->nodes);
-  const PetscInt    far    = PetscMin(reach, scene->nodes - r->nodes);
-  const MpmProperty weight = MpmTableWeight(scene->table, kind);
+  const MpmLayout  *layout = r->layout;
+  const MpmBasis   *basis  = r->scheme->basis;
+  const PetscInt    reach = MpmMapReach(basis), own = PetscMin(reach, r->nodes);
+  const PetscInt    far    = PetscMin(reach, layout->grid.nodes - r->nodes);
+  const MpmProperty weight = MpmLayoutWeight(layout, kind);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
@@ -23,11 +24,11 @@ static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, Pe
     const PetscInt  id = r->begin + p;
     PetscInt        cell, columns[MPM_MAX_REACH];
     PetscReal       xi, row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
-    const PetscReal w = weight ? MpmMaterialProperty(scene, weight, id) : 1;
+    const PetscReal w = weight ? MpmMaterialProperty(layout, weight, id) : 1;
 
-    MpmLayoutPlaceAt(scene, id, step, &cell, &xi);
-    MpmMapRow(scene->basis, kind, xi, scene->width, row);
-    MpmNodesSeen(scene, cell, odd, drop, columns, sign);
+    MpmLayoutPlaceAt(layout, &r->step.drift, id, step, &cell, &xi);
+    MpmMapRow(basis, kind, xi, layout->half_width, row);
+    MpmNodesSeen(&r->layout->grid, basis, cell, antisymmetric, drop, columns, sign);
     for (PetscInt d = 0; d < reach; d++) row[d] *= sign[d] * w;
     PetscCall(MatSetValues(*map, 1, &id, reach, columns, row, ADD_VALUES));
   }
@@ -55,7 +56,7 @@ static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool odd, PetscInt64 step, Mat *map)
+PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step, Mat *map)
 {
   Mat        shape;
   Vec        inverse;
@@ -63,10 +64,10 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool odd, P
 
   PetscFunctionBegin;
   if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
-    PetscCall(ParticlesByNodes(r, kind, odd, PETSC_FALSE, step, map));
+    PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, map));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ParticlesByNodes(r, kind, odd, PETSC_FALSE, step, &shape));
+  PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, &shape));
   PetscCall(Masses(r, step));
   PetscCall(VecDuplicate(r->masses, &inverse));
   PetscCall(VecCopy(r->masses, inverse));
@@ -87,23 +88,23 @@ static PetscErrorCode WeighRoots(const MpmRegisters *r, Mat W)
   PetscReal *m;
 
   PetscFunctionBegin;
-  if (!r->scene->table->varies[MPM_MASS]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!r->layout->varies[MPM_MASS]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(W, NULL, &root));
   PetscCall(VecGetArray(root, &m));
-  for (PetscInt p = 0; p < r->particles; p++) m[p] = sqrt(MpmMaterialProperty(r->scene, MPM_MASS, r->begin + p));
+  for (PetscInt p = 0; p < r->particles; p++) m[p] = sqrt(MpmMaterialProperty(r->layout, MPM_MASS, r->begin + p));
   PetscCall(VecRestoreArray(root, &m));
   PetscCall(MatDiagonalScale(W, root, NULL));
   PetscCall(VecDestroy(&root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool odd, PetscInt64 step, Mat *map)
+PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool antisymmetric, PetscInt64 step, Mat *map)
 {
   Mat W;
 
   PetscFunctionBegin;
   PetscCall(Masses(r, step));
-  PetscCall(ParticlesByNodes(r, MPM_G2P, odd, PETSC_TRUE, step, &W));
+  PetscCall(ParticlesByNodes(r, MPM_G2P, antisymmetric, PETSC_TRUE, step, &W));
   PetscCall(WeighRoots(r, W));
   PetscCall(MpmNormalInverse(W, r->masses, map));
   PetscCall(MatDestroy(&W));

@@ -1,8 +1,7 @@
 /* The operator of a step or a period, and the proof that it is what the march does. */
 #include "operator/assemble.h"
 #include "scene/layout.h"
-#include <mpmstab/march.h>
-#include "base/memory.h"
+#include "march/march_private.h"
 #include <mpmstab/operator.h>
 #include <math.h>
 
@@ -32,26 +31,26 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
 /* A P2G and what follows it carry a number over the reach of the basis, a stencil over its halo. */
 static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
 {
-  const MpmScene *scene = op->scene;
-  const MpmTable *table = scene->table;
-  PetscReal       cells = 0, nonzeros;
+  const MpmLayout *layout = op->layout;
+  const MpmBasis  *basis  = op->scheme->basis;
+  const MpmTable  *table  = op->scheme->table;
+  PetscReal        cells  = 0, nonzeros;
 
   PetscFunctionBegin;
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
 
-    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES)
-      cells += scene->basis->reach_left + scene->basis->reach_right;
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES) cells += basis->reach_left + basis->reach_right;
     cells += traits.halo;
-    if (table->ops[o].kind == MPM_SOLVE) cells = scene->cells;
+    if (table->ops[o].kind == MPM_SOLVE) cells = layout->grid.cells;
   }
-  nonzeros = (PetscReal)op->order * op->fields * scene->ppc * PetscMin(2 * cells * op->period + 1, scene->cells);
+  nonzeros = (PetscReal)op->order * op->fields * layout->ppc * PetscMin(2 * cells * op->period + 1, layout->grid.cells);
   MpmCheckInput(nonzeros <= LARGEST,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " and a period of %" PetscInt_FMT
                 " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
                 "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
-                scene->cells, scene->ppc, op->period, nonzeros, LARGEST);
-  PetscCall(MpmMemoryCheck(comm, scene, OF_NONZERO * nonzeros, "the spectrum"));
+                layout->grid.cells, layout->ppc, op->period, nonzeros, LARGEST);
+  PetscCall(MpmLayoutCheckMemory(comm, layout, OF_NONZERO * nonzeros, "the spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -67,7 +66,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
     PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
   }
   PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
-  PetscCall(MpmRegistersCreate(comm, op->scene, &registers));
+  PetscCall(MpmRegistersCreate(comm, op->layout, op->scheme, &op->step, &registers));
   for (PetscInt step = 0; step < op->period; step++) {
     PetscCall(MpmRegistersStep(&registers, step));
     PetscCall(Rescale(&registers, &op->exponent));
@@ -92,14 +91,15 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
     *exponent = op->exponent;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->scene, &registers));
+  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
   PetscCall(MpmRegistersStep(&registers, step));
   PetscCall(MpmRegistersGather(&registers, A));
   PetscCall(MpmRegistersDestroy(&registers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperator **op)
+PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                 MpmOperator **op)
 {
   const PetscReal begin = MPI_Wtime();
   MpmOperator    *o;
@@ -108,13 +108,15 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmScene *scene, MpmOperat
   PetscFunctionBegin;
   PetscCall(PetscNew(op));
   o         = *op;
-  o->scene  = scene;
-  o->fields = scene->table->nstate;
-  MpmCheckInput(o->fields * scene->particles <= PETSC_MAX_INT / 2,
+  o->layout = layout;
+  o->scheme = scheme;
+  o->step   = *step;
+  o->fields = scheme->table->nstate;
+  MpmCheckInput(o->fields * layout->particles <= PETSC_MAX_INT / 2,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": too many unknowns; allowed: at most %d",
-                scene->cells, scene->ppc, PETSC_MAX_INT / 2);
-  o->order = (PetscInt)(o->fields * scene->particles);
-  PetscCall(MpmLayoutPeriod(scene, &o->period));
+                layout->grid.cells, layout->ppc, PETSC_MAX_INT / 2);
+  o->order = (PetscInt)(o->fields * layout->particles);
+  PetscCall(MpmStepPeriod(step, &o->period));
   PetscCall(CheckSize(comm, o));
   PetscCall(Assemble(comm, o));
   PetscCall(MpmOperatorBalance(o));
@@ -140,8 +142,8 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op)
 /* The march's particle fields as a state, in units of 2^exponent. */
 static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec state)
 {
-  const char *const *names = march->scene->table->fields;
-  const PetscInt     n = march->particles->count, fields = march->scene->table->nstate;
+  const char *const *names = march->scheme->table->fields;
+  const PetscInt     n = march->particles->count, fields = march->scheme->table->nstate;
   const PetscInt64  *id;
   PetscInt          *rows;
   PetscReal         *values;
@@ -169,16 +171,12 @@ static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec stat
 
 PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
 {
-  MpmScene  random = *op->scene;
   MpmMarch *march;
   Vec       before, after, predicted;
 
   PetscFunctionBegin;
-  random.initial   = MPM_INITIAL_RANDOM;
-  random.stagger   = PETSC_FALSE;
-  random.amplitude = 1;
-  *mismatch        = 0;
-  PetscCall(MpmMarchCreate(PetscObjectComm((PetscObject)op->A), &random, &march));
+  *mismatch = 0;
+  PetscCall(MpmMarchCreateRandom(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, 1, &march));
   PetscCall(MatCreateVecs(op->A, &before, &after));
   PetscCall(VecDuplicate(after, &predicted));
   for (PetscInt n = 0; n < PERIODS; n++) {

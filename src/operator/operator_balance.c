@@ -3,10 +3,10 @@
 #include <mpmstab/operator.h>
 #include <math.h>
 
-static PetscBool IsStress(const MpmScene *scene, PetscInt field)
+static PetscBool IsStress(const MpmFormulation *formulation, PetscInt field)
 {
-  for (PetscInt t = 0; t < scene->formulation->nenergy; t++) {
-    const MpmEnergyTerm *term = &scene->formulation->energy[t];
+  for (PetscInt t = 0; t < formulation->nenergy; t++) {
+    const MpmEnergyTerm *term = &formulation->energy[t];
 
     if (term->place == MPM_ON_PARTICLES && term->field == field) return term->stress;
   }
@@ -14,16 +14,16 @@ static PetscBool IsStress(const MpmScene *scene, PetscInt field)
 }
 
 /* sqrt(m), or sqrt(V / E) of a stress. */
-static PetscReal RootOf(const MpmScene *scene, PetscInt field, PetscInt64 id)
+static PetscReal RootOf(const MpmOperator *op, PetscInt field, PetscInt64 id)
 {
-  return sqrt(IsStress(scene, field)
-                  ? MpmMaterialProperty(scene, MPM_VOLUME, id) / MpmMaterialProperty(scene, MPM_STIFFNESS, id)
-                  : MpmMaterialProperty(scene, MPM_MASS, id));
+  return sqrt(IsStress(op->scheme->formulation, field)
+                  ? MpmMaterialProperty(op->layout, MPM_VOLUME, id) / MpmMaterialProperty(op->layout, MPM_STIFFNESS, id)
+                  : MpmMaterialProperty(op->layout, MPM_MASS, id));
 }
 
 static PetscBool IsAlike(const MpmOperator *op)
 {
-  const PetscBool *varies = op->scene->table->varies;
+  const PetscBool *varies = op->layout->varies;
 
   return !varies[MPM_MASS] && !varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -40,7 +40,7 @@ static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec 
   PetscCall(VecGetOwnershipRange(*unit, &begin, &end));
   PetscCall(VecGetArray(*unit, &d));
   for (PetscInt row = begin; row < end; row++) {
-    const PetscReal root = RootOf(op->scene, row % op->fields, row / op->fields);
+    const PetscReal root = RootOf(op, row % op->fields, row / op->fields);
 
     d[row - begin] = powers ? exp2(rint(log2(root))) : root;
   }
@@ -82,7 +82,7 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed)
 
 const char *MpmOperatorNorm(const MpmOperator *op)
 {
-  const MpmFormulation *f       = op->scene->formulation;
+  const MpmFormulation *f       = op->scheme->formulation;
   PetscInt              squares = 0;
 
   for (PetscInt t = 0; t < f->nenergy; t++) squares += f->energy[t].place == MPM_ON_PARTICLES;

@@ -1,6 +1,6 @@
 /* The result as a table for people. */
 #include "report/report.h"
-#include "analysis/run.h"
+#include "report/results.h"
 #include <math.h>
 
 /* A number that may be out of range is said to be so, not printed as inf. */
@@ -41,8 +41,8 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
 
   PetscFunctionBegin;
   MpmPrint("growth per step\n");
-  PetscCall(Prediction("published", run->predictions.published, s->formulation->published_text));
-  PetscCall(Prediction("corrected", run->predictions.corrected, s->formulation->corrected_text));
+  PetscCall(Prediction("published", run->predictions.published, s->scheme.formulation->published_text));
+  PetscCall(Prediction("corrected", run->predictions.corrected, s->scheme.formulation->corrected_text));
   if (s->initial == MPM_INITIAL_MODE)
     PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
   if (s->initial == MPM_INITIAL_EIGENMODE)
@@ -63,9 +63,9 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   PetscFunctionBegin;
   if (run->has_errors) {
     MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
-             run->scene->formulation->wave->equations, "field", "l1", "l2", "linf");
-    for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
-      MpmPrint("  %-5s", run->scene->table->fields[f]);
+             run->scene->scheme.formulation->wave->equations, "field", "l1", "l2", "linf");
+    for (PetscInt f = 0; run->scene->scheme.table->fields[f]; f++) {
+      MpmPrint("  %-5s", run->scene->scheme.table->fields[f]);
       PetscCall(PrintNumber(run->error[f].l1));
       PetscCall(PrintNumber(run->error[f].l2));
       PetscCall(PrintNumber(run->error[f].linf));
@@ -73,7 +73,7 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
     }
   } else
     MpmPrint("error: none, these data have no exact solution\n");
-  if (run->scene->formulation->nenergy) {
+  if (run->scene->scheme.formulation->nenergy) {
     MpmPrint("energy");
     PetscCall(PrintNumber(run->energy_initial));
     MpmPrint(" first");
@@ -90,7 +90,7 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
 static PetscErrorCode PrintConserved(const MpmRun *run)
 {
   PetscFunctionBegin;
-  MpmPrint("conserved: %" PetscInt64_FMT " particles", run->scene->particles);
+  MpmPrint("conserved: %" PetscInt64_FMT " particles", run->scene->layout.particles);
   if (!isnan(run->mass_change)) MpmPrint(", mass to %.1e", run->mass_change);
   if (!isnan(run->momentum_change)) MpmPrint(", momentum to %.1e of its size", run->momentum_change);
   MpmPrint("\n");
@@ -112,7 +112,7 @@ static PetscErrorCode PrintExchange(const MpmRun *run)
 {
   const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
                                      *most = &run->exchange_most;
-  const MpmTable *table                    = run->scene->table;
+  const MpmTable *table                    = run->scene->scheme.table;
 
   PetscFunctionBegin;
   if (run->scene->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
@@ -154,7 +154,8 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
     MpmPrint(", the state stays bounded%s\n",
              run->has_errors ? " (from smooth data; random data excite every mode)" : "");
   MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
-           1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->particles), run->wall_s);
+           1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles),
+           run->wall_s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /* The largest stable Courant number in words, as JSON and as CSV. */
-#include "report/critical_report.h"
-#include "io/output.h"
+#include "report/results.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 
@@ -31,7 +31,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
         "  under drift windows of instability open and close; the first one found counts, a very narrow one may be "
         "missed\n");
   if (!isnan(c->closed) && isfinite(c->closed))
-    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->formulation->limit_text);
+    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->scheme.formulation->limit_text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,7 +63,7 @@ static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
 static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
-  MpmPrint("\nat Courant number %.6g: growth ", s->courant);
+  MpmPrint("\nat Courant number %.6g: growth ", s->step.courant);
   if (isinf(c->asked.growth))
     MpmPrint("beyond the range of doubles");
   else
@@ -125,28 +125,86 @@ PetscErrorCode MpmCriticalWriteJson(const MpmScene *s, const MpmCritical *c, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, PetscInt n, const MpmScene *const scenes[],
-                                   const MpmCritical critical[])
+static PetscErrorCode CsvOpen(const char path[], MpmTextFile *csv)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(path, csv));
+  if (csv->stream)
+    fprintf(csv->stream, "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
+                         "critical_courant,closed_form,limited_by_beta\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *scheme, const MpmCritical *c)
+{
+  const MpmLayout *l = &scene->layout;
+
+  if (!csv->stream) return;
+  fprintf(csv->stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", scheme->formulation->name,
+          scheme->basis->name, scheme->transfer->name, l->ppc, l->offset.value, l->jitter, scene->step.drift.value,
+          MpmEndNames[l->grid.ends[0]], MpmEndNames[l->grid.ends[1]]);
+  MpmTextFileCell(csv, c->courant);
+  MpmTextFileCell(csv, c->closed);
+  MpmTextFileCell(csv, c->beta);
+  fprintf(csv->stream, "\n");
+}
+
+PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical)
 {
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(MpmTextFileOpen(path, &csv));
-  if (csv.stream) {
-    fprintf(csv.stream, "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
-                        "critical_courant,closed_form,limited_by_beta\n");
-    for (PetscInt i = 0; i < n; i++) {
-      const MpmScene *s = scenes[i];
-
-      fprintf(csv.stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", s->formulation->name, s->basis->name,
-              s->transfer->name, scene->ppc, scene->offset.value, scene->jitter, scene->drift.value,
-              MpmEndNames[scene->ends[0]], MpmEndNames[scene->ends[1]]);
-      MpmTextFileCell(&csv, critical[i].courant);
-      MpmTextFileCell(&csv, critical[i].closed);
-      MpmTextFileCell(&csv, critical[i].beta);
-      fprintf(csv.stream, "\n");
-    }
-  }
+  PetscCall(CsvOpen(path, &csv));
+  CsvRow(&csv, scene, &scene->scheme, critical);
   PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A table of limits, a row for each formulation and transfer, written as its numbers come. */
+typedef struct {
+  const MpmScene *scene;
+  MpmTextFile     csv;
+  PetscBool       undecided;
+} Survey;
+
+static PetscErrorCode PrintCell(void *context, const MpmScheme *scheme, const MpmCritical *c)
+{
+  Survey *survey = (Survey *)context;
+
+  PetscFunctionBegin;
+  if (scheme->basis == MpmBases[0]) MpmPrint("\n%-8s %-10s", scheme->formulation->name, scheme->transfer->name);
+  if (isnan(c->courant)) {
+    MpmPrint("  %9s", "?");
+    survey->undecided = PETSC_TRUE;
+  } else if (isinf(c->courant))
+    MpmPrint("  %9s", "none");
+  else if (c->courant == 0)
+    MpmPrint("  %9s", "0");
+  else if (c->courant < 1e-3)
+    MpmPrint("  %9.1e", c->courant);
+  else
+    MpmPrint("  %9.4f", c->courant);
+  fflush(stdout);
+  if (survey->scene->csv[0]) CsvRow(&survey->csv, survey->scene, scheme, c);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene)
+{
+  const MpmCriticalCase of     = MpmCriticalCaseOf(scene);
+  Survey                survey = {.scene = scene};
+
+  PetscFunctionBegin;
+  if (scene->csv[0]) PetscCall(CsvOpen(scene->csv, &survey.csv));
+  MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
+           ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
+           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc,
+           scene->layout.offset.value, scene->step.drift.value, scene->scheme.numbers.order,
+           scene->scheme.numbers.ratio);
+  for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
+  PetscCall(MpmCriticalSurvey(&of, PrintCell, &survey));
+  MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g%s\n", MPM_CRITICAL_TO,
+           survey.undecided ? "; ?: undecided, 'mpmstab critical' with that scheme says why" : "");
+  if (scene->csv[0]) PetscCall(MpmTextFileClose(&survey.csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

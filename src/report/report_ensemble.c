@@ -1,6 +1,6 @@
 /* The share of unstable layouts in words, as JSON and as CSV. */
-#include "analysis/ensemble.h"
-#include "io/output.h"
+#include "report/results.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 
@@ -28,8 +28,8 @@ PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *e)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmReportScene(e->scene, "ensemble", ranks));
-  MpmPrint("\nlayouts    %" PetscInt_FMT ", seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n", e->n, e->scene->seed,
-           e->scene->seed + e->n - 1);
+  MpmPrint("\nlayouts    %" PetscInt_FMT ", seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n", e->n,
+           e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
   MpmPrint("unstable   %" PetscInt_FMT "\nundecided  %" PetscInt_FMT "\n", e->unstable, e->undecided);
   MpmPrint("share      %.4g%%, with 95%% confidence from %.4g%% to %.4g%% (Wilson)\n", 100 * e->share,
            100 * e->interval[0], 100 * e->interval[1]);
@@ -77,7 +77,7 @@ PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *e)
   if (csv.stream) {
     fprintf(csv.stream, "seed,growth,verdict\n");
     for (PetscInt i = 0; i < e->n; i++) {
-      fprintf(csv.stream, "%" PetscInt64_FMT, e->scene->seed + i);
+      fprintf(csv.stream, "%" PetscInt64_FMT, e->scene->layout.seed + i);
       MpmTextFileCell(&csv, e->growth[i]);
       fprintf(csv.stream, ",%s\n", MpmVerdictNames[e->verdict[i]]);
     }

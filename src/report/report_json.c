@@ -1,6 +1,6 @@
 /* The result as one JSON object. Keys are a contract; a key that is absent was not computed. */
 #include "report/report.h"
-#include "analysis/run.h"
+#include "report/results.h"
 
 static json_t *Predicted(const MpmRun *run)
 {
@@ -18,13 +18,13 @@ static json_t *Errors(const MpmRun *run)
 {
   json_t *errors = json_object();
 
-  for (PetscInt f = 0; run->scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; run->scene->scheme.table->fields[f]; f++) {
     json_t *error = json_object();
 
     MpmJsonSet(error, "l1", run->error[f].l1);
     MpmJsonSet(error, "l2", run->error[f].l2);
     MpmJsonSet(error, "linf", run->error[f].linf);
-    json_object_set_new(errors, run->scene->table->fields[f], error);
+    json_object_set_new(errors, run->scene->scheme.table->fields[f], error);
   }
   return errors;
 }
@@ -49,7 +49,7 @@ static void SetExchange(json_t *object, const MpmRun *run)
 {
   const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
                                      *most = &run->exchange_most;
-  const MpmTable *table                    = run->scene->table;
+  const MpmTable *table                    = run->scene->scheme.table;
 
   if (run->scene->weights) {
     json_t *weights = json_object();
@@ -67,7 +67,7 @@ static void SetExchange(json_t *object, const MpmRun *run)
 static json_t *Run(const MpmRun *run)
 {
   json_t         *object = json_object(), *energy = json_object();
-  const PetscReal work = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->particles;
+  const PetscReal work = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles;
 
   json_object_set_new(object, "steps", json_integer(run->steps));
   if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));

@@ -1,7 +1,7 @@
 /* The scene, as every task's table and JSON object begin. */
 #include <mpmstab/errors.h>
 #include "scene/material.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
 #include <string.h>
@@ -21,16 +21,18 @@ static PetscErrorCode PrintLayout(const MpmScene *s, PetscMPIInt ranks)
   char ppc[32], offset[32], courant[32], drift[64];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(ppc, sizeof ppc, "%" PetscInt_FMT, s->ppc));
-  PetscCall(PetscSNPrintf(offset, sizeof offset, "%.6g", s->offset.value));
-  PetscCall(PetscSNPrintf(courant, sizeof courant, "%.6g", s->courant));
-  PetscCall(PetscSNPrintf(drift, sizeof drift, "%.6g", s->drift.value));
-  if (s->drift.den > 1)
-    PetscCall(PetscSNPrintf(drift, sizeof drift, "%" PetscInt64_FMT "/%" PetscInt64_FMT, s->drift.num, s->drift.den));
+  PetscCall(PetscSNPrintf(ppc, sizeof ppc, "%" PetscInt_FMT, s->layout.ppc));
+  PetscCall(PetscSNPrintf(offset, sizeof offset, "%.6g", s->layout.offset.value));
+  PetscCall(PetscSNPrintf(courant, sizeof courant, "%.6g", s->step.courant));
+  PetscCall(PetscSNPrintf(drift, sizeof drift, "%.6g", s->step.drift.value));
+  if (s->step.drift.den > 1)
+    PetscCall(PetscSNPrintf(drift, sizeof drift, "%" PetscInt64_FMT "/%" PetscInt64_FMT, s->step.drift.num,
+                            s->step.drift.den));
   MpmPrint("%" PetscInt_FMT " cells x %s particles (%s, offset %s, jitter %.6g), Courant number %s, drift %s cells per "
            "step, %d rank%s\n",
-           s->cells, Value(s, MPM_AXIS_PPC, ppc), s->layout, Value(s, MPM_AXIS_OFFSET, offset), s->jitter,
-           Value(s, MPM_AXIS_COURANT, courant), Value(s, MPM_AXIS_DRIFT, drift), ranks, ranks == 1 ? "" : "s");
+           s->layout.grid.cells, Value(s, MPM_AXIS_PPC, ppc), s->layout.name, Value(s, MPM_AXIS_OFFSET, offset),
+           s->layout.jitter, Value(s, MPM_AXIS_COURANT, courant), Value(s, MPM_AXIS_DRIFT, drift), ranks,
+           ranks == 1 ? "" : "s");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,24 +42,26 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt 
 
   PetscFunctionBegin;
   PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer", MPMSTAB_VERSION, task, s->formulation->name, s->basis->name,
-           s->transfer->name);
-  if (s->transfer->option) MpmPrint(" (%s %g)", s->transfer->option, s->transfer->number(&s->numbers));
+  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer", MPMSTAB_VERSION, task, s->scheme.formulation->name,
+           s->scheme.basis->name, s->scheme.transfer->name);
+  if (s->scheme.transfer->option)
+    MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
   MpmPrint(", %s\n", s->boundary);
   PetscCall(PrintLayout(s, ranks));
-  if (s->counts.n > 1)
-    MpmPrint("particles in cells: %s, repeated; %" PetscInt64_FMT " in all\n", counts, s->particles);
+  if (s->layout.counts.n > 1)
+    MpmPrint("particles in cells: %s, repeated; %" PetscInt64_FMT " in all\n", counts, s->layout.particles);
   else if (!MpmSceneIsFull(s))
-    MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n", (PetscReal)s->first / s->ppc,
-             (PetscReal)(s->first + s->particles) / s->ppc, s->particles);
-  if (s->material.kind != MPM_MATERIAL_UNIFORM)
-    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g", MpmMaterialNames[s->material.kind],
-             s->material.density, s->material.stiffness);
-  if (s->material.kind == MPM_MATERIAL_TWO)
-    MpmPrint(", in cells %.6g to %.6g", s->material.inclusion[0], s->material.inclusion[1]);
-  if (s->material.kind != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
-  if (s->cluster[1] - s->cluster[0] < 1)
-    MpmPrint("particles within %.17g to %.17g of their cells\n", s->cluster[0], s->cluster[1]);
+    MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n",
+             (PetscReal)s->layout.first / s->layout.ppc,
+             (PetscReal)(s->layout.first + s->layout.particles) / s->layout.ppc, s->layout.particles);
+  if (s->layout.material.kind != MPM_MATERIAL_UNIFORM)
+    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g", MpmMaterialNames[s->layout.material.kind],
+             s->layout.material.density, s->layout.material.stiffness);
+  if (s->layout.material.kind == MPM_MATERIAL_TWO)
+    MpmPrint(", in cells %.6g to %.6g", s->layout.material.inclusion[0], s->layout.material.inclusion[1]);
+  if (s->layout.material.kind != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
+  if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
+    MpmPrint("particles within %.17g to %.17g of their cells\n", s->layout.cluster[0], s->layout.cluster[1]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +79,7 @@ PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char t
 
 PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
 {
-  const MpmFormulation *f    = p->scene->formulation;
+  const MpmFormulation *f    = p->scheme->formulation;
   const char           *text = f->published_text;
 
   PetscFunctionBegin;
@@ -88,7 +92,7 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
 
 PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
 {
-  const MpmFormulation *f = p->scene->formulation;
+  const MpmFormulation *f = p->scheme->formulation;
 
   PetscFunctionBegin;
   if (c->published > WORTH_SAYING) {
@@ -129,36 +133,37 @@ static void SetDifferences(json_t *object, const MpmScene *s)
 {
   json_t *counts = json_array();
 
-  if (s->offset.value != 0.5) json_object_set_new(object, "offset", json_real(s->offset.value));
-  if (s->jitter != 0) json_object_set_new(object, "jitter", json_real(s->jitter));
-  if (s->jitter != 0) json_object_set_new(object, "seed", json_integer((json_int_t)s->seed));
+  if (s->layout.offset.value != 0.5) json_object_set_new(object, "offset", json_real(s->layout.offset.value));
+  if (s->layout.jitter != 0) json_object_set_new(object, "jitter", json_real(s->layout.jitter));
+  if (s->layout.jitter != 0) json_object_set_new(object, "seed", json_integer((json_int_t)s->layout.seed));
 
-  for (PetscInt r = 0; r < s->counts.n; r++) json_array_append_new(counts, json_integer(s->counts.of[r]));
-  if (s->counts.n > 1)
+  for (PetscInt r = 0; r < s->layout.counts.n; r++) json_array_append_new(counts, json_integer(s->layout.counts.of[r]));
+  if (s->layout.counts.n > 1)
     json_object_set_new(object, "counts", counts);
   else
     json_decref(counts);
-  if (s->cluster[1] - s->cluster[0] < 1)
-    json_object_set_new(object, "cluster", json_pack("[f, f]", s->cluster[0], s->cluster[1]));
-  if (s->material.kind == MPM_MATERIAL_UNIFORM) return;
+  if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
+    json_object_set_new(object, "cluster", json_pack("[f, f]", s->layout.cluster[0], s->layout.cluster[1]));
+  if (s->layout.material.kind == MPM_MATERIAL_UNIFORM) return;
   json_object_set_new(object, "material",
-                      json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->material.kind], "density_ratio",
-                                s->material.density, "stiffness_ratio", s->material.stiffness));
-  if (s->material.kind == MPM_MATERIAL_TWO)
+                      json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->layout.material.kind], "density_ratio",
+                                s->layout.material.density, "stiffness_ratio", s->layout.material.stiffness));
+  if (s->layout.material.kind == MPM_MATERIAL_TWO)
     json_object_set_new(json_object_get(object, "material"), "inclusion",
-                        json_pack("[f, f]", s->material.inclusion[0], s->material.inclusion[1]));
+                        json_pack("[f, f]", s->layout.material.inclusion[0], s->layout.material.inclusion[1]));
 }
 
 json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
 {
-  json_t *object = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version",
-                             MPMSTAB_VERSION, "task", task, "formulation", s->formulation->name, "basis",
-                             s->basis->name, "transfer", s->transfer->name, "boundary", s->boundary, "dim", (int)s->dim,
-                             "cells", (int)s->cells, "ppc", (int)s->ppc, "particles", (json_int_t)s->particles,
-                             "courant", s->courant, "drift", s->drift.value, "ranks", (int)ranks, "wall_s", wall_s);
+  json_t *object =
+      json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
+                "task", task, "formulation", s->scheme.formulation->name, "basis", s->scheme.basis->name, "transfer",
+                s->scheme.transfer->name, "boundary", s->boundary, "dim", (int)s->dim, "cells",
+                (int)s->layout.grid.cells, "ppc", (int)s->layout.ppc, "particles", (json_int_t)s->layout.particles,
+                "courant", s->step.courant, "drift", s->step.drift.value, "ranks", (int)ranks, "wall_s", wall_s);
 
-  if (s->transfer->option)
-    json_object_set_new(object, s->transfer->option, json_real(s->transfer->number(&s->numbers)));
+  if (s->scheme.transfer->option)
+    json_object_set_new(object, s->scheme.transfer->option, json_real(s->scheme.transfer->number(&s->scheme.numbers)));
   SetDifferences(object, s);
   return object;
 }

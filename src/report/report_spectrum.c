@@ -1,6 +1,6 @@
 /* The task spectrum's table. */
 #include "report/report.h"
-#include "analysis/spectrum.h"
+#include "report/results.h"
 #include <math.h>
 
 static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
@@ -9,7 +9,7 @@ static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!s->symbol) {
-    PetscCall(PetscSNPrintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(s->scene)));
+    PetscCall(PetscSNPrintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(&s->scene->layout)));
     PetscCall(MpmReportGrowth("symbol", NAN, text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -1,6 +1,6 @@
 /* The task spectrum as a JSON object. */
 #include "report/report.h"
-#include "analysis/spectrum.h"
+#include "report/results.h"
 #include <math.h>
 
 static json_t *Operator(const MpmSpectrum *s)

@@ -1,8 +1,8 @@
 /* A stability map as a picture of letters, and as JSON, CSV and HDF5. */
 #include "io/datafile.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "report/report.h"
-#include "analysis/stability_map.h"
+#include "report/results.h"
 #include <math.h>
 
 /* On a terminal: as many rows and columns at most; others are left out. */

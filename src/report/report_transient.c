@@ -1,6 +1,6 @@
-/* What the task spectrum says of norm(A^n) and the pseudospectrum: table, JSON, HDF5. */
+/* What the task spectrum says of norm(A^n) and the pseudospectrum: table and JSON. */
 #include "report/report.h"
-#include "analysis/spectrum.h"
+#include "report/results.h"
 #include <math.h>
 
 #define GROWS 0.1 /* a fitted power above it */
@@ -114,25 +114,4 @@ void MpmTransientJson(const MpmSpectrum *s, json_t *object)
 {
   if (s->transient) json_object_set_new(object, "transient", Powers(s->transient));
   if (s->pseudospectrum) json_object_set_new(object, "pseudospectrum", Pseudospectrum(s->pseudospectrum));
-}
-
-PetscErrorCode MpmTransientWrite(const MpmSpectrum *s, MpmDataFile *file)
-{
-  const MpmTransient      *t = s->transient;
-  const MpmPseudospectrum *p = s->pseudospectrum;
-  PetscReal               *steps;
-
-  PetscFunctionBegin;
-  if (t) {
-    PetscCall(PetscMalloc1(t->n, &steps));
-    for (PetscInt i = 0; i < t->n; i++) steps[i] = (PetscReal)t->steps[i];
-    PetscCall(MpmDataFileArray(file, "/transient", "steps", t->n, 1, steps));
-    PetscCall(MpmDataFileArray(file, "/transient", "norm", t->n, 1, t->norm));
-    PetscCall(PetscFree(steps));
-  }
-  if (!p) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "re", p->points, 1, p->re));
-  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "im", p->points, 1, p->re));
-  PetscCall(MpmDataFileArray(file, "/pseudospectrum", "sigma", p->points, p->points, p->sigma));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

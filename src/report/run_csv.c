@@ -25,10 +25,10 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
   size_t          length;
 
   PetscFunctionBegin;
-  PetscCall(Columns(scene->table, run->has_errors, "error_l2_", header));
+  PetscCall(Columns(scene->scheme.table, run->has_errors, "error_l2_", header));
   if (scene->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
-  PetscCall(Columns(scene->table, scene->source_term, "source_", header));
-  PetscCall(Columns(scene->table, scene->ringing, "ringing_", header));
+  PetscCall(Columns(scene->scheme.table, scene->source_term, "source_", header));
+  PetscCall(Columns(scene->scheme.table, scene->ringing, "ringing_", header));
   length = strlen(header);
   MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
                 "restart %s: its CSV has other columns; allowed: weights, source_term and ringing as before",
@@ -44,7 +44,7 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
                             PetscReal log_norm, PetscReal energy, const MpmTextFile *csv)
 {
   const MpmScene *scene = run->scene;
-  const PetscInt  n     = scene->table->nstate;
+  const PetscInt  n     = scene->scheme.table->nstate;
   MpmError        error[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;

@@ -1,7 +1,7 @@
 /* The time series of a run as CSV: a row for each sampled step. */
 #pragma once
 #include "march/transfer_diagnostics.h"
-#include "io/output.h"
+#include "base/textfile.h"
 #include "analysis/run.h"
 
 /*

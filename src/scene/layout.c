@@ -2,24 +2,15 @@
    Particle j of the ppc in cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed from its number
    g, and its part of a cell squeezed into the cluster.
 */
+#include "base/memory.h"
 #include "scheme/kernels.h"
 #include "scene/layout.h"
+#include <mpmstab/errors.h>
 #include <math.h>
-#include <stdint.h>
 
-PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
+void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count)
 {
-  uint64_t z = (uint64_t)seed + ((uint64_t)id + 1) * 0x9E3779B97F4A7C15u;
-
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  z ^= z >> 31;
-  return (PetscReal)(z >> 11) * 0x1p-53;
-}
-
-void MpmLayoutSite(const MpmScene *scene, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count)
-{
-  const MpmCounts *c    = &scene->counts;
+  const MpmCounts *c    = &layout->counts;
   const PetscInt64 turn = g / c->before[c->n], rest = g % c->before[c->n];
   PetscInt         r = 0;
 
@@ -29,31 +20,31 @@ void MpmLayoutSite(const MpmScene *scene, PetscInt64 g, PetscInt *cell, PetscInt
   *count = c->of[r];
 }
 
-PetscInt64 MpmLayoutSitesBefore(const MpmScene *scene, PetscInt cell)
+PetscInt64 MpmLayoutSitesBefore(const MpmLayout *layout, PetscInt cell)
 {
-  const MpmCounts *c = &scene->counts;
+  const MpmCounts *c = &layout->counts;
 
   return cell / c->n * c->before[c->n] + c->before[cell % c->n];
 }
 
-PetscInt MpmLayoutSitesIn(const MpmScene *scene, PetscInt cell)
+PetscInt MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell)
 {
-  return scene->counts.of[cell % scene->counts.n];
+  return layout->counts.of[cell % layout->counts.n];
 }
 
-void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscReal *xi)
+void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, PetscReal *xi)
 {
-  const MpmFraction *offset = &scene->offset;
-  const PetscReal   *part   = scene->cluster;
+  const MpmFraction *offset = &layout->offset;
+  const PetscReal   *part   = layout->cluster;
   PetscReal          place; /* in cells from the left end of cell n */
   PetscInt           n, j, count, shift;
 
-  MpmLayoutSite(scene, scene->first + id, &n, &j, &count);
-  if (scene->jitter == 0 && offset->den && offset->den <= 1000000000)
+  MpmLayoutSite(layout, layout->first + id, &n, &j, &count);
+  if (layout->jitter == 0 && offset->den && offset->den <= 1000000000)
     /* rounded once, so that positions that meet a node meet it exactly */
     place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(count * offset->den);
   else {
-    const PetscReal displacement = scene->jitter * (MpmHash(scene->seed, scene->first + id) - 0.5);
+    const PetscReal displacement = layout->jitter * (MpmHash(layout->seed, layout->first + id) - 0.5);
     place                        = (j + offset->value + displacement) / count;
   }
   if (part[1] - part[0] < 1) place = part[0] + (part[1] - part[0]) * place;
@@ -64,30 +55,66 @@ void MpmLayoutPlace(const MpmScene *scene, PetscInt64 id, PetscInt *cell, PetscR
     shift++;
   }
   *cell = n + shift;
-  if (*cell == scene->cells && !MpmSceneIsPeriodic(scene)) { /* on the right end's node, whose cell is at its left */
-    *cell = scene->cells - 1;
+  if (*cell == layout->grid.cells &&
+      !MpmLayoutIsPeriodic(layout)) { /* on the right end's node, whose cell is at its left */
+    *cell = layout->grid.cells - 1;
     *xi   = nextafter(1, 0);
   }
 }
 
-void MpmLayoutPlaceAt(const MpmScene *scene, PetscInt64 id, PetscInt64 step, PetscInt *cell, PetscReal *xi)
+void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction *drift, PetscInt64 id, PetscInt64 step, PetscInt *cell,
+                      PetscReal *xi)
 {
   PetscInt   home;
   PetscInt64 whole;
   PetscReal  rest, part;
 
-  MpmLayoutPlace(scene, id, &home, &rest);
-  MpmFractionMultiple(&scene->drift, step, &whole, &part);
+  MpmLayoutPlace(layout, id, &home, &rest);
+  MpmFractionMultiple(drift, step, &whole, &part);
   MpmPlaceBlock(1, &home, &rest, 0, part, cell, xi);
 }
 
-PetscErrorCode MpmLayoutPeriod(const MpmScene *scene, PetscInt *period)
+PetscErrorCode MpmStepPeriod(const MpmStep *step, PetscInt *period)
 {
   PetscFunctionBegin;
-  MpmCheckInput(scene->drift.den > 0 && scene->drift.den <= MPM_LONGEST_PERIOD,
+  MpmCheckInput(step->drift.den > 0 && step->drift.den <= MPM_LONGEST_PERIOD,
                 "drift %.17g: particles are not back in their places within %d steps; allowed: -drift as a fraction "
                 "such as 1/8 with a denominator of at most %d ('mpmstab run' takes any drift)",
-                scene->drift.value, MPM_LONGEST_PERIOD, MPM_LONGEST_PERIOD);
-  *period = (PetscInt)scene->drift.den;
+                step->drift.value, MPM_LONGEST_PERIOD, MPM_LONGEST_PERIOD);
+  *period = (PetscInt)step->drift.den;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmLayoutIsUniform(const MpmLayout *layout)
+{
+  for (PetscInt property = 0; property < MPM_PROPERTIES; property++)
+    if (layout->varies[property]) return PETSC_FALSE;
+  return layout->jitter == 0 && MpmLayoutIsPeriodic(layout) && MpmLayoutIsFull(layout) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc)
+{
+  layout->ppc              = ppc;
+  layout->half_width       = 0.5 / ppc;
+  layout->counts.of[0]     = ppc;
+  layout->counts.before[1] = ppc;
+  layout->sites = layout->particles = (PetscInt64)layout->grid.cells * ppc;
+}
+
+MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind)
+{
+  const MpmProperty weight = MpmOpTraitsOf(kind).weight;
+
+  return layout->varies[weight] ? weight : MPM_NO_PROPERTY;
+}
+
+PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])
+{
+  char size[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(size, sizeof size, "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT, layout->grid.cells,
+                          layout->ppc));
+  PetscCall(MpmMemoryCheck(comm, size, bytes, what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,44 +10,44 @@ const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
 /* The power of the ratios that holds at place x, in cells. */
-static PetscReal Share(const MpmScene *scene, PetscReal x)
+static PetscReal Share(const MpmLayout *layout, PetscReal x)
 {
-  const MpmMaterial *m = &scene->material;
-  const PetscReal    s = x / scene->cells;
+  const MpmMaterial *m = &layout->material;
+  const PetscReal    s = x / layout->grid.cells;
 
   if (m->kind == MPM_MATERIAL_TWO) return x >= m->inclusion[0] && x < m->inclusion[1] ? 1 : 0;
-  return MpmSceneIsPeriodic(scene) ? 1 - fabs(2 * s - 1) : s;
+  return MpmLayoutIsPeriodic(layout) ? 1 - fabs(2 * s - 1) : s;
 }
 
-static PetscReal Ratio(const MpmScene *scene, PetscReal ratio, PetscInt64 id)
+static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
 {
   PetscInt  cell;
   PetscReal xi;
 
-  if (scene->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
-  MpmLayoutPlace(scene, id, &cell, &xi);
-  return pow(ratio, Share(scene, cell + xi));
+  if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
+  MpmLayoutPlace(layout, id, &cell, &xi);
+  return pow(ratio, Share(layout, cell + xi));
 }
 
-PetscReal MpmMaterialProperty(const MpmScene *scene, MpmProperty property, PetscInt64 id)
+PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id)
 {
   PetscInt  cell, j, count;
   PetscReal volume;
 
-  if (property == MPM_STIFFNESS) return Ratio(scene, scene->material.stiffness, id);
-  MpmLayoutSite(scene, scene->first + id, &cell, &j, &count);
-  volume = (PetscReal)scene->ppc / count;
-  return property == MPM_MASS ? volume * Ratio(scene, scene->material.density, id) : volume;
+  if (property == MPM_STIFFNESS) return Ratio(layout, layout->material.stiffness, id);
+  MpmLayoutSite(layout, layout->first + id, &cell, &j, &count);
+  volume = (PetscReal)layout->ppc / count;
+  return property == MPM_MASS ? volume * Ratio(layout, layout->material.density, id) : volume;
 }
 
-void MpmMaterialBounds(const MpmScene *scene, PetscReal bound[MPM_PROPERTIES])
+void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
 {
-  const PetscBool varied = scene->material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool varied = layout->material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
 
-  bound[MPM_MASS]      = varied ? PetscMin(1, scene->material.density) : 1;
-  bound[MPM_STIFFNESS] = varied ? PetscMax(1, scene->material.stiffness) : 1;
+  bound[MPM_MASS]      = varied ? PetscMin(1, layout->material.density) : 1;
+  bound[MPM_STIFFNESS] = varied ? PetscMax(1, layout->material.stiffness) : 1;
   bound[MPM_VOLUME]    = 1;
-  for (PetscInt r = 0; r < scene->counts.n; r++)
-    if (scene->counts.of[r])
-      bound[MPM_VOLUME] = PetscMax(bound[MPM_VOLUME], (PetscReal)scene->ppc / scene->counts.of[r]);
+  for (PetscInt r = 0; r < layout->counts.n; r++)
+    if (layout->counts.of[r])
+      bound[MPM_VOLUME] = PetscMax(bound[MPM_VOLUME], (PetscReal)layout->ppc / layout->counts.of[r]);
 }

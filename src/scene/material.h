@@ -1,6 +1,6 @@
 /* Material: in what particles differ. A scene whose particles are all alike has none of it. */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/layout.h>
 
 /* The swarm fields that hold the properties that vary; the first, MPM_NO_PROPERTY's, is no name. */
 extern const char *const MpmPropertyNames[MPM_PROPERTIES];
@@ -16,7 +16,7 @@ extern const char *const MpmMaterialNames[];
    place x: with material two the second one's inside the inclusion, graded the first one's times ratio^s, s = x / L, in
    a periodic domain 1 - abs(2 x / L - 1).
 */
-PetscReal MpmMaterialProperty(const MpmScene *scene, MpmProperty property, PetscInt64 id);
+PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id);
 
 /* Not collective. Bounds of the properties over a scene: the least mass, and the largest volume and stiffness. */
-void MpmMaterialBounds(const MpmScene *scene, PetscReal bound[MPM_PROPERTIES]);
+void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES]);

@@ -1,5 +1,6 @@
 /* The options: one line each, with default, range and help. */
 #include "scene/material.h"
+#include <mpmstab/scene.h>
 #include <string.h>
 
 static const char *FormulationWord(PetscInt i)

@@ -11,13 +11,13 @@ static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "formulation", &i));
-  scene->formulation = MpmFormulations[i];
+  scene->scheme.formulation = MpmFormulations[i];
   PetscCall(MpmSettingsWord(settings, "basis", &i));
-  scene->basis = MpmBases[i];
+  scene->scheme.basis = MpmBases[i];
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
-  scene->transfer = MpmTransfers[i];
+  scene->scheme.transfer = MpmTransfers[i];
   PetscCall(MpmSettingsWord(settings, "layout", &i));
-  scene->layout = MpmOptions[MpmOptionIndex("layout")].word(i);
+  scene->layout.name = MpmOptions[MpmOptionIndex("layout")].word(i);
   PetscCall(MpmSettingsWord(settings, "initial", &i));
   scene->initial = (MpmInitial)i;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -31,9 +31,9 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsInteger(settings, "dim", &n));
   scene->dim = (PetscInt)n;
   PetscCall(MpmSettingsInteger(settings, "cells", &n));
-  scene->cells = (PetscInt)n;
+  scene->layout.grid.cells = (PetscInt)n;
   PetscCall(MpmSettingsReal(settings, "length", &scene->length));
-  scene->cell_width = scene->length / scene->cells;
+  scene->cell_width = scene->length / scene->layout.grid.cells;
   if (!isnormal(scene->cell_width))
     PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -47,22 +47,22 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReal(settings, "wave_speed", &scene->wave_speed));
   if (MpmSettingsGiven(settings, "dt")) {
     PetscCall(MpmSettingsReal(settings, "dt", &scene->dt));
-    scene->courant = scene->wave_speed * scene->dt / scene->cell_width;
-    if (!isnormal(scene->courant))
+    scene->step.courant = scene->wave_speed * scene->dt / scene->cell_width;
+    if (!isnormal(scene->step.courant))
       PetscCall(MpmSettingsRefuse(settings, "dt", "c dt / h is out of range; allowed: a finite Courant number"));
   } else {
-    PetscCall(MpmSettingsReal(settings, "courant", &scene->courant));
-    scene->dt = scene->courant * scene->cell_width / scene->wave_speed;
+    PetscCall(MpmSettingsReal(settings, "courant", &scene->step.courant));
+    scene->dt = scene->step.courant * scene->cell_width / scene->wave_speed;
     if (!isnormal(scene->dt))
       PetscCall(MpmSettingsRefuse(settings, "courant", "dt = k h / c is out of range; allowed: a finite time step"));
   }
   if (MpmSettingsGiven(settings, "velocity")) {
     PetscCall(MpmSettingsReal(settings, "velocity", &value));
-    scene->drift = (MpmFraction){.num = 0, .den = value == 0, .value = value * scene->dt / scene->cell_width};
-    if (!(PetscAbsReal(scene->drift.value) <= 1e6))
+    scene->step.drift = (MpmFraction){.num = 0, .den = value == 0, .value = value * scene->dt / scene->cell_width};
+    if (!(PetscAbsReal(scene->step.drift.value) <= 1e6))
       PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
   } else
-    PetscCall(MpmSettingsFraction(settings, "drift", &scene->drift));
+    PetscCall(MpmSettingsFraction(settings, "drift", &scene->step.drift));
   if (MpmSettingsGiven(settings, "time")) {
     PetscCall(MpmSettingsReal(settings, "time", &value));
     /* a time that is whole steps but for rounding is not given one more */
@@ -80,7 +80,7 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
   PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
-  if (scene->stagger && scene->formulation->staggered == MPM_NONE) {
+  if (scene->stagger && scene->scheme.formulation->staggered == MPM_NONE) {
     scene->stagger = PETSC_FALSE;
     if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
       PetscCall(MpmSettingsRefuse(settings, "stagger",
@@ -103,7 +103,7 @@ static PetscErrorCode ReadDiagnostics(const MpmSettings *settings, MpmScene *sce
   PetscCall(MpmSettingsSwitch(settings, "weights", &scene->weights));
   PetscCall(MpmSettingsSwitch(settings, "source_term", &scene->source_term));
   PetscCall(MpmSettingsSwitch(settings, "ringing", &scene->ringing));
-  if (scene->weights && !(scene->basis->hat && MpmSceneIsPeriodic(scene)))
+  if (scene->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
     PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -155,7 +155,7 @@ static PetscErrorCode ReadCount(const MpmSettings *settings, const char name[], 
 static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
-  scene->phases = scene->cells;
+  scene->phases = scene->layout.grid.cells;
   PetscCall(ReadCount(settings, "phases", &scene->phases));
   PetscCall(ReadCount(settings, "modes", &scene->modes));
   PetscCall(ReadCount(settings, "layouts", &scene->layouts));
@@ -175,17 +175,18 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsInteger(settings, "mode", &n));
   scene->mode = (PetscInt)n;
   if (scene->initial == MPM_INITIAL_MODE &&
-      scene->mode > PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->cells / 2 : scene->cells))
+      scene->mode > PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->layout.grid.cells / 2 : scene->layout.grid.cells))
     PetscCall(MpmSettingsRefuse(settings, "mode",
                                 MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                           : "allowed: a whole number from 1 to cells"));
-  if (MpmInitialHasExact(scene->initial) && !scene->formulation->wave) {
+  if (MpmInitialHasExact(scene->initial) && !scene->scheme.formulation->wave) {
     if (MpmSettingsSource(settings, "initial") != MPM_FROM_DEFAULT)
       PetscCall(MpmSettingsRefuse(settings, "initial",
                                   "the formulation has no exact solution to start from; allowed: random or eigenmode"));
     scene->initial = MPM_INITIAL_RANDOM;
   }
-  if (scene->initial == MPM_INITIAL_STEP && (!MpmEndIsFixed(scene->ends[0]) || scene->ends[1] != MPM_FREE))
+  if (scene->initial == MPM_INITIAL_STEP &&
+      (!MpmEndIsFixed(scene->layout.grid.ends[0]) || scene->layout.grid.ends[1] != MPM_FREE))
     PetscCall(
         MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
   if (scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_EIGENMODE &&
@@ -199,6 +200,8 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
 
 static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
 {
+  PetscBool progress;
+
   PetscFunctionBegin;
   PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
   PetscCall(MpmSettingsFiles(settings, scene));
@@ -213,10 +216,12 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
     if (!scene->checkpoint[0])
       PetscCall(MpmSettingsRefuse(settings, "checkpoint_every", "allowed: only with checkpoint"));
   }
-  if (scene->output[0] && scene->particles > PETSC_MAX_INT / 3)
+  if (scene->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
-  scene->has_progress = MpmSettingsGiven(settings, "progress");
-  if (scene->has_progress) PetscCall(MpmSettingsSwitch(settings, "progress", &scene->progress));
+  if (MpmSettingsGiven(settings, "progress")) {
+    PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
+    scene->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -226,8 +231,8 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < scene->table->nstate && scene->formulation->wave; f++)
-    if (!isnormal(scene->formulation->wave->amplitude(&profile, f)))
+  for (PetscInt f = 0; f < scene->scheme.table->nstate && scene->scheme.formulation->wave; f++)
+    if (!isnormal(scene->scheme.formulation->wave->amplitude(&profile, f)))
       PetscCall(
           MpmSettingsRefuse(settings, "wave_speed",
                             "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
@@ -275,7 +280,7 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableDestroy(&(*scene)->table));
+  PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

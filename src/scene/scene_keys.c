@@ -56,19 +56,20 @@ static PetscErrorCode Layout(List *list, const MpmScene *s)
   char counts[MPM_COUNTS_TEXT];
 
   PetscFunctionBegin;
-  PetscCall(Number(list, "cells", (PetscReal)s->cells));
+  PetscCall(Number(list, "cells", (PetscReal)s->layout.grid.cells));
   PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
   PetscCall(Word(list, "counts", counts));
-  PetscCall(Fraction(list, "offset", &s->offset));
-  PetscCall(Number(list, "jitter", s->jitter));
-  if (s->jitter != 0 || s->initial == MPM_INITIAL_RANDOM) PetscCall(Number(list, "seed", (PetscReal)s->seed));
-  PetscCall(Range(list, "cluster", s->cluster));
-  PetscCall(Number(list, "first", (PetscReal)s->first));
-  PetscCall(Number(list, "particles", (PetscReal)s->particles));
-  PetscCall(Word(list, "material", MpmMaterialNames[s->material.kind]));
-  PetscCall(Number(list, "density_ratio", s->material.density));
-  PetscCall(Number(list, "stiffness_ratio", s->material.stiffness));
-  if (s->material.kind == MPM_MATERIAL_TWO) PetscCall(Range(list, "inclusion", s->material.inclusion));
+  PetscCall(Fraction(list, "offset", &s->layout.offset));
+  PetscCall(Number(list, "jitter", s->layout.jitter));
+  if (s->layout.jitter != 0 || s->initial == MPM_INITIAL_RANDOM)
+    PetscCall(Number(list, "seed", (PetscReal)s->layout.seed));
+  PetscCall(Range(list, "cluster", s->layout.cluster));
+  PetscCall(Number(list, "first", (PetscReal)s->layout.first));
+  PetscCall(Number(list, "particles", (PetscReal)s->layout.particles));
+  PetscCall(Word(list, "material", MpmMaterialNames[s->layout.material.kind]));
+  PetscCall(Number(list, "density_ratio", s->layout.material.density));
+  PetscCall(Number(list, "stiffness_ratio", s->layout.material.stiffness));
+  if (s->layout.material.kind == MPM_MATERIAL_TWO) PetscCall(Range(list, "inclusion", s->layout.material.inclusion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,16 +78,17 @@ PetscErrorCode MpmSceneKeys(const MpmScene *s, PetscInt *n, MpmSceneKey facts[MP
   List list = {0, facts};
 
   PetscFunctionBegin;
-  PetscCall(Word(&list, "formulation", s->formulation->name));
-  PetscCall(Word(&list, "basis", s->basis->name));
-  PetscCall(Word(&list, "transfer", s->transfer->name));
-  if (s->transfer->option) PetscCall(Number(&list, s->transfer->option, s->transfer->number(&s->numbers)));
+  PetscCall(Word(&list, "formulation", s->scheme.formulation->name));
+  PetscCall(Word(&list, "basis", s->scheme.basis->name));
+  PetscCall(Word(&list, "transfer", s->scheme.transfer->name));
+  if (s->scheme.transfer->option)
+    PetscCall(Number(&list, s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers)));
   PetscCall(Word(&list, "boundary", s->boundary));
   PetscCall(Layout(&list, s));
   PetscCall(Number(&list, "length", s->length));
   PetscCall(Number(&list, "wave_speed", s->wave_speed));
-  PetscCall(Number(&list, "courant", s->courant));
-  PetscCall(Fraction(&list, "drift", &s->drift));
+  PetscCall(Number(&list, "courant", s->step.courant));
+  PetscCall(Fraction(&list, "drift", &s->step.drift));
   PetscCall(Word(&list, "initial", MpmInitialNames[s->initial]));
   PetscCall(Number(&list, "mode", (PetscReal)s->mode));
   PetscCall(Number(&list, "amplitude", s->amplitude));

@@ -5,23 +5,24 @@
 
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
-  if (!scene->formulation->wave) return PETSC_FALSE;
-  if (!MpmInitialHasExact(scene->initial) || scene->material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
-  return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
+  if (!scene->scheme.formulation->wave) return PETSC_FALSE;
+  if (!MpmInitialHasExact(scene->initial) || scene->layout.material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
+  return MpmSceneIsFull(scene) || (scene->layout.first == 0 && scene->layout.grid.ends[1] == MPM_FREE) ? PETSC_TRUE
+                                                                                                       : PETSC_FALSE;
 }
 
 /* Of the material: a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene)
 {
-  return MpmSceneIsPeriodic(scene) || scene->particles == scene->sites
+  return MpmSceneIsPeriodic(scene) || scene->layout.particles == scene->layout.sites
              ? scene->length
-             : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
+             : scene->cell_width * (PetscReal)scene->layout.particles / scene->layout.ppc;
 }
 
 /* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
 static void SetWave(const MpmScene *scene, MpmProfile *p)
 {
-  const PetscBool fixed[2] = {MpmEndIsFixed(scene->ends[0]), MpmEndIsFixed(scene->ends[1])};
+  const PetscBool fixed[2] = {MpmEndIsFixed(scene->layout.grid.ends[0]), MpmEndIsFixed(scene->layout.grid.ends[1])};
 
   p->wavenumber = 2 * PETSC_PI * scene->mode / p->length;
   if (MpmSceneIsPeriodic(scene)) return;
@@ -48,8 +49,8 @@ PetscInt MpmSceneExponent(const MpmScene *scene)
   PetscReal        largest = 0;
 
   if (!MpmInitialHasExact(scene->initial)) return ilogb(scene->amplitude);
-  for (PetscInt f = 0; scene->table->fields[f]; f++)
-    largest = PetscMax(largest, scene->formulation->wave->amplitude(&profile, f));
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++)
+    largest = PetscMax(largest, scene->scheme.formulation->wave->amplitude(&profile, f));
   return ilogb(largest);
 }
 
@@ -57,10 +58,10 @@ PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[
 {
   PetscFunctionBegin;
   text[0] = '\0';
-  for (PetscInt r = 0; r < scene->counts.n; r++) {
+  for (PetscInt r = 0; r < scene->layout.counts.n; r++) {
     const size_t used = strlen(text);
 
-    PetscCall(PetscSNPrintf(text + used, room - used, "%s%" PetscInt_FMT, r ? "," : "", scene->counts.of[r]));
+    PetscCall(PetscSNPrintf(text + used, room - used, "%s%" PetscInt_FMT, r ? "," : "", scene->layout.counts.of[r]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

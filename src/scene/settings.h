@@ -4,6 +4,7 @@
    value and what is allowed.
 */
 #pragma once
+#include "base/suggest.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/fraction.h>
 
@@ -95,6 +96,3 @@ MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[]);
 
 /* Not collective. Whether a key of the scene has lost its sense because the command line changed another. */
 PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[]);
-
-/* Not collective. The name nearest to a misspelled one among n, or NULL when none is near. */
-const char *MpmSuggest(const char misspelled[], PetscInt n, const char *const names[]);

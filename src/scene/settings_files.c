@@ -1,5 +1,5 @@
 /* Names of files, refused before any work is done when they cannot be written or would overwrite one another. */
-#include "io/output.h"
+#include "base/textfile.h"
 #include <mpmstab/scene.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -3,19 +3,10 @@
 
 #define MOST_PARTICLES (PETSC_MAX_INT / 2)
 
-void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc)
-{
-  scene->ppc              = ppc;
-  scene->width            = 0.5 / ppc;
-  scene->counts.of[0]     = ppc;
-  scene->counts.before[1] = ppc;
-  scene->sites = scene->particles = (PetscInt64)scene->cells * ppc;
-}
-
 /* With counts ppc is that of the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
 {
-  MpmCounts *c = &scene->counts;
+  MpmCounts *c = &scene->layout.counts;
   PetscInt64 ppc;
 
   PetscFunctionBegin;
@@ -27,12 +18,13 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
     c->of[0] = (PetscInt)ppc;
   }
   for (PetscInt r = 0; r < c->n; r++) {
-    scene->ppc       = PetscMax(scene->ppc, c->of[r]);
-    c->before[r + 1] = c->before[r] + c->of[r];
-    c->voids         = c->voids || (!c->of[r] && r < scene->cells) ? PETSC_TRUE : PETSC_FALSE;
+    scene->layout.ppc = PetscMax(scene->layout.ppc, c->of[r]);
+    c->before[r + 1]  = c->before[r] + c->of[r];
+    c->voids          = c->voids || (!c->of[r] && r < scene->layout.grid.cells) ? PETSC_TRUE : PETSC_FALSE;
   }
-  scene->sites = scene->cells / c->n * c->before[c->n] + c->before[scene->cells % c->n];
-  if (!scene->sites) PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
+  scene->layout.sites = scene->layout.grid.cells / c->n * c->before[c->n] + c->before[scene->layout.grid.cells % c->n];
+  if (!scene->layout.sites)
+    PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -40,22 +32,22 @@ PetscErrorCode MpmSettingsLayout(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
   PetscCall(ReadCounts(settings, scene));
-  if (scene->sites > MOST_PARTICLES)
+  if (scene->layout.sites > MOST_PARTICLES)
     PetscCall(MpmSettingsRefuse(settings,
                                 MpmSettingsGiven(settings, "counts") ? "counts"
                                 : MpmSettingsSource(settings, "ppc") ? "ppc"
                                                                      : "cells",
                                 "cells times ppc is too large; allowed: at most 1073741823 particles"));
-  scene->particles = scene->sites;
-  scene->width     = 0.5 / scene->ppc;
-  if (scene->counts.n > 1 && scene->basis->wide)
+  scene->layout.particles  = scene->layout.sites;
+  scene->layout.half_width = 0.5 / scene->layout.ppc;
+  if (scene->layout.counts.n > 1 && scene->scheme.basis->wide)
     PetscCall(MpmSettingsRefuse(settings, "counts",
                                 "particles of different width; allowed: with another basis than gimp, or ppc"));
-  PetscCall(MpmSettingsFraction(settings, "offset", &scene->offset));
-  PetscCall(MpmSettingsReal(settings, "jitter", &scene->jitter));
-  PetscCall(MpmSettingsInteger(settings, "seed", &scene->seed));
-  PetscCall(MpmSettingsRange(settings, "cluster", scene->cluster));
-  if (!(scene->cluster[0] >= 0 && scene->cluster[1] <= 1))
+  PetscCall(MpmSettingsFraction(settings, "offset", &scene->layout.offset));
+  PetscCall(MpmSettingsReal(settings, "jitter", &scene->layout.jitter));
+  PetscCall(MpmSettingsInteger(settings, "seed", &scene->layout.seed));
+  PetscCall(MpmSettingsRange(settings, "cluster", scene->layout.cluster));
+  if (!(scene->layout.cluster[0] >= 0 && scene->layout.cluster[1] <= 1))
     PetscCall(MpmSettingsRefuse(settings, "cluster", "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

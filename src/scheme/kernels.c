@@ -1,5 +1,5 @@
 /* The maps of THEORY.md, section 2 on arrays. */
-#include <mpmstab/basis.h>
+#include "scheme/kernels.h"
 
 #define LONGEST 4 /* runs for which bases have loops */
 
@@ -21,12 +21,12 @@ static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
   b->length = length;
 }
 
-void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal width,
+void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
                    MpmBlock *b)
 {
-  b->n     = n;
-  b->xi    = xi;
-  b->width = width;
+  b->n          = n;
+  b->xi         = xi;
+  b->half_width = half_width;
   basis->first_nodes(n, cell, xi, b->first);
   FindRuns(n, b->first, b);
 }

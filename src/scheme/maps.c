@@ -1,14 +1,14 @@
 /* Operations between particles and nodes: their kernels, and those kernels' numbers. */
 #include "scheme/maps.h"
 
-void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal width, PetscReal row[])
+void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal row[])
 {
   const MpmKernel kernel = basis->kernel[kind];
   const PetscInt  reach = MpmMapReach(basis), cell = 0;
   PetscReal       unit[MPM_MAX_REACH] = {0}, particle = 1;
   MpmBlock        block;
 
-  MpmBlockPlace(basis, 1, &cell, &xi, width, &block);
+  MpmBlockPlace(basis, 1, &cell, &xi, half_width, &block);
   if (MpmOpTraitsOf(kind).dst == MPM_ON_NODES) {
     kernel(&block, 1, &particle, unit + basis->reach_left);
     for (PetscInt d = 0; d < reach; d++) row[d] = unit[d];
@@ -22,29 +22,15 @@ void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal wi
   }
 }
 
-PetscInt MpmNodeImage(const MpmScene *scene, PetscInt node, PetscBool odd, PetscReal *sign)
+void MpmNodesSeen(const MpmDirection *direction, const MpmBasis *basis, PetscInt cell, PetscBool antisymmetric,
+                  PetscBool drop, PetscInt node[], PetscReal sign[])
 {
-  const PetscInt last = scene->nodes - 1;
-  PetscReal      mirror[2];
+  const PetscInt last = direction->nodes - 1;
 
-  *sign = 1;
-  if (MpmSceneIsPeriodic(scene)) {
-    node %= scene->cells;
-    return node < 0 ? node + scene->cells : node;
-  }
-  if (node >= 0 && node <= last) return node;
-  MpmSceneMirror(scene, odd, mirror);
-  *sign = mirror[node > last];
-  return node < 0 ? -node : 2 * last - node;
-}
-
-void MpmNodesSeen(const MpmScene *scene, PetscInt cell, PetscBool odd, PetscBool drop, PetscInt node[],
-                  PetscReal sign[])
-{
-  for (PetscInt d = 0; d < MpmMapReach(scene->basis); d++) {
-    node[d] = MpmNodeImage(scene, cell - scene->basis->reach_left + d, odd, &sign[d]);
-    if (!drop || !odd) continue;
-    if ((node[d] == 0 && scene->ends[0] == MPM_FIXED) || (node[d] == scene->nodes - 1 && scene->ends[1] == MPM_FIXED))
+  for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
+    node[d] = MpmDirectionImage(direction, cell - basis->reach_left + d, antisymmetric, &sign[d]);
+    if (!drop || !antisymmetric) continue;
+    if ((node[d] == 0 && direction->ends[0] == MPM_FIXED) || (node[d] == last && direction->ends[1] == MPM_FIXED))
       sign[d] = 0;
   }
 }

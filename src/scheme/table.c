@@ -1,13 +1,6 @@
 /* Formulation + transfer + boundary -> table. */
 #include <mpmstab/table.h>
 
-const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};
-const char *const MpmEndSummaries[] = {
-    "no ends (as in the slides)",
-    "velocity 0 at the wall node, and no increment for particles; gas is reflected (Sulsky, Chen and Schreyer 1994)",
-    "the same, but particles get the wall's reaction as their increment (Uintah's 1-D code)",
-    "nothing imposed: no stress (a bar's end)", NULL};
-
 /* What the compilation of one table needs besides the table. */
 typedef struct {
   const MpmFormulation     *formulation;
@@ -65,8 +58,8 @@ PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 {
   PetscFunctionBegin;
   PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
-  *node         = t->nnodes++;
-  t->odd[*node] = t->odd[like];
+  *node                   = t->nnodes++;
+  t->antisymmetric[*node] = t->antisymmetric[like];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,7 +82,7 @@ PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
 {
   PetscFunctionBegin;
   for (PetscInt end = 0; end < 2; end++)
-    if (t->ends[end] == MPM_FIXED && t->odd[node]) PetscCall(Wall(t, end, node, node, 0));
+    if (t->ends[end] == MPM_FIXED && t->antisymmetric[node]) PetscCall(Wall(t, end, node, node, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,7 +200,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   }
   for (PetscInt o = 0; o < formulation->nops; o++)
     if (formulation->ops[o].kind == MPM_IMPOSE || formulation->ops[o].kind == MPM_REACT)
-      t->odd[formulation->ops[o].dst] = PETSC_TRUE;
+      t->antisymmetric[formulation->ops[o].dst] = PETSC_TRUE;
   PetscCall(Translate(&b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,7 +228,7 @@ PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field)
 {
   const MpmOp *seen = MpmTableSeenBy(table, field);
 
-  return seen && seen->kind == MPM_P2G ? table->odd[seen->dst] : PETSC_FALSE;
+  return seen && seen->kind == MPM_P2G ? table->antisymmetric[seen->dst] : PETSC_FALSE;
 }
 
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
@@ -243,11 +236,4 @@ PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
   for (PetscInt o = 0; o < table->nops; o++)
     if (table->ops[o].kind == kind) return PETSC_TRUE;
   return PETSC_FALSE;
-}
-
-MpmProperty MpmTableWeight(const MpmTable *table, MpmOpKind kind)
-{
-  const MpmProperty weight = MpmOpTraitsOf(kind).weight;
-
-  return table->varies[weight] ? weight : MPM_NO_PROPERTY;
 }

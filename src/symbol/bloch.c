@@ -18,42 +18,43 @@
 
 static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, PetscInt j)
 {
-  return b->rows + ((step * KINDS + kind) * b->scene->ppc + j) * MPM_MAX_REACH;
+  return b->rows + ((step * KINDS + kind) * b->layout->ppc + j) * MPM_MAX_REACH;
 }
 
 /* Every table has a P2G, whose numbers give the masses; SOLVE needs G2P too. */
-static PetscBool IsUsed(const MpmScene *scene, MpmOpKind kind)
+static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
 {
-  if (!scene->basis->kernel[kind]) return PETSC_FALSE;
-  if (kind == MPM_G2P && MpmTableHas(scene->table, MPM_SOLVE)) return PETSC_TRUE;
-  return MpmTableHas(scene->table, kind);
+  if (!scheme->basis->kernel[kind]) return PETSC_FALSE;
+  if (kind == MPM_G2P && MpmTableHas(scheme->table, MPM_SOLVE)) return PETSC_TRUE;
+  return MpmTableHas(scheme->table, kind);
 }
 
-PetscErrorCode MpmBlochCreate(const MpmScene *scene, PetscInt period, MpmBloch *b)
+PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction *drift, MpmBloch *b)
 {
-  const PetscInt ppc = scene->ppc, reach = MpmMapReach(scene->basis);
+  const PetscInt period = (PetscInt)drift->den;
+  const PetscInt ppc = layout->ppc, reach = MpmMapReach(scheme->basis);
   PetscInt       lowest = PETSC_MAX_INT, highest = -PETSC_MAX_INT;
 
   PetscFunctionBegin;
-  *b      = (MpmBloch){.scene = scene, .fields = scene->table->nstate, .period = period};
+  *b      = (MpmBloch){.layout = layout, .scheme = scheme, .fields = scheme->table->nstate, .period = period};
   b->size = b->fields * ppc;
   PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
-  PetscCall(PetscMalloc3(scene->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
+  PetscCall(PetscMalloc3(scheme->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
                          KINDS * ppc, &b->tie));
-  PetscCall(PetscMalloc2(scene->table->nops, &b->traits, scene->table->nops, &b->values));
-  for (PetscInt o = 0; o < scene->table->nops; o++) b->traits[o] = MpmOpTraitsOf(scene->table->ops[o].kind);
-  for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scene, (MpmOpKind)kind);
+  PetscCall(PetscMalloc2(scheme->table->nops, &b->traits, scheme->table->nops, &b->values));
+  for (PetscInt o = 0; o < scheme->table->nops; o++) b->traits[o] = MpmOpTraitsOf(scheme->table->ops[o].kind);
+  for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scheme, (MpmOpKind)kind);
   for (PetscInt step = 0; step < period; step++) {
     b->masses[step] = 0;
     for (PetscInt j = 0; j < ppc; j++) {
       PetscInt  cell;
       PetscReal xi;
 
-      MpmLayoutPlaceAt(scene, j, step, &cell, &xi);
-      b->node[step * ppc + j] = cell - scene->basis->reach_left;
+      MpmLayoutPlaceAt(layout, drift, j, step, &cell, &xi);
+      b->node[step * ppc + j] = cell - scheme->basis->reach_left;
       for (PetscInt kind = 0; kind < KINDS; kind++)
         if (b->used[kind])
-          MpmMapRow(scene->basis, (MpmOpKind)kind, xi, scene->width, (PetscReal *)RowOf(b, step, kind, j));
+          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi, layout->half_width, (PetscReal *)RowOf(b, step, kind, j));
       for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
       lowest  = PetscMin(lowest, b->node[step * ppc + j]);
       highest = PetscMax(highest, b->node[step * ppc + j]);
@@ -84,7 +85,7 @@ static void SetPhase(MpmBloch *b, PetscReal beta)
 /* The numbers that tie the particles' modes to the node's at a step: sum_d row_d e^(i beta d) for each map. */
 static void SetTies(MpmBloch *b, PetscInt step)
 {
-  const PetscInt ppc = b->scene->ppc, reach = MpmMapReach(b->scene->basis);
+  const PetscInt ppc = b->layout->ppc, reach = MpmMapReach(b->scheme->basis);
 
   for (PetscInt kind = 0; kind < KINDS; kind++) {
     if (!b->used[kind]) continue;
@@ -104,7 +105,7 @@ static void SetTies(MpmBloch *b, PetscInt step)
 
 static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt j)
 {
-  return b->tie[kind * b->scene->ppc + j];
+  return b->tie[kind * b->layout->ppc + j];
 }
 
 /* dst += factor src, over the columns of the registers. */
@@ -129,7 +130,7 @@ static PetscReal Inverse(const MpmBloch *b, PetscInt step)
 {
   PetscReal alpha = 0;
 
-  for (PetscInt j = 0; j < b->scene->ppc; j++) {
+  for (PetscInt j = 0; j < b->layout->ppc; j++) {
     const double complex tie = Tie(b, MPM_G2P, j);
 
     alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->masses[step];
@@ -139,10 +140,10 @@ static PetscReal Inverse(const MpmBloch *b, PetscInt step)
 
 static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
 {
-  const MpmOp      *op     = &b->scene->table->ops[o];
+  const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
   const PetscReal   a      = b->values[o];
-  const PetscInt    ppc = b->scene->ppc, n = b->size;
+  const PetscInt    ppc = b->layout->ppc, n = b->size;
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
@@ -194,16 +195,17 @@ static void Disturb(MpmBloch *b, uint64_t *random)
   }
 }
 
-PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal beta, PetscBool noisy, double complex G[], PetscInt *exponent)
+PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, PetscBool noisy, double complex G[],
+                              PetscInt *exponent)
 {
-  const MpmTable *t   = b->scene->table;
-  const PetscInt  ppc = b->scene->ppc, n = b->size;
+  const MpmTable *t   = b->scheme->table;
+  const PetscInt  ppc = b->layout->ppc, n = b->size;
   uint64_t        random = 1;
 
   PetscFunctionBegin;
   *exponent = 0;
   SetPhase(b, beta);
-  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], b->scene->courant);
+  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], courant);
   PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;

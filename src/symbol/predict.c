@@ -9,40 +9,43 @@
 
 #define NOTHING 1e-24 /* symbol of P2G G2P that only rounding keeps from 0 */
 
-static const char *WhyNot(const MpmScene *scene)
+static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
-  if (MpmSceneDrifts(scene)) return "the formulas are for particles at rest";
-  if (!MpmSceneIsPeriodic(scene)) return "the formulas are for a periodic domain";
-  if (!MpmLayoutIsUniform(scene)) return "the formulas are for cells that are all alike";
-  if (!scene->transfer->retains) return "no closed form for this transfer";
+  if (drifts) return "the formulas are for particles at rest";
+  if (!MpmLayoutIsPeriodic(layout)) return "the formulas are for a periodic domain";
+  if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
+  if (!scheme->transfer->retains) return "no closed form for this transfer";
   return NULL;
 }
 
-static const char *WhyNotPublished(const MpmScene *scene)
+static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
-  if (!scene->formulation->published) return "the slides do not treat this formulation";
-  if (!scene->basis->hat) return "the slides treat the linear basis";
-  if (scene->transfer->filter) return "the slides treat flip";
-  return WhyNot(scene);
+  if (!scheme->formulation->published) return "the slides do not treat this formulation";
+  if (!scheme->basis->hat) return "the slides treat the linear basis";
+  if (scheme->transfer->filter) return "the slides treat flip";
+  return WhyNot(layout, scheme, drifts);
 }
 
-PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *p)
+PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
 {
-  const PetscInt reach = MpmMapReach(scene->basis);
+  const PetscInt reach = MpmMapReach(scheme->basis);
   PetscReal      mean  = 0;
 
   PetscFunctionBegin;
-  *p = (MpmPredictor){.scene = scene, .why_not = WhyNot(scene), .why_not_published = WhyNotPublished(scene)};
-  p->why_not_corrected = scene->formulation->corrected ? p->why_not : "the formulation has no closed form";
+  *p = (MpmPredictor){.layout            = layout,
+                      .scheme            = scheme,
+                      .why_not           = WhyNot(layout, scheme, drifts),
+                      .why_not_published = WhyNotPublished(layout, scheme, drifts)};
+  p->why_not_corrected = scheme->formulation->corrected ? p->why_not : "the formulation has no closed form";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc3(scene->ppc, &p->node, scene->ppc * reach, &p->value, scene->ppc * reach, &p->slope));
-  for (PetscInt j = 0; j < scene->ppc; j++) {
+  PetscCall(PetscMalloc3(layout->ppc, &p->node, layout->ppc * reach, &p->value, layout->ppc * reach, &p->slope));
+  for (PetscInt j = 0; j < layout->ppc; j++) {
     PetscReal xi;
 
-    MpmLayoutPlace(scene, j, &p->node[j], &xi);
-    MpmMapRow(scene->basis, MPM_G2P, xi, scene->width, p->value + j * reach);
-    MpmMapRow(scene->basis, MPM_GRAD, xi, scene->width, p->slope + j * reach);
-    mean += xi / scene->ppc;
+    MpmLayoutPlace(layout, j, &p->node[j], &xi);
+    MpmMapRow(scheme->basis, MPM_G2P, xi, layout->half_width, p->value + j * reach);
+    MpmMapRow(scheme->basis, MPM_GRAD, xi, layout->half_width, p->slope + j * reach);
+    mean += xi / layout->ppc;
   }
   p->e = 2 * mean - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -58,7 +61,7 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
 /* The symbols of phi and of h dphi/dx at particle j. */
 static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], PetscInt j, PetscReal beta)
 {
-  const PetscInt reach = MpmMapReach(p->scene->basis);
+  const PetscInt reach = MpmMapReach(p->scheme->basis);
   double complex sum   = 0;
 
   for (PetscInt d = 0; d < reach; d++) sum += row[j * reach + d] * cexp(I * (beta * (p->node[j] + d)));
@@ -67,7 +70,7 @@ static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], Pet
 
 MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
 {
-  const PetscInt ppc  = p->scene->ppc;
+  const PetscInt ppc  = p->layout->ppc;
   MpmCellSymbols cell = {.beta = beta};
 
   for (PetscInt j = 0; j < ppc; j++) {
@@ -78,40 +81,41 @@ MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
     cell.mu += conj(value) * slope / ppc;
   }
   if (cell.alpha < NOTHING) cell.alpha = 0;
-  cell.retained = p->scene->transfer->retains(&p->scene->numbers, cell.alpha);
+  cell.retained = p->scheme->transfer->retains(&p->scheme->numbers, cell.alpha);
   return cell;
 }
 
-PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal beta)
+PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal courant, PetscReal beta)
 {
-  return p->why_not_published ? NAN : p->scene->formulation->published(p->scene->courant, beta);
+  return p->why_not_published ? NAN : p->scheme->formulation->published(courant, beta);
 }
 
-PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal beta)
+PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, PetscReal beta)
 {
   MpmCellSymbols cell;
 
   if (p->why_not_corrected) return NAN;
   cell = MpmPredictorSymbols(p, beta);
-  return p->scene->formulation->corrected(&cell, p->scene->courant);
+  return p->scheme->formulation->corrected(&cell, courant);
 }
 
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 {
-  const PetscInt phases = PetscMin(scene->cells, MOST_PHASES);
+  const PetscInt phases = PetscMin(scene->layout.grid.cells, MOST_PHASES);
   MpmPredictor   predictor;
 
   PetscFunctionBegin;
   *predictions = (MpmPredictions){.published = NAN, .corrected = NAN, .corrected_mode = NAN};
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   for (PetscInt m = 0; m < phases && !predictor.why_not; m++) {
     const PetscReal beta = MpmSymbolPhase(m, phases);
 
-    predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, beta));
-    predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, beta));
+    predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, scene->step.courant, beta));
+    predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, scene->step.courant, beta));
   }
   if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
-    predictions->corrected_mode = MpmPredictorCorrected(&predictor, MpmSymbolPhase(scene->mode, scene->cells));
+    predictions->corrected_mode =
+        MpmPredictorCorrected(&predictor, scene->step.courant, MpmSymbolPhase(scene->mode, scene->layout.grid.cells));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -133,8 +137,8 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   for (PetscInt i = 0; i < s->count && s->seen; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
 
-    Widest(fabs(MpmPredictorPublished(p, beta) - s->seen[i]), beta, &mine[0], &mine[1]);
-    Widest(fabs(MpmPredictorCorrected(p, beta) - s->seen[i]), beta, &mine[2], &mine[3]);
+    Widest(fabs(MpmPredictorPublished(p, s->step.courant, beta) - s->seen[i]), beta, &mine[0], &mine[1]);
+    Widest(fabs(MpmPredictorCorrected(p, s->step.courant, beta) - s->seen[i]), beta, &mine[2], &mine[3]);
   }
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscMalloc1(4 * size, &all));

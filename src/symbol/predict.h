@@ -1,33 +1,36 @@
 /* Predictions: closed forms of abs(G), per phase and the largest over the modes of the scene's grid. */
 #pragma once
+#include <mpmstab/scene.h>
 #include <mpmstab/symbol.h>
 
 /*S
-   MpmPredictor - a formulation's closed forms for a scene. why_not: NULL when closed forms can cover it, else what they
-   leave out (moving or scattered particles, ends); why_not_corrected: the same, or that the formulation has none;
+   MpmPredictor - a scheme's closed forms on a layout. why_not: NULL when closed forms can cover it, else what they leave
+   out (moving or scattered particles, ends); why_not_corrected: the same, or that the formulation has none;
    why_not_published: the same of the slides' (other bases and transfers too).
 
    e = C1 - C2 of the slides' weights. node[j]: the first that particle j of a cell sees; value and slope: its phi_ip
    and h dphi_ip/dx, MpmMapReach of each.
 S*/
 typedef struct {
-  const MpmScene *scene;
-  const char     *why_not, *why_not_corrected, *why_not_published;
-  PetscReal       e;
-  PetscInt       *node;
-  PetscReal      *value, *slope;
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  const char      *why_not, *why_not_corrected, *why_not_published;
+  PetscReal        e;
+  PetscInt        *node;
+  PetscReal       *value, *slope;
 } MpmPredictor;
 
-/* Not collective. */
-PetscErrorCode MpmPredictorCreate(const MpmScene *scene, MpmPredictor *predictor);
+/* Not collective. drifts: whether particles move, which the closed forms do not cover. */
+PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                  MpmPredictor *predictor);
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
 /* Not collective. What the closed forms are made of, at a phase. */
 MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *predictor, PetscReal beta);
 
-/* Not collective. abs(G) at a phase; NaN where the formula says nothing. */
-PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal beta);
-PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal beta);
+/* Not collective. abs(G) at a Courant number and a phase; NaN where the formula says nothing. */
+PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
+PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
 
 /*S
    MpmPredictions - growth per step; NaN where a formula does not cover the scene (see MpmPredictor; or a Courant number

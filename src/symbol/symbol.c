@@ -3,7 +3,6 @@
 #include "linalg/small_eigen.h"
 #include <mpmstab/errors.h>
 #include "scene/layout.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
@@ -29,7 +28,7 @@ static PetscReal Square(double complex z)
    How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by
    disturbing the steps: modes may grow by many digits on the way and die again.
 */
-static PetscErrorCode Rounding(Reader *r, PetscReal beta, PetscInt exponent, PetscReal *error)
+static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, PetscReal beta, PetscInt exponent, PetscReal *error)
 {
   const PetscInt n      = r->eigen.n * r->eigen.n;
   PetscReal      sum[2] = {0, 0};
@@ -38,7 +37,7 @@ static PetscErrorCode Rounding(Reader *r, PetscReal beta, PetscInt exponent, Pet
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) sum[0] += Square(r->eigen.matrix[i]);
   if (r->noisy) {
-    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_TRUE, r->noisy, &other));
+    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_TRUE, r->noisy, &other));
     for (PetscInt i = 0; i < n; i++)
       sum[1] += Square(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]);
   }
@@ -78,13 +77,14 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 */
 static PetscReal LargestSeen(Reader *r)
 {
-  const MpmScene *scene = r->bloch.scene;
-  const PetscInt  rest = scene->table->unfiltered * (scene->ppc - 1), all = scene->table->nstate * (scene->ppc - 1);
+  const MpmScheme *scheme = r->bloch.scheme;
+  const PetscInt   others = r->bloch.layout->ppc - 1, rest = scheme->table->unfiltered * others,
+                 all      = scheme->table->nstate * others;
   double complex *value   = r->eigen.value;
   PetscReal       largest = 0;
 
   Drop(value, r->eigen.n, rest, 1);
-  Drop(value, r->eigen.n - rest, all - rest, scene->transfer->unseen(&scene->numbers));
+  Drop(value, r->eigen.n - rest, all - rest, scheme->transfer->unseen(&scheme->numbers));
   for (PetscInt i = 0; i < r->eigen.n - all; i++) largest = PetscMax(largest, cabs(value[i]));
   return largest;
 }
@@ -94,14 +94,14 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin(s->scene, "phase", &progress));
+  PetscCall(MpmProgressBegin(s->wish.progress, "phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscInt        largest, exponent;
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
 
-    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
+    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
     PetscCall(Factors(r, PETSC_FALSE, &largest));
     s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
     if (s->seen) s->seen[i] = LargestSeen(r);
@@ -123,14 +123,14 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
   PetscFunctionBegin;
-  if (!(s->growth <= 1 + NEAR * s->scene->tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!(s->growth <= 1 + NEAR * s->wish.tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscReal       error;
     PetscInt        exponent;
 
-    PetscCall(MpmBlochMatrix(&r->bloch, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
-    PetscCall(Rounding(r, beta, exponent, &error));
+    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
+    PetscCall(Rounding(r, s, beta, exponent, &error));
     s->blur = PetscMax(s->blur, MpmDefectiveErrorOf(error, exponent, s->period));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->blur, 1, MPIU_REAL, MPI_MAX, comm));
@@ -152,8 +152,8 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
     if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
-  PetscCall(MpmBlochMatrix(&r->bloch, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
-  PetscCall(Rounding(r, s->beta_at_max, s->exponent, &error));
+  PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
+  PetscCall(Rounding(r, s, s->beta_at_max, s->exponent, &error));
   PetscCall(Factors(r, PETSC_TRUE, &largest));
   leading = r->eigen.value[largest];
   for (PetscInt i = 0; i < s->size; i++)
@@ -163,52 +163,53 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const char *MpmSymbolWhyNot(const MpmScene *scene)
+const char *MpmSymbolWhyNot(const MpmLayout *layout)
 {
-  if (!MpmSceneIsPeriodic(scene)) return "at walls Fourier modes mix";
-  if (!MpmLayoutIsUniform(scene)) return "cells differ, so Fourier modes mix";
-  if (scene->ppc > MOST_PPC) return "with so many particles per cell its blocks are too large";
+  if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
+  if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
+  if (layout->ppc > MOST_PPC) return "with so many particles per cell its blocks are too large";
   return NULL;
 }
 
 /* Curves, and with them the factors that are written, each on its way through the first rank. */
-static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s, PetscBool keep)
+static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s)
 {
-  const PetscReal numbers = (keep ? 2.0 * s->size : 1) * s->phases;
+  const PetscReal numbers = (s->wish.keep ? 2.0 * s->size : 1) * s->phases;
 
   PetscFunctionBegin;
   MpmCheckInput(numbers <= PETSC_MAX_INT,
                 "phases %" PetscInt_FMT ": the output would hold %.3g numbers; allowed: at most %d, so fewer phases",
                 s->phases, numbers, PETSC_MAX_INT);
-  PetscCall(MpmMemoryCheck(comm, s->scene, numbers * sizeof(PetscReal), "the symbol"));
+  PetscCall(MpmLayoutCheckMemory(comm, s->layout, numbers * sizeof(PetscReal), "the symbol"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolCheck(const MpmScene *scene)
+PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
 {
   PetscFunctionBegin;
-  MpmCheckInput(MpmSceneIsPeriodic(scene),
-                "boundary %s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes any)",
-                scene->boundary);
-  MpmCheckInput(scene->counts.n == 1 && scene->material.kind == MPM_MATERIAL_UNIFORM,
+  MpmCheckInput(MpmLayoutIsPeriodic(layout),
+                "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
+                "any)",
+                MpmEndNames[layout->grid.ends[0]], MpmEndNames[layout->grid.ends[1]]);
+  MpmCheckInput(layout->counts.n == 1 && layout->material.kind == MPM_MATERIAL_UNIFORM,
                 "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
                 "any layout)",
-                scene->counts.n > 1 ? "counts" : "material");
-  MpmCheckInput(MpmSceneIsFull(scene),
+                layout->counts.n > 1 ? "counts" : "material");
+  MpmCheckInput(MpmLayoutIsFull(layout),
                 "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
                 "takes any layout)");
-  MpmCheckInput(MpmLayoutIsUniform(scene),
+  MpmCheckInput(MpmLayoutIsUniform(layout),
                 "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
                 "takes any layout)",
-                scene->jitter);
-  MpmCheckInput(!MpmSymbolWhyNot(scene),
-                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", scene->ppc,
+                layout->jitter);
+  MpmCheckInput(!MpmSymbolWhyNot(layout),
+                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", layout->ppc,
                 MOST_PPC);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt phases, PetscBool keep,
-                               MpmSymbol **symbol)
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                               const MpmSymbolWish *wish, MpmSymbol **symbol)
 {
   const PetscReal begin = MPI_Wtime();
   PetscMPIInt     rank, size;
@@ -217,26 +218,29 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmScene *scene, PetscInt ph
   PetscInt        room;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCheck(scene));
+  PetscCall(MpmSymbolCheck(layout));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscNew(symbol));
-  s        = *symbol;
-  s->scene = scene;
-  PetscCall(MpmLayoutPeriod(scene, &s->period));
-  s->phases = phases;
-  s->half   = phases / 2;
+  s         = *symbol;
+  s->layout = layout;
+  s->scheme = scheme;
+  s->step   = *step;
+  s->wish   = *wish;
+  PetscCall(MpmStepPeriod(step, &s->period));
+  s->phases = wish->phases;
+  s->half   = wish->phases / 2;
   s->first  = (PetscInt)((PetscInt64)(s->half + 1) * rank / size);
   s->count  = (PetscInt)((PetscInt64)(s->half + 1) * (rank + 1) / size) - s->first;
-  PetscCall(MpmBlochCreate(scene, s->period, &reader.bloch));
+  PetscCall(MpmBlochCreate(layout, scheme, &step->drift, &reader.bloch));
   s->size = reader.bloch.size;
-  PetscCall(CheckSize(comm, s, keep));
+  PetscCall(CheckSize(comm, s));
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   room = PetscMax(1, s->count); /* a rank without phases, of nothing, would not know what there is to gather */
   PetscCall(PetscMalloc1(room, &s->per_phase));
-  if (s->period == 1 && scene->transfer->unseen) PetscCall(PetscMalloc1(room, &s->seen));
-  if (keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
+  if (s->period == 1 && scheme->transfer->unseen) PetscCall(PetscMalloc1(room, &s->seen));
+  if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
   PetscCall(FindBlur(comm, &reader, s));

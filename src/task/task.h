@@ -2,9 +2,6 @@
 #pragma once
 #include <mpmstab/scene.h>
 
-/* Exit status of the program; stopped is what shells say of a program that SIGTERM has ended. */
-enum { MPM_EXIT_DONE = 0, MPM_EXIT_FAILED = 1, MPM_EXIT_REFUSED = 2, MPM_EXIT_MISSED = 3, MPM_EXIT_STOPPED = 143 };
-
 /*S
    MpmTask - one task. run gets the words after the task's name and sets the exit status.
 S*/

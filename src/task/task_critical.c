@@ -1,24 +1,25 @@
 /* mpmstab critical [SCENE.yaml] [-option value]... */
-#include "report/critical_report.h"
+#include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
 #include <slepcsys.h>
 
 static PetscErrorCode One(const MpmScene *scene, PetscReal started, PetscInt *missed)
 {
-  MpmExpect   expect = scene->expect;
-  MpmCritical critical;
+  const MpmCriticalCase of     = MpmCriticalCaseOf(scene);
+  MpmExpect             expect = scene->expect;
+  MpmCritical           critical;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
-  if (MpmSymbolWhyNot(scene)) PetscCall(SlepcInitializeNoArguments());
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &critical));
+  if (MpmSymbolWhyNot(&scene->layout)) PetscCall(SlepcInitializeNoArguments());
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &critical));
   PetscCall(MpmCriticalPrint(scene, &critical));
-  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, 1, &scene, &critical));
+  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, &critical));
   if (scene->json[0]) PetscCall(MpmCriticalWriteJson(scene, &critical, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
   PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
-  if (MpmSymbolWhyNot(scene)) PetscCall(SlepcFinalize());
+  if (MpmSymbolWhyNot(&scene->layout)) PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -27,7 +28,7 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscFunctionBegin;
   *missed = 0;
   if (scene->survey)
-    PetscCall(MpmCriticalSurvey(scene));
+    PetscCall(MpmCriticalPrintSurvey(scene));
   else
     PetscCall(One(scene, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);

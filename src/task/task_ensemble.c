@@ -1,5 +1,5 @@
 /* mpmstab ensemble [SCENE.yaml] [-option value]... */
-#include "analysis/ensemble.h"
+#include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
 #include <slepcsys.h>

@@ -1,6 +1,6 @@
 /* mpmstab map [SCENE.yaml] [-option value]... */
 #include "task/expect.h"
-#include "analysis/stability_map.h"
+#include "report/results.h"
 #include "task/task.h"
 
 static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)

@@ -1,5 +1,6 @@
 /* mpmstab run [SCENE.yaml] [-option value]... */
 #include <mpmstab/errors.h>
+#include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
 

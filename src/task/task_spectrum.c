@@ -1,6 +1,7 @@
 /* mpmstab spectrum [SCENE.yaml] [-option value]... */
 #include "task/expect.h"
-#include "analysis/spectrum.h"
+#include "io/spectrum_files.h"
+#include "report/results.h"
 #include "task/task.h"
 
 /* SLEPc is there for this task alone: the others start without it. */

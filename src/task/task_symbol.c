@@ -5,13 +5,14 @@
 #include "task/task.h"
 #include <math.h>
 
-static PetscErrorCode Print(const MpmSymbol *s, const MpmPredictor *p, const MpmPredictions *predictions,
-                            const MpmComparison *comparison, const MpmFinding *finding, PetscMPIInt ranks)
+static PetscErrorCode Print(const MpmScene *scene, const MpmSymbol *s, const MpmPredictor *p,
+                            const MpmPredictions *predictions, const MpmComparison *comparison,
+                            const MpmFinding *finding, PetscMPIInt ranks)
 {
   char text[128];
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s->scene, "symbol", ranks));
+  PetscCall(MpmReportScene(scene, "symbol", ranks));
   MpmPrint("\ngrowth per step\n");
   PetscCall(MpmReportPredictions(p, predictions));
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.6g (waves of %.4g cells) of %" PetscInt_FMT " phases",
@@ -26,27 +27,28 @@ static PetscErrorCode Print(const MpmSymbol *s, const MpmPredictor *p, const Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteJson(const MpmSymbol *s, const MpmPredictions *predictions, const MpmComparison *comparison,
-                                const MpmFinding *finding, PetscMPIInt ranks, PetscReal wall_s)
+static PetscErrorCode WriteJson(const MpmScene *scene, const MpmSymbol *s, const MpmPredictions *predictions,
+                                const MpmComparison *comparison, const MpmFinding *finding, PetscMPIInt ranks,
+                                PetscReal wall_s)
 {
-  json_t *object = MpmJsonScene(s->scene, "symbol", ranks, wall_s);
+  json_t *object = MpmJsonScene(scene, "symbol", ranks, wall_s);
 
   PetscFunctionBegin;
   MpmJsonSetFinding(object, finding);
   json_object_set_new(object, "predicted", MpmJsonPredicted(predictions, comparison, s->growth));
   json_object_set_new(object, "symbol", MpmJsonSymbol(s));
-  PetscCall(MpmJsonWrite(s->scene->json, object));
+  PetscCall(MpmJsonWrite(scene->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFiles(const MpmSymbol *s, const MpmPredictor *p)
+static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmSymbol *s, const MpmPredictor *p)
 {
   MpmDataFile file;
 
   PetscFunctionBegin;
-  if (s->scene->csv[0]) PetscCall(MpmSymbolWriteCsv(s, p, s->scene->csv));
-  if (!s->scene->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, s->scene, &file));
+  if (scene->csv[0]) PetscCall(MpmSymbolWriteCsv(s, p, scene->csv));
+  if (!scene->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, &file));
   PetscCall(MpmSymbolWrite(s, p, &file));
   PetscCall(MpmDataFileClose(&file, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -54,19 +56,22 @@ static PetscErrorCode WriteFiles(const MpmSymbol *s, const MpmPredictor *p)
 
 static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
 {
-  PetscMPIInt    ranks;
-  MpmSymbol     *symbol;
-  MpmPredictor   predictor;
-  MpmPredictions predictions;
-  MpmComparison  comparison;
-  MpmFinding     finding = {.tolerance = scene->tolerance};
+  const MpmSymbolWish wish = {.phases    = scene->phases,
+                              .keep      = scene->output[0] ? PETSC_TRUE : PETSC_FALSE,
+                              .tolerance = scene->tolerance,
+                              .progress  = scene->progress};
+  PetscMPIInt         ranks;
+  MpmSymbol          *symbol;
+  MpmPredictor        predictor;
+  MpmPredictions      predictions;
+  MpmComparison       comparison;
+  MpmFinding          finding = {.tolerance = scene->tolerance};
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(
-      MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->phases, scene->output[0] ? PETSC_TRUE : PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &wish, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   finding.growth      = symbol->growth;
   finding.uncertainty = symbol->uncertainty;
@@ -75,9 +80,10 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
                           "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
                           symbol->phases, symbol->phases));
-  PetscCall(Print(symbol, &predictor, &predictions, &comparison, &finding, ranks));
-  PetscCall(WriteFiles(symbol, &predictor));
-  if (scene->json[0]) PetscCall(WriteJson(symbol, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
+  PetscCall(Print(scene, symbol, &predictor, &predictions, &comparison, &finding, ranks));
+  PetscCall(WriteFiles(scene, symbol, &predictor));
+  if (scene->json[0])
+    PetscCall(WriteJson(scene, symbol, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&scene->expect, &finding, missed));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));

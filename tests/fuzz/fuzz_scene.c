@@ -63,15 +63,20 @@ static PetscErrorCode TakeOptions(const char task[], int n, char **words)
 /* What every reader of a scene relies on. */
 static void CheckScene(const MpmScene *s)
 {
-  const PetscInt64 places = (PetscInt64)s->cells * s->ppc;
+  const PetscInt64 places = (PetscInt64)s->layout.grid.cells * s->layout.ppc;
 
-  FuzzNeed(s->cells >= 1 && s->ppc >= 1 && s->nodes >= s->cells && places <= PETSC_MAX_INT / 2, "cells");
-  FuzzNeed(s->particles >= 1 && s->first >= 0 && s->first + s->particles <= places, "particles");
-  FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->courant), "a size that is no number");
-  FuzzNeed(s->dt > 0 && s->courant > 0 && s->steps >= 1 && s->output_every >= 1, "time");
-  FuzzNeed(isfinite(s->drift.value) && s->drift.den >= 0 && s->offset.value >= 0 && s->offset.value < 1, "places");
-  FuzzNeed(s->jitter >= 0 && s->jitter <= 1 && s->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(s->phases >= 1 && s->modes >= 0 && s->mode >= 1 && s->table->nops > 0, "a count");
+  FuzzNeed(s->layout.grid.cells >= 1 && s->layout.ppc >= 1 && s->layout.grid.nodes >= s->layout.grid.cells &&
+               places <= PETSC_MAX_INT / 2,
+           "cells");
+  FuzzNeed(s->layout.particles >= 1 && s->layout.first >= 0 && s->layout.first + s->layout.particles <= places,
+           "particles");
+  FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
+  FuzzNeed(s->dt > 0 && s->step.courant > 0 && s->steps >= 1 && s->output_every >= 1, "time");
+  FuzzNeed(isfinite(s->step.drift.value) && s->step.drift.den >= 0 && s->layout.offset.value >= 0 &&
+               s->layout.offset.value < 1,
+           "places");
+  FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && s->tolerance > 0 && s->amplitude > 0, "a range");
+  FuzzNeed(s->phases >= 1 && s->modes >= 0 && s->mode >= 1 && s->scheme.table->nops > 0, "a count");
   FuzzNeed(!MpmSceneDrifts(s) || MpmSceneIsPeriodic(s), "drift into a wall");
 }
 

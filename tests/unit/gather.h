@@ -1,7 +1,7 @@
 /* Particle fields in the order of global ids, on every rank: what a run is compared by. */
 #pragma once
 #include "check.h"
-#include <mpmstab/march.h>
+#include "march/march_private.h"
 
 /* Collective. values[id] for all particles of the march, in true size (2^exponent applied); free with PetscFree. */
 static inline PetscErrorCode GatherField(const MpmMarch *march, const char name[], PetscReal **values)

@@ -5,7 +5,7 @@
 #include "check.h"
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
-#include "report/critical_report.h"
+#include "report/results.h"
 #include <mpmstab/critical.h>
 #include <slepcsys.h>
 
@@ -34,20 +34,22 @@ static PetscErrorCode SceneOf(const char options[], const MpmFormulation *f, Mpm
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  (*scene)->formulation = f;
-  PetscCall(MpmTableDestroy(&(*scene)->table));
-  PetscCall(MpmTableCreate(f, (*scene)->transfer, &(*scene)->numbers, (*scene)->ends, &(*scene)->table));
+  (*scene)->scheme.formulation = f;
+  PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+  PetscCall(MpmTableCreate(f, (*scene)->scheme.transfer, &(*scene)->scheme.numbers, (*scene)->layout.grid.ends, &(*scene)->scheme.table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode CheckCritical(const char options[], PetscReal limit)
 {
-  MpmScene   *scene;
-  MpmCritical c;
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
 
   PetscFunctionBegin;
   PetscCall(SceneOf(options, &bare, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &c));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
   CHECK(isnan(c.closed), "%s: closed form %g", options, c.closed);
   CHECK(fabs(c.courant / limit - 1) <= 1e-5, "%s: %.9g, not %.9g", options, c.courant, limit);
   PetscCall(MpmCriticalPrint(scene, &c));

@@ -91,7 +91,7 @@ static PetscErrorCode Tip(PetscInt cells, PetscReal *worst)
   *worst = 0;
   for (int n = 0; n <= 8; n++) {
     PetscCall(GatherField(march, "u", &u));
-    *worst = PetscMax(*worst, fabs(u[scene->particles - 1] / (3.0 * 2 / 4) - sign[n]));
+    *worst = PetscMax(*worst, fabs(u[scene->layout.particles - 1] / (3.0 * 2 / 4) - sign[n]));
     PetscCall(PetscFree(u));
     for (PetscInt step = 0; step < 2 * cells; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
   }
@@ -169,8 +169,8 @@ static PetscErrorCode SameMarch(const char one[], const char other[], PetscReal 
 
     PetscCall(CheckScene(options[i], &scene));
     PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
-    PetscCall(GatherField(march, scene->table->fields[0], &q[i]));
-    n = scene->particles;
+    PetscCall(GatherField(march, scene->scheme.table->fields[0], &q[i]));
+    n = scene->layout.particles;
     PetscCall(MpmMarchDestroy(&march));
     PetscCall(MpmSceneDestroy(&scene));
   }

@@ -14,7 +14,7 @@ static PetscErrorCode SameBits(const MpmMarch *a, const MpmMarch *b, const char 
   PetscInt    n                         = 2;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; a->scene->table->fields[f]; f++) names[n++] = a->scene->table->fields[f];
+  for (PetscInt f = 0; a->scene->scheme.table->fields[f]; f++) names[n++] = a->scene->scheme.table->fields[f];
   CHECK(a->step == b->step && a->exponent == b->exponent, "%s: steps or exponents", options);
   CHECK(a->particles->count == b->particles->count, "%s: particles here", options);
   for (PetscInt i = 0; i < n && a->particles->count == b->particles->count; i++) {
@@ -43,13 +43,13 @@ static PetscErrorCode Steps(MpmMarch *march, PetscInt64 last)
 static PetscErrorCode SameToRounding(const MpmMarch *a, const MpmMarch *b, const char options[])
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; a->scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; a->scene->scheme.table->fields[f]; f++) {
     PetscReal *x, *y;
 
-    PetscCall(GatherField(a, a->scene->table->fields[f], &x));
-    PetscCall(GatherField(b, a->scene->table->fields[f], &y));
+    PetscCall(GatherField(a, a->scene->scheme.table->fields[f], &x));
+    PetscCall(GatherField(b, a->scene->scheme.table->fields[f], &y));
     CHECK(LargestDifference(a->particles->total, x, y) <= 1e-10 * LargestNumber(a->particles->total, x), "%s: %s: %g",
-          options, a->scene->table->fields[f], LargestDifference(a->particles->total, x, y));
+          options, a->scene->scheme.table->fields[f], LargestDifference(a->particles->total, x, y));
     PetscCall(PetscFree(y));
     PetscCall(PetscFree(x));
   }

@@ -3,17 +3,20 @@
    closed form = search for every scheme, walls, an isolated particle, a partly filled end cell, drift.
 */
 #include "oracle.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "scene/layout.h"
 #include <slepcsys.h>
 
 static PetscErrorCode Find(const char options[], MpmCritical *c)
 {
-  MpmScene *scene;
+  MpmScene       *scene;
+  MpmCriticalCase of;
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, c));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, c));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -133,17 +136,21 @@ static PetscErrorCode CheckPartlyFilled(void)
 static PetscErrorCode CheckBelow(const char options[], PetscReal limit)
 {
   MpmCritical c;
-  MpmScene   *scene, at;
+  MpmScene   *scene;
+  MpmStep     at;
   MpmSymbol  *symbol;
 
   PetscFunctionBegin;
   PetscCall(Find(options, &c));
   CHECK(fabs(c.courant / limit - 1) <= 2e-4, "%s: %.9g, not %.9g", options, c.courant, limit);
   PetscCall(CheckScene(options, &scene));
-  at = *scene;
+  at = scene->step;
   for (int n = 0; n <= 100; n++) {
     at.courant = n ? c.courant * MpmHash(21, n) : c.unstable_at * (1 + 1e-9);
-    PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &at, n ? 97 : 256, PETSC_FALSE, &symbol));
+    PetscCall(MpmSymbolCreate(
+        PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &at,
+        &(MpmSymbolWish){.phases = n ? 97 : 256, .tolerance = scene->tolerance, .progress = MPM_PROGRESS_NEVER},
+        &symbol));
     if (n) CHECK(symbol->growth <= 1 + 1e-6, "%s: growth %.9g at %.9g", options, symbol->growth, at.courant);
     PetscCall(MpmSymbolDestroy(&symbol));
   }

@@ -57,7 +57,7 @@ static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
     CHECK_NEAR(e->growth_max, s->growth, s->growth > 1 + 1e-6 ? 1e-10 : 1e-7);
   CHECK(e->finding.verdict == verdict && s->finding.verdict == verdict, "%s: %s, spectrum %s", options,
         MpmVerdictNames[e->finding.verdict], MpmVerdictNames[s->finding.verdict]);
-  CHECK(e->growth_min == e->growth_max && e->growth_median == e->growth_max && e->worst_seed == scene->seed,
+  CHECK(e->growth_min == e->growth_max && e->growth_median == e->growth_max && e->worst_seed == scene->layout.seed,
         "%s: one layout is its own smallest and largest", options);
   if (verdict == MPM_UNSTABLE) /* what the solvers leave over is rounding itself, and no two solvers leave the same */
     CHECK(fabs(log(e->finding.uncertainty / s->finding.uncertainty)) < log(4), "%s: uncertainty %.3g, spectrum %.3g",

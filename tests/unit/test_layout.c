@@ -18,21 +18,21 @@ static PetscErrorCode Test(int argc, char **argv)
   CHECK_NEAR(MpmHash(1234567, 2), (PetscReal)(9817491932198370423u >> 11) * 0x1p-53, 0);
 
   PetscCall(CheckScene("-cells 8 -ppc 2", &scene));
-  MpmLayoutPlace(scene, 5, &cell, &xi);
+  MpmLayoutPlace(&scene->layout, 5, &cell, &xi);
   CHECK(cell == 2, "cell %d", cell);
   CHECK_NEAR(xi, 0.75, 0);
   PetscCall(MpmSceneDestroy(&scene));
 
   /* jitter: x = n + (j + offset + jitter (r - 1/2)) / ppc, which may leave the cell on either side */
   PetscCall(CheckScene("-cells 64 -ppc 3 -offset 0.1 -jitter 0.8 -seed 7", &scene));
-  for (PetscInt64 g = 0; g < scene->particles; g++) {
+  for (PetscInt64 g = 0; g < scene->layout.particles; g++) {
     const PetscReal x = g / 3 + (g % 3 + 0.1 + 0.8 * (MpmHash(7, g) - 0.5)) / 3;
 
-    MpmLayoutPlace(scene, g, &cell, &xi);
+    MpmLayoutPlace(&scene->layout, g, &cell, &xi);
     CHECK(xi >= 0 && xi < 1, "xi %.17g", xi);
     CHECK_NEAR(cell + xi, x, 1e-14);
   }
-  MpmLayoutPlace(scene, 0, &cell, &xi);
+  MpmLayoutPlace(&scene->layout, 0, &cell, &xi);
   CHECK(MpmHash(7, 0) > 0.375 || cell == -1, "the first particle of this seed would lie left of the domain");
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

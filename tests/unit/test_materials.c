@@ -68,14 +68,14 @@ static PetscErrorCode PlainLoop(void)
   PetscCall(CheckScene("-formulation usl -cells 12 -counts 1,4,0,2 -offset 1/4 -material two -density_ratio 5 "
                        "-stiffness_ratio 300 -inclusion 3,9 -courant 0.03 -initial random -steps 40",
                        &scene));
-  CHECK(scene->particles == n, "%d particles", (int)scene->particles);
+  CHECK(scene->layout.particles == n, "%d particles", (int)scene->layout.particles);
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(GatherField(march, "v", &v));
   PetscCall(GatherField(march, "s", &s));
   bar.v = v;
   bar.s = s;
   for (PetscInt step = 0; step < steps; step++) {
-    Step(&bar, scene->courant);
+    Step(&bar, scene->step.courant);
     PetscCall(MpmMarchStep(march, PETSC_FALSE));
   }
   PetscCall(GatherField(march, "v", &end));
@@ -103,7 +103,7 @@ static PetscErrorCode Velocities(const char options[], PetscInt64 *n, PetscReal 
   PetscCall(CheckScene(options, &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
   PetscCall(GatherField(march, "v", v));
-  *n = scene->particles;
+  *n = scene->layout.particles;
   PetscCall(MpmMarchStep(march, PETSC_TRUE));
   PetscCall(MpmMarchNorms(march, &norms));
   *energy = scalbn(norms.energy, 2 * (int)march->exponent);

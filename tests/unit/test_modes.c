@@ -4,6 +4,7 @@
 */
 #include "check.h"
 #include "analysis/spectrum.h"
+#include "io/spectrum_files.h"
 
 #define FILE_NAME "test_modes.h5"
 

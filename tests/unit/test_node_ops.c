@@ -29,7 +29,7 @@ static PetscErrorCode Run(const MpmPass *pass, PetscInt chunk, PetscReal node[FI
   if (chunk && chunk < 50)
     for (PetscInt o = 0; o < pass->nnode_ops; o++)
       CHECK(done[o].hi > NODES / 2, "operation %d has not followed: to %d", o, done[o].hi);
-  PetscCall(MpmMarchNodeOps(&march, pass, field, NULL, NULL, done));
+  PetscCall(MpmMarchNodeOps(&march, 0, pass, field, NULL, NULL, done));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -13,10 +13,10 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s", formulation, rest));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
   CHECK(mismatch <= 1e-14 * op->period, "%s: %.3g", options, mismatch);
-  CHECK(op->order == op->fields * scene->particles, "%s: order %d", options, (int)op->order);
+  CHECK(op->order == op->fields * scene->layout.particles, "%s: order %d", options, (int)op->order);
   /* a uniform state stays as it is, so the test above would also pass with an empty march and A = I: check that not */
   PetscCall(MatCreateVecs(op->A, &q, &image));
   PetscCall(VecSetRandom(q, NULL));

@@ -60,7 +60,7 @@ static PetscErrorCode AtTime(const char options[], const char field[], PetscInt 
   PetscCall(CheckScene(all, &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
   PetscCall(GatherField(march, field, q));
-  *n = scene->particles;
+  *n = scene->layout.particles;
   PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

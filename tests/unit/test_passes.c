@@ -21,20 +21,20 @@ static PetscErrorCode Compiles(const char name[], const char more[], PetscInt pa
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s", name, more));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_FALSE, PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_FALSE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s at rest: %d passes", name, s.npasses);
   CHECK(s.halo == halo, "%s: halo %d", name, s.halo);
   CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs", name);
   CHECK(s.start.sums_mass, "%s: masses are never summed", name);
-  CHECK(CountKind(&s, MPM_PASS_SAMPLE) == scene->table->nstate, "%s: fields sampled", name);
+  CHECK(CountKind(&s, MPM_PASS_SAMPLE) == scene->scheme.table->nstate, "%s: fields sampled", name);
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) spare += s.spare[n];
   CHECK(spare == spares, "%s: %d spare arrays", name, spare);
 
-  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_TRUE, PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_TRUE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s drifting: %d passes", name, s.npasses);
   CHECK(CountKind(&s, MPM_PASS_DRIFT) == 1 && CountKind(&s, MPM_PASS_MASS) == 1, "%s drifting", name);
 
-  PetscCall(MpmScheduleCompile(scene->table, MpmBases[0], 0.5, PETSC_TRUE, PETSC_FALSE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_TRUE, PETSC_FALSE, &s));
   CHECK(s.npasses == passes + 1, "%s migrating in each step: %d passes", name, s.npasses);
   CHECK(s.pass[passes - 1].rebase && !s.pass[passes].rebase, "%s migrates in the wrong pass", name);
   PetscCall(MpmScheduleDestroy(&s));
@@ -51,7 +51,8 @@ static PetscErrorCode SumsOnce(const char options[], PetscInt sums)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->table, scene->basis, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, scene->scheme.basis, &scene->layout, 0.5, MpmSceneDrifts(scene),
+                               PETSC_TRUE, &s));
   for (PetscInt p = 0; p < s.npasses; p++)
     for (PetscInt o = 0; o < s.pass[p].nops; o++) summed += s.pass[p].op[o].to_nodes ? 1 : 0;
   CHECK(summed == sums, "%s: %d sums a step, not %d", options, summed, sums);
@@ -67,7 +68,7 @@ static PetscErrorCode Bounds(const char options[], PetscReal bound)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  CHECK_NEAR(MpmScheduleBound(scene->table, MpmBases[0], 0.5, 2, 2, 1), bound, 1e-14);
+  CHECK_NEAR(MpmScheduleBound(scene->scheme.table, MpmBases[0], 0.5, 2, 2, 1), bound, 1e-14);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,8 +81,9 @@ static PetscErrorCode Moves(const char options[], PetscBool alike, PetscReal byt
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->table, scene->basis, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
-  CHECK_NEAR(MpmScheduleBytes(scene->table, &s, 2, alike), bytes, 0);
+  PetscCall(MpmScheduleCompile(scene->scheme.table, scene->scheme.basis, &scene->layout, 0.5, MpmSceneDrifts(scene),
+                               PETSC_TRUE, &s));
+  CHECK_NEAR(MpmScheduleBytes(scene->scheme.table, &s, 2, alike), bytes, 0);
   PetscCall(MpmScheduleDestroy(&s));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -39,7 +39,7 @@ static PetscErrorCode CheckResolvent(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmResolventCreate(op->A, &r));
   PetscCall(PetscMalloc1(op->order * op->order, &a));
   PetscCall(MpmDenseCopy(op->A, a));

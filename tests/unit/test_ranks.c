@@ -10,15 +10,15 @@ static PetscErrorCode EqualsOneRank(const MpmScene *scene, const MpmMarch *march
 
   PetscFunctionBegin;
   PetscCall(MarchScene(PETSC_COMM_SELF, scene, &alone));
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *many, *one;
 
-    PetscCall(GatherField(march, scene->table->fields[f], &many));
-    PetscCall(GatherField(alone, scene->table->fields[f], &one));
-    CHECK(LargestNumber(scene->particles, one) > 0, "%s: nothing there", options);
-    CHECK(LargestDifference(scene->particles, many, one) <= 1e-12 * LargestNumber(scene->particles, one),
-          "%s: field %s differs by %g", options, scene->table->fields[f],
-          LargestDifference(scene->particles, many, one));
+    PetscCall(GatherField(march, scene->scheme.table->fields[f], &many));
+    PetscCall(GatherField(alone, scene->scheme.table->fields[f], &one));
+    CHECK(LargestNumber(scene->layout.particles, one) > 0, "%s: nothing there", options);
+    CHECK(LargestDifference(scene->layout.particles, many, one) <= 1e-12 * LargestNumber(scene->layout.particles, one),
+          "%s: field %s differs by %g", options, scene->scheme.table->fields[f],
+          LargestDifference(scene->layout.particles, many, one));
     PetscCall(PetscFree(many));
     PetscCall(PetscFree(one));
   }
@@ -44,8 +44,8 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
-  CHECK(total == march->scene->particles, "%s: %lld particles", options, (long long)total);
-  CHECK_NEAR(mass, (PetscReal)march->scene->particles, 1e-11 * march->scene->particles);
+  CHECK(total == march->layout->particles, "%s: %lld particles", options, (long long)total);
+  CHECK_NEAR(mass, (PetscReal)march->layout->particles, 1e-11 * march->layout->particles);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,23 +58,23 @@ static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *m
   PetscFunctionBegin;
   if (!MpmSceneIsPeriodic(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &start));
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *first, *last, before = 0, after = 0;
 
-    const PetscBool momentum = !strcmp(scene->table->fields[f], "v") ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool momentum = !strcmp(scene->scheme.table->fields[f], "v") ? PETSC_TRUE : PETSC_FALSE;
 
-    if (!momentum && (MpmSceneDrifts(scene) || scene->jitter != 0 || scene->transfer->filter)) continue;
-    if (scene->formulation->staggered != MPM_NONE && scene->formulation->wave == &MpmWaveSecondOrder &&
-        f != scene->formulation->staggered)
+    if (!momentum && (MpmSceneDrifts(scene) || scene->layout.jitter != 0 || scene->scheme.transfer->filter)) continue;
+    if (scene->scheme.formulation->staggered != MPM_NONE && scene->scheme.formulation->wave == &MpmWaveSecondOrder &&
+        f != scene->scheme.formulation->staggered)
       continue; /* the bar's displacement moves with its momentum */
-    PetscCall(GatherField(start, scene->table->fields[f], &first));
-    PetscCall(GatherField(march, scene->table->fields[f], &last));
-    for (PetscInt64 p = 0; p < scene->particles; p++) {
+    PetscCall(GatherField(start, scene->scheme.table->fields[f], &first));
+    PetscCall(GatherField(march, scene->scheme.table->fields[f], &last));
+    for (PetscInt64 p = 0; p < scene->layout.particles; p++) {
       before += first[p];
       after += last[p];
     }
-    CHECK(fabs(after - before) <= 1e-13 * scene->particles * LargestNumber(scene->particles, last),
-          "%s: field %s: sum %.17g became %.17g", options, scene->table->fields[f], before, after);
+    CHECK(fabs(after - before) <= 1e-13 * scene->layout.particles * LargestNumber(scene->layout.particles, last),
+          "%s: field %s: sum %.17g became %.17g", options, scene->scheme.table->fields[f], before, after);
     PetscCall(PetscFree(first));
     PetscCall(PetscFree(last));
   }
@@ -120,13 +120,14 @@ static PetscErrorCode CheckAlike(const char rest[], PetscInt per_cell)
     read->particles->per_cell = 0;
     PetscCall(MpmMarchStep(read, PETSC_FALSE));
   }
-  for (PetscInt f = 0; scene->table->fields[f]; f++) {
+  for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *a, *b;
 
-    PetscCall(GatherField(alike, scene->table->fields[f], &a));
-    PetscCall(GatherField(read, scene->table->fields[f], &b));
-    CHECK(LargestDifference(scene->particles, a, b) <= 1e-13 * LargestNumber(scene->particles, b),
-          "%s: field %s differs by %g", options, scene->table->fields[f], LargestDifference(scene->particles, a, b));
+    PetscCall(GatherField(alike, scene->scheme.table->fields[f], &a));
+    PetscCall(GatherField(read, scene->scheme.table->fields[f], &b));
+    CHECK(LargestDifference(scene->layout.particles, a, b) <= 1e-13 * LargestNumber(scene->layout.particles, b),
+          "%s: field %s differs by %g", options, scene->scheme.table->fields[f],
+          LargestDifference(scene->layout.particles, a, b));
     PetscCall(PetscFree(a));
     PetscCall(PetscFree(b));
   }
@@ -153,8 +154,8 @@ static PetscErrorCode CheckRescale(void)
   }
   PetscCall(GatherField(plain, "u", &a));
   PetscCall(GatherField(scaled, "u", &b));
-  CHECK(LargestDifference(scene->particles, a, b) == 0, "rescaling changed u by %g",
-        LargestDifference(scene->particles, a, b));
+  CHECK(LargestDifference(scene->layout.particles, a, b) == 0, "rescaling changed u by %g",
+        LargestDifference(scene->layout.particles, a, b));
   PetscCall(PetscFree(a));
   PetscCall(PetscFree(b));
   PetscCall(MpmMarchDestroy(&plain));

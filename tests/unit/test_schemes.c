@@ -31,17 +31,18 @@ static PetscErrorCode Growth(const MpmOperator *op, PetscReal *growth)
 
 static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
 {
-  MpmSymbol    *symbol;
-  MpmPredictor  predictor;
-  MpmComparison comparison;
-  PetscReal     growth = NAN;
+  const MpmSymbolWish wish = {.phases = op->layout->grid.cells, .tolerance = 1e-6, .progress = MPM_PROGRESS_NEVER};
+  MpmSymbol          *symbol;
+  MpmPredictor        predictor;
+  MpmComparison       comparison;
+  PetscReal           growth = NAN;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->scene, op->scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->layout, op->scheme, &op->step, &wish, &symbol));
   PetscCall(Growth(op, &growth));
   /* defective eigenvalues at 1, in blocks of up to three, and periods of several steps */
   CHECK_NEAR(growth, symbol->growth, (fabs(symbol->growth - 1) < 1e-4 ? 3e-5 : 1e-8) * symbol->growth);
-  PetscCall(MpmPredictorCreate(op->scene, &predictor));
+  PetscCall(MpmPredictorCreate(op->layout, op->scheme, MpmStepDrifts(&op->step), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(predictor.why_not || comparison.corrected <= 1e-7 * symbol->growth, "%s: corrected off by %g at %g", options,
         comparison.corrected, comparison.corrected_beta);
@@ -58,10 +59,11 @@ static PetscErrorCode Agrees(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
-  CHECK(mismatch <= (MpmTableHas(scene->table, MPM_SOLVE) ? 1e-12 : 1e-14) * op->period, "%s: %.3g", options, mismatch);
-  if (!MpmSymbolWhyNot(scene)) PetscCall(Symbols(options, op));
+  CHECK(mismatch <= (MpmTableHas(scene->scheme.table, MPM_SOLVE) ? 1e-12 : 1e-14) * op->period, "%s: %.3g", options,
+        mismatch);
+  if (!MpmSymbolWhyNot(&scene->layout)) PetscCall(Symbols(options, op));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

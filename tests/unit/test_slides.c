@@ -15,17 +15,17 @@ static PetscErrorCode PlainCreate(const MpmMarch *start, Plain *s)
   const MpmScene *scene = start->scene;
 
   PetscFunctionBegin;
-  s->cells = scene->cells;
-  s->n     = (PetscInt)scene->particles;
-  PetscCall(GatherField(start, scene->table->fields[0], &s->a));
-  PetscCall(GatherField(start, scene->table->fields[1], &s->b));
+  s->cells = scene->layout.grid.cells;
+  s->n     = (PetscInt)scene->layout.particles;
+  PetscCall(GatherField(start, scene->scheme.table->fields[0], &s->a));
+  PetscCall(GatherField(start, scene->scheme.table->fields[1], &s->b));
   PetscCall(PetscMalloc6(s->n, &s->x, s->n, &s->rest, s->cells, &s->ai, s->cells, &s->bi, s->cells, &s->ci, s->cells,
                          &s->mass));
   for (PetscInt p = 0; p < s->n; p++) {
     PetscInt  cell;
     PetscReal xi;
 
-    MpmLayoutPlace(scene, p, &cell, &xi);
+    MpmLayoutPlace(&scene->layout, p, &cell, &xi);
     s->x[p] = s->rest[p] = fmod(cell + xi + s->cells, s->cells);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -123,7 +123,7 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
 /* x = rest + n delta in extended precision, so that particles meet nodes where the fractions say they do. */
 static void PlainDrift(const MpmScene *scene, PetscInt64 n, const Plain *s)
 {
-  const long double moved = (long double)scene->drift.num * n / scene->drift.den;
+  const long double moved = (long double)scene->step.drift.num * n / scene->step.drift.den;
 
   for (PetscInt p = 0; p < s->n; p++) {
     const long double x = fmodl(s->rest[p] + moved, s->cells), turned = x < 0 ? x + s->cells : x;
@@ -147,11 +147,11 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
   PetscCall(PlainCreate(march, &plain));
   for (PetscInt64 step = 0; step < scene->steps; step++) {
     PetscCall(MpmMarchStep(march, PETSC_FALSE));
-    PlainStep(formulation, scene->courant, &plain);
+    PlainStep(formulation, scene->step.courant, &plain);
     PlainDrift(scene, step + 1, &plain);
   }
-  PetscCall(GatherField(march, scene->table->fields[0], &a));
-  PetscCall(GatherField(march, scene->table->fields[1], &b));
+  PetscCall(GatherField(march, scene->scheme.table->fields[0], &a));
+  PetscCall(GatherField(march, scene->scheme.table->fields[1], &b));
   CHECK(LargestDifference(plain.n, a, plain.a) <= 1e-11 * LargestNumber(plain.n, a), "%s: %g", options,
         LargestDifference(plain.n, a, plain.a));
   CHECK(LargestDifference(plain.n, b, plain.b) <= 1e-11 * LargestNumber(plain.n, b), "%s: %g", options,

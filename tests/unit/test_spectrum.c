@@ -153,8 +153,13 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_TRUE, &symbol));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_TRUE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &symbol));
   PetscCall(MpmSymbolTarget(PETSC_COMM_WORLD, symbol, op->exponent, target));
   for (int part = 0; part < 2; part++) target[part] *= 1 + 1e-10;
   if (scatter)

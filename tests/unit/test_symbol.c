@@ -18,7 +18,12 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_FALSE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
   finding = (MpmFinding){
       .growth = symbol->growth, .tolerance = 1e-6, .uncertainty = symbol->uncertainty, .blur = symbol->blur};
@@ -44,9 +49,14 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells %d -ppc %d -courant %.6f -offset %.9f",
                           formulation, 8 + n, 1 + n % 4, courant, offset));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_FALSE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &symbol));
   PetscCall(MpmPredict(scene, &predictions));
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(comparison.corrected <= SPLIT * symbol->growth, "%s: off by %.3g at beta %g", options, comparison.corrected,
         comparison.corrected_beta);
@@ -68,8 +78,13 @@ static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal b
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
-  PetscCall(MpmPredictorCreate(scene, &predictor));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_FALSE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &symbol));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK_NEAR(comparison.published, off, 1e-8);
   CHECK_NEAR(comparison.published_beta, beta, 1e-12);
@@ -87,9 +102,24 @@ static PetscErrorCode CheckRanksAndPhases(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_TRUE, &all));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, scene, scene->cells, PETSC_TRUE, &alone));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, 3 * scene->cells, PETSC_TRUE, &finer));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_TRUE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &all));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_TRUE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &alone));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = 3 * scene->layout.grid.cells,
+                                             .keep      = PETSC_TRUE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &finer));
   CHECK(all->growth == alone->growth && all->beta_at_max == alone->beta_at_max, "%s: %.17g at %g, %.17g at %g", options,
         all->growth, all->beta_at_max, alone->growth, alone->beta_at_max);
   CHECK(finer->growth >= all->growth - 1e-12, "%s: finer phases give %.17g", options, finer->growth);
@@ -127,7 +157,12 @@ static PetscErrorCode CheckLongPeriod(const char options[], PetscReal lo, PetscR
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, scene, scene->cells, PETSC_FALSE, &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
+                                             .keep      = PETSC_FALSE,
+                                             .tolerance = scene->tolerance,
+                                             .progress  = scene->progress},
+                            &symbol));
   CHECK(isfinite(symbol->growth) && symbol->growth > lo && symbol->growth < hi, "%s: growth %g", options,
         symbol->growth);
   if (off_range) CHECK(symbol->exponent > 1024, "%s: exponent %d", options, (int)symbol->exponent);

@@ -27,11 +27,11 @@ static PetscErrorCode DenseStep(const MpmOperator *op, Mat A, PetscReal factor, 
   for (PetscInt row = 0; row < n; row++) {
     const PetscInt64 id = row / op->fields;
 
-    stress = !strcmp(op->scene->table->fields[row % op->fields], "s") ? PETSC_TRUE : PETSC_FALSE;
+    stress = !strcmp(op->scheme->table->fields[row % op->fields], "s") ? PETSC_TRUE : PETSC_FALSE;
     w[row] =
         stress
-            ? sqrt(MpmMaterialProperty(op->scene, MPM_VOLUME, id) / MpmMaterialProperty(op->scene, MPM_STIFFNESS, id))
-            : sqrt(MpmMaterialProperty(op->scene, MPM_MASS, id));
+            ? sqrt(MpmMaterialProperty(op->layout, MPM_VOLUME, id) / MpmMaterialProperty(op->layout, MPM_STIFFNESS, id))
+            : sqrt(MpmMaterialProperty(op->layout, MPM_MASS, id));
   }
   for (PetscInt i = 0; i < n * n; i++) a[i] *= factor * w[i % n] / w[i / n];
   PetscCallBLAS("BLASgemm", BLASgemm_("N", "N", &order, &order, &order, (PetscReal[]){1}, a, &order, old, &order, &none,
@@ -65,8 +65,8 @@ static PetscErrorCode CheckNorms(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmTransientCreate(op, LAST, NAN, &t));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmTransientCreate(op, LAST, NAN, MPM_PROGRESS_NEVER, &t));
   n = op->order;
   CHECK(t->n == 18 && t->steps[t->n - 1] == LAST && t->missing == 0 && t->norm[0] == 1, "%s: %d norms", options,
         (int)t->n);
@@ -103,8 +103,8 @@ static PetscErrorCode CheckLinear(const char options[], PetscReal c)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmTransientCreate(op, (PetscInt)last, 1, &t));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmTransientCreate(op, (PetscInt)last, 1, MPM_PROGRESS_NEVER, &t));
   CHECK(fabs(t->largest / norm - 1) <= 1e-9 && t->at_step == (PetscInt)last && fabs(t->excess / norm - 1) <= 1e-9,
         "%s: %.12g, closed form %.12g", options, t->largest, norm);
   CHECK_NEAR(t->power, 1, 0.01);
@@ -128,8 +128,8 @@ static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmTransientCreate(op, 300, 1, &t));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmTransientCreate(op, 300, 1, MPM_PROGRESS_NEVER, &t));
   PetscCall(MpmPseudospectrumCreate(scene, op->A, 5, 1e-6, &p));
   CHECK(p->kreiss >= least && p->kreiss <= t->largest * (1 + 1e-9) && t->largest <= M_E * p->order * p->kreiss,
         "%s: Kreiss %.9g, norms up to %.9g", options, p->kreiss, t->largest);
@@ -159,8 +159,8 @@ static PetscErrorCode CheckNearLimit(PetscReal k)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-cells 8 -ppc 1 -courant %.17g", (double)k));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmTransientCreate(op, 200, 1, &t));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmTransientCreate(op, 200, 1, MPM_PROGRESS_NEVER, &t));
   PetscCall(MpmPseudospectrumCreate(scene, op->A, 3, 1e-6, &p));
   CHECK(p->kreiss <= kreiss * (1 + 1e-9) && p->kreiss >= 0.999 * kreiss, "%s: Kreiss %.9g, closed form %.9g", options,
         p->kreiss, kreiss);
@@ -183,8 +183,8 @@ static PetscErrorCode CheckOffRange(void)
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-formulation gas1 -courant 200 -cells 8", &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, scene, &op));
-  PetscCall(MpmTransientCreate(op, 200, growth, &t));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmTransientCreate(op, 200, growth, MPM_PROGRESS_NEVER, &t));
   CHECK(isnan(t->norm[t->n - 1]) && isnan(t->largest) && t->at_step == 200 && t->missing == 0, "largest %g at %d",
         t->largest, (int)t->at_step);
   CHECK_NEAR(t->log_norm[t->n - 1] - t->log_norm[t->n - 2], (200 - t->steps[t->n - 2]) * log(growth), 1e-7);

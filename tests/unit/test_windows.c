@@ -19,12 +19,14 @@
 /* limit: the Courant number beyond which growth has been seen; the search must not print more. */
 static PetscErrorCode CheckLimit(const char options[], PetscReal limit, PetscReal relative)
 {
-  MpmScene   *scene;
-  MpmCritical c;
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_TRUE, &c));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
   CHECK(c.courant <= limit * (1 + 1e-6) && c.courant >= limit * (1 - relative), "%s: %.9g, not %.9g", options,
         c.courant, limit);
   PetscCall(MpmSceneDestroy(&scene));
@@ -46,9 +48,9 @@ static PetscErrorCode CheckLimits(void)
 }
 
 typedef struct {
-  MpmScene      scene; /* with a Courant number of its own */
   MpmBloch      bloch;
   MpmSmallEigen eigen;
+  PetscReal     tolerance;
 } Symbol;
 
 static PetscErrorCode GrowthAt(Symbol *s, PetscReal courant, PetscReal beta, PetscReal *growth, PetscReal *nearest)
@@ -57,8 +59,7 @@ static PetscErrorCode GrowthAt(Symbol *s, PetscReal courant, PetscReal beta, Pet
   PetscReal largest = 0;
 
   PetscFunctionBegin;
-  s->scene.courant = courant;
-  PetscCall(MpmBlochMatrix(&s->bloch, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&s->bloch, courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
   *nearest = INFINITY;
   for (PetscInt i = 0; i < s->eigen.n; i++) {
@@ -75,7 +76,7 @@ static PetscErrorCode GrowthAt(Symbol *s, PetscReal courant, PetscReal beta, Pet
 /* The least Courant number below limit that is seen to grow by more than twice the tolerance; infinite for none. */
 static PetscErrorCode Scan(Symbol *s, PetscReal limit, PetscInt phases, PetscReal *least, PetscReal *at)
 {
-  const PetscReal most = 1 + 2 * s->scene.tolerance;
+  const PetscReal most = 1 + 2 * s->tolerance;
   PetscReal       growth, nearest;
 
   PetscFunctionBegin;
@@ -136,20 +137,20 @@ static PetscErrorCode DrawScheme(PetscInt n, size_t room, char options[])
 static PetscErrorCode CheckRandom(PetscInt n, PetscInt phases, PetscBool say)
 {
   char        options[256];
-  MpmScene   *scene;
-  Symbol      s;
-  MpmCritical c;
-  PetscInt    period;
-  PetscReal   least, at = NAN;
+  MpmScene       *scene;
+  Symbol          s;
+  MpmCriticalCase of;
+  MpmCritical     c;
+  PetscReal       least, at = NAN;
 
   PetscFunctionBegin;
   PetscCall(DrawScheme(n, sizeof options, options));
   if (!options[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmCriticalFind(scene, PETSC_TRUE, &c));
-  s.scene = *scene;
-  PetscCall(MpmLayoutPeriod(scene, &period));
-  PetscCall(MpmBlochCreate(&s.scene, period, &s.bloch));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
+  s.tolerance = scene->tolerance;
+  PetscCall(MpmBlochCreate(&scene->layout, &scene->scheme, &scene->step.drift, &s.bloch));
   PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
   PetscCall(Scan(&s, PetscMin(c.courant, MOST), phases, &least, &at));
   CHECK(isinf(least), "scheme %d, %s: limit %.9g, but growth at %.9g, phase %.6g", (int)n, options, c.courant, least,

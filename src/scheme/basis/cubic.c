@@ -15,22 +15,22 @@ static inline PetscInt First(PetscReal xi)
   return -1;
 }
 
-static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
 {
   const PetscReal eta = 1 - xi;
 
-  (void)width;
+  (void)half_width;
   phi[0] = eta * eta * eta / 6;
   phi[1] = 2.0 / 3 - xi * xi + xi * xi * xi / 2;
   phi[2] = 2.0 / 3 - eta * eta + eta * eta * eta / 2;
   phi[3] = xi * xi * xi / 6;
 }
 
-static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
 {
   const PetscReal eta = 1 - xi;
 
-  (void)width;
+  (void)half_width;
   slope[0] = -eta * eta / 2;
   slope[1] = -2 * xi + 1.5 * xi * xi;
   slope[2] = 2 * eta - 1.5 * eta * eta;

@@ -3,8 +3,8 @@
 
      static inline PetscInt First(PetscReal xi);                                      the first of them, from the cell's
                                                                                       left node
-     static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES]);
-     static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES]);    h dphi/dx
+     static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
+     static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);    h dphi/dx
 
    Where all runs of a block are alike, as in every uniform layout, moving or not, a loop over runs of a known length
    has no branch and no gather, and the compiler makes vectors of it. Elsewhere sums stay in registers while particles
@@ -12,33 +12,33 @@
    the one before it to be stored.
 */
 #pragma once
-#include <mpmstab/basis.h>
+#include "scheme/kernels.h"
 
 static inline PetscInt First(PetscReal xi);
-static inline void     Values(PetscReal xi, PetscReal width, PetscReal phi[NODES]);
-static inline void     Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES]);
+static inline void     Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
+static inline void     Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
 
 /* Weights of a particle's nodes; returns what a gather divides by. */
-typedef PetscReal (*Weights)(PetscReal xi, PetscReal width, PetscReal weight[NODES]);
+typedef PetscReal (*Weights)(PetscReal xi, PetscReal half_width, PetscReal weight[NODES]);
 
-static inline PetscReal Phi(PetscReal xi, PetscReal width, PetscReal weight[NODES])
+static inline PetscReal Phi(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
-  Values(xi, width, weight);
+  Values(xi, half_width, weight);
   return 1;
 }
 
-static inline PetscReal Gradient(PetscReal xi, PetscReal width, PetscReal weight[NODES])
+static inline PetscReal Gradient(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
-  Slopes(xi, width, weight);
+  Slopes(xi, half_width, weight);
   return 1;
 }
 
 /* phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
-static inline PetscReal Moment(PetscReal xi, PetscReal width, PetscReal weight[NODES])
+static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
   PetscReal sum = 0;
 
-  Values(xi, width, weight);
+  Values(xi, half_width, weight);
   for (int d = 0; d < NODES; d++) {
     const PetscReal distance = First(xi) + d - xi;
 
@@ -65,7 +65,7 @@ INLINE void ScatterRuns(Weights weights, const PetscInt length, const MpmBlock *
     for (PetscInt i = 0; i < length; i++) {
       PetscReal weight[NODES];
 
-      (void)weights(xi[length * j + i], b->width, weight);
+      (void)weights(xi[length * j + i], b->half_width, weight);
       for (int d = 0; d < NODES; d++) {
         sum[d] += weight[d] * (a * q[length * j + i]);
         sum_mass[d] += weight[d];
@@ -93,7 +93,7 @@ INLINE void GatherRuns(Weights weights, const PetscInt length, const MpmBlock *b
   for (PetscInt j = 0; j < count; j++) {
     for (PetscInt i = 0; i < length; i++) {
       PetscReal       weight[NODES], sum = 0;
-      const PetscReal divisor = weights(xi[length * j + i], b->width, weight);
+      const PetscReal divisor = weights(xi[length * j + i], b->half_width, weight);
 
       for (int d = 0; d < NODES; d++) sum += weight[d] * node[at + j + d];
       q[length * j + i] += a / divisor * sum;
@@ -138,7 +138,7 @@ INLINE void ScatterEach(Weights weights, PetscInt begin, PetscInt end, const Mpm
   for (PetscInt p = begin; p < end; p++) {
     PetscReal weight[NODES];
 
-    (void)weights(b->xi[p], b->width, weight);
+    (void)weights(b->xi[p], b->half_width, weight);
     for (int d = 0; d < NODES; d++) {
       given[d][p - begin] = weight[d] * (a * particle[p]);
       if (mass) given_mass[d][p - begin] = weight[d];
@@ -153,7 +153,7 @@ INLINE void GatherEach(Weights weights, PetscInt begin, PetscInt end, const MpmB
 {
   for (PetscInt p = begin; p < end; p++) {
     PetscReal       weight[NODES], sum = 0;
-    const PetscReal divisor = weights(b->xi[p], b->width, weight);
+    const PetscReal divisor = weights(b->xi[p], b->half_width, weight);
 
     for (int d = 0; d < NODES; d++) sum += weight[d] * node[b->first[p] + d];
     particle[p] += a / divisor * sum;

@@ -16,21 +16,21 @@ static inline PetscInt First(PetscReal xi)
   return xi < 0.5 ? -1 : 0;
 }
 
-static inline void Values(PetscReal xi, PetscReal width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
 {
   const PetscReal d = xi < 0.5 ? xi : xi - 1; /* from the nearest node */
 
-  (void)width;
+  (void)half_width;
   phi[0] = 0.5 * (0.5 - d) * (0.5 - d);
   phi[1] = 0.75 - d * d;
   phi[2] = 0.5 * (0.5 + d) * (0.5 + d);
 }
 
-static inline void Slopes(PetscReal xi, PetscReal width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
 {
   const PetscReal d = xi < 0.5 ? xi : xi - 1;
 
-  (void)width;
+  (void)half_width;
   slope[0] = d - 0.5;
   slope[1] = -2 * d;
   slope[2] = d + 0.5;

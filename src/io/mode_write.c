@@ -1,0 +1,76 @@
+/* Eigenvectors of an operator, into a file from which a run can take its initial data. */
+#include "io/mode_file.h"
+#include "scene/layout.h"
+#include <mpmstab/verdict.h>
+#include <math.h>
+#include <petscviewerhdf5.h>
+
+static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
+{
+  const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
+  const PetscReal growth = MpmGrowthPerStep(hypot(eigen->re[j], eigen->im[j]), op->exponent, op->period);
+  char            group[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1));
+  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "re", PETSC_REAL, &re));
+  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "im", PETSC_REAL, &im));
+  PetscCall(PetscViewerHDF5WriteAttribute(file->viewer, group, "growth", PETSC_REAL, &growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the particles start: what belongs under a mode's values. */
+static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
+{
+  PetscMPIInt rank;
+  PetscReal  *x;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)file->viewer), &rank));
+  PetscCall(PetscMalloc1(rank ? 0 : layout->particles, &x));
+  for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
+    PetscInt  cell;
+    PetscReal xi;
+
+    MpmLayoutPlace(layout, id, &cell, &xi);
+    x[id] = cell_width * ((cell + layout->grid.cells) % layout->grid.cells + xi); /* jitter may leave the domain */
+  }
+  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, 1, x));
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file)
+{
+  static const char *const parts[] = {"re", "im"};
+  Vec                      x[2], field;
+
+  PetscFunctionBegin;
+  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->layout, cell_width, file));
+  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
+  PetscCall(MatCreateVecs(op->p2g, &field, NULL));
+  for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
+    char name[128];
+
+    PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
+    PetscCall(MpmOperatorToState(op, x[0], x[1]));
+    PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT, j + 1));
+    PetscCall(PetscViewerHDF5PushGroup(file->viewer, name));
+    for (PetscInt f = 0; f < op->fields; f++) {
+      for (int part = 0; part < 2; part++) {
+        PetscCall(VecSetBlockSize(x[part], op->fields));
+        PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
+        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%s", op->scheme->table->fields[f], parts[part]));
+        PetscCall(PetscObjectSetName((PetscObject)field, name));
+        PetscCall(VecView(field, file->viewer));
+      }
+    }
+    PetscCall(PetscViewerHDF5PopGroup(file->viewer));
+    PetscCall(WriteEigenvalue(op, eigen, j, file));
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscCall(VecDestroy(&field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

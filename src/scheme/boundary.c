@@ -1,0 +1,30 @@
+/* Ends of the domain: their names, and the images of nodes beyond them. */
+#include <mpmstab/boundary.h>
+
+const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};
+const char *const MpmEndSummaries[] = {
+    "no ends (as in the slides)",
+    "velocity 0 at the wall node, and no increment for particles; gas is reflected (Sulsky, Chen and Schreyer 1994)",
+    "the same, but particles get the wall's reaction as their increment (Uintah's 1-D code)",
+    "nothing imposed: no stress (a bar's end)", NULL};
+
+void MpmDirectionMirror(const MpmDirection *direction, PetscBool antisymmetric, PetscReal sign[2])
+{
+  for (int end = 0; end < 2; end++) sign[end] = antisymmetric && MpmEndIsFixed(direction->ends[end]) ? -1 : 1;
+}
+
+PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, PetscBool antisymmetric, PetscReal *sign)
+{
+  const PetscInt last = direction->nodes - 1;
+  PetscReal      mirror[2];
+
+  *sign = 1;
+  if (direction->ends[0] == MPM_PERIODIC) {
+    node %= direction->cells;
+    return node < 0 ? node + direction->cells : node;
+  }
+  if (node >= 0 && node <= last) return node;
+  MpmDirectionMirror(direction, antisymmetric, mirror);
+  *sign = mirror[node > last];
+  return node < 0 ? -node : 2 * last - node;
+}
