@@ -15,13 +15,18 @@
 
    moving: growth at the scene's own Courant number if particles at rest drifted by MPM_CRITICAL_DRIFT (NaN: not asked).
 
+   courant is NaN where it is undecided: disputed says that search and closed form contradict each other; rounding,
+   where it is not 0, is the growth per step that rounding alone may make at the limit found, which is more than
+   tolerance. doubtful: under drift a Courant number below the limit at which factors could not be told apart, so that a
+   window may be missed there; infinite for none.
+
    closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
    the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
-  PetscReal      seconds;
-  PetscBool      threshold, assembled;
+  PetscReal      rounding, seconds;
+  PetscBool      threshold, assembled, disputed;
   PetscInt       order;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
@@ -55,8 +60,8 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene)
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
 #define MPM_CRITICAL_PRECISION 1e-10 /* of a bracket through the symbol, relative */
-#define MPM_CRITICAL_DRIFT 8    /* one cell in so many steps, where it is asked what motion does */
-#define MPM_CRITICAL_STEP 0.003 /* under drift, at most */
+#define MPM_CRITICAL_DRIFT 8         /* one cell in so many steps, where it is asked what motion does */
+#define MPM_CRITICAL_STEP 0.003      /* under drift, at most */
 
 /*
    MpmCriticalFind - searches upwards; scheme alone: without growth at the scene's own Courant number.

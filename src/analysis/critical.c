@@ -3,7 +3,9 @@
 #include "symbol/predict.h"
 #include <math.h>
 
-#define SAME 1e-5       /* closed form and search, relative */
+#define AGREE 1e-5      /* closed form and search, relative */
+#define BEYOND 0.01     /* over a limit: growth there is more than rounding makes, or the limit is rounding */
+#define GROWS 1e-12     /* growth of one phase that is more than rounding */
 #define PRECISION 1e-10 /* of the closed form, relative */
 
 static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
@@ -76,6 +78,45 @@ static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  if (c->assembled || isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCriticalRounding(of, c->unstable_at, c->beta, &c->rounding));
+  if (c->rounding > of->tolerance) {
+    PetscCall(MpmCriticalGrowthOfPhase(of, c->unstable_at * (1 + BEYOND), c->beta, &growth));
+    if (growth <= 1 + c->rounding) c->courant = NAN;
+  }
+  if (!isnan(c->courant)) c->rounding = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The closed form beside what was found. It may give less, where growth beyond it is within tolerance: then it is the
+   limit, and there is such growth at its phase. All else is a contradiction.
+*/
+static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
+{
+  PetscReal growth = INFINITY;
+
+  PetscFunctionBegin;
+  if (isnan(c->closed) || isnan(c->courant) || (c->closed == 0 && c->courant == 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (c->closed < c->stable_at * (1 - AGREE))
+    PetscCall(MpmCriticalGrowthOfPhase(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2,
+                                       c->closed_beta, &growth));
+  if (c->closed <= c->stable_at * (1 + AGREE) && growth > 1 + GROWS) {
+    if (isfinite(growth)) c->courant = c->closed;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  c->disputed = PETSC_TRUE;
+  c->courant  = NAN;
+  PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin = MPI_Wtime();
@@ -96,8 +137,8 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   else
     PetscCall(BySymbol(of, alone, c));
   PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, MpmStepDrifts(&of->step), c));
-  /* long waves may grow by less than tolerance per step: the closed form knows */
-  if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
+  PetscCall(CheckRounding(of, c));
+  PetscCall(Compare(of, c));
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

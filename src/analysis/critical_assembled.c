@@ -11,10 +11,12 @@
 #define RATIO 1.5        /* steps at rest */
 #define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
 #define PRECISION 1e-7
+#define BEYOND 0.01 /* over a limit: growth there is more than rounding makes, or the limit is rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
   MpmProgress            progress;
+  PetscReal              rounding; /* growth per step that it may make of a defective pair, at the last place */
   PetscInt64             evaluations;
 } Probe;
 
@@ -33,11 +35,14 @@ static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
 
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
+  Probe       *p = (Probe *)context;
   MpmOperator *op;
-  PetscReal    value[2];
+  PetscReal    value[2], norm;
 
   PetscFunctionBegin;
-  PetscCall(Assemble((Probe *)context, courant, &op));
+  PetscCall(Assemble(p, courant, &op));
+  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
+  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), op->exponent, op->period);
   PetscCall(MpmDenseLargest(op->balanced, value));
   PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
   *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
@@ -77,7 +82,8 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
-  asked->verdict = MpmVerdictOf(asked);
+  asked->uncertainty = p->rounding;
+  asked->verdict     = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
   if (!(asked->growth <= 1 + p->of->tolerance)) {
     steps.to   = courant;
@@ -86,6 +92,19 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   PetscCall(MpmCriticalCross(Growth, p, p->of->tolerance, &steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = bracket[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  PetscCall(Growth(p, c->unstable_at * (1 + BEYOND), &growth));
+  if (p->rounding <= p->of->tolerance || growth > 1 + p->rounding) PetscFunctionReturn(PETSC_SUCCESS);
+  c->rounding = p->rounding;
+  c->courant  = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,6 +127,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
     PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
     PetscCall(LimitingMode(&probe, c));
     c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
+    PetscCall(CheckRounding(&probe, c));
   }
   PetscCall(MpmProgressEnd(&probe.progress));
   c->evaluations = probe.evaluations;

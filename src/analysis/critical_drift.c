@@ -12,17 +12,17 @@
 #include "analysis/follow.h"
 #include <math.h>
 
-#define COARSE 32        /* every so manieth phase first, then every half as manieth */
-#define MARGIN 0.01      /* over the least limit so far, relative: other phases are followed so far */
+#define COARSE 32   /* every so manieth phase first, then every half as manieth */
+#define MARGIN 0.01 /* over the least limit so far, relative: other phases are followed so far */
 #define LEAST_BETA 1e-6
-#define FINEST 1e-9      /* step in beta that ends a descent */
-#define LOWER 1e-12      /* relative gain in k that counts */
-#define SLOPE 8          /* most that a curve rises, over the step in beta, */
-#define SLOPE_LONG 2     /* and in long waves this many k / beta more */
-#define WIDEST 100       /* a widest place is sought to this part of the distance between phases */
-#define PROMISING 3      /* halvings after which a curve must have come to half the tolerance */
+#define FINEST 1e-9  /* step in beta that ends a descent */
+#define LOWER 1e-12  /* relative gain in k that counts */
+#define SLOPE 8      /* most that a curve rises, over the step in beta, */
+#define SLOPE_LONG 2 /* and in long waves this many k / beta more */
+#define WIDEST 100   /* a widest place is sought to this part of the distance between phases */
+#define PROMISING 3  /* halvings after which a curve must have come to half the tolerance */
 
-#define NEAR_LIMIT 1e-4  /* what could not be told apart so near the limit, relative, does not matter */
+#define NEAR_LIMIT 1e-4 /* what could not be told apart so near the limit, relative, does not matter */
 
 typedef struct {
   PetscReal stable, unstable, beta;
@@ -150,8 +150,8 @@ static const MpmMeeting *Continued(const MpmFollow *f, const MpmMeeting *meeting
   PetscReal         least = INFINITY;
 
   for (PetscInt i = 0; i < f->nmeetings; i++) {
-    const PetscReal off = cabs(cexp(I * f->meetings[i].angle) - cexp(I * meeting->angle)) +
-                          fabs(f->meetings[i].x / meeting->x - 1);
+    const PetscReal off =
+        cabs(cexp(I * f->meetings[i].angle) - cexp(I * meeting->angle)) + fabs(f->meetings[i].x / meeting->x - 1);
 
     if (f->meetings[i].peak <= meeting->peak || off >= least) continue;
     found = &f->meetings[i];
@@ -250,7 +250,7 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
   const PetscMPIInt width = sizeof(Place) / sizeof(PetscReal);
   PetscMPIInt      *counts, *begins, mine;
   PetscReal         limits[2 * (MPM_CRITICAL_PHASES + 1)] = {0};
-  PetscInt          all = 0;
+  PetscInt          all                                   = 0;
   Place            *places;
 
   PetscFunctionBegin;
@@ -259,7 +259,8 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
     limits[2 * m + 1] = p->phases[m].unstable;
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->follow.doubtful, 1, MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, limits, 2 * (MPM_CRITICAL_PHASES + 1), MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, limits, 2 * (MPM_CRITICAL_PHASES + 1), MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
   for (PetscInt m = 1; m <= MPM_CRITICAL_PHASES; m++)
     p->phases[m] = (Limit){limits[2 * m], limits[2 * m + 1], MpmCriticalPhase(m)};
   PetscCall(PetscMPIIntCast(width * p->nplaces, &mine));
@@ -281,7 +282,8 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
 
 static PetscReal Spacing(PetscInt m)
 {
-  return MpmCriticalPhase(PetscMin(m + 1, MPM_CRITICAL_PHASES)) - MpmCriticalPhase(PetscMin(m, MPM_CRITICAL_PHASES - 1));
+  return MpmCriticalPhase(PetscMin(m + 1, MPM_CRITICAL_PHASES)) -
+         MpmCriticalPhase(PetscMin(m, MPM_CRITICAL_PHASES - 1));
 }
 
 /* Whether a neighbouring phase has the same meeting with more growth: then that is where to go on from. */
@@ -289,8 +291,8 @@ static PetscBool IsOutgrown(const Plane *p, const Place *place)
 {
   for (PetscInt i = 0; i < p->nplaces; i++) {
     const Place    *other = &p->places[i];
-    const PetscReal d     = fabs(other->phase - place->phase), turn = other->meeting.angle - place->meeting.angle;
-    const PetscReal rise  = Spacing((PetscInt)place->phase) * SLOPE;
+    const PetscReal d = fabs(other->phase - place->phase), turn = other->meeting.angle - place->meeting.angle;
+    const PetscReal rise = Spacing((PetscInt)place->phase) * SLOPE;
 
     if (d > 0 && d <= 1 && other->meeting.peak > place->meeting.peak &&
         fabs(other->meeting.x - place->meeting.x) <= rise && cos(turn) > 0.9)
@@ -315,8 +317,8 @@ static PetscErrorCode Refine(Plane *p)
     PetscCall(Descend(p, p->phases[m], Spacing(m) / 2));
   }
   for (PetscInt i = 0; i < p->nplaces; i++) {
-    const Place *place = &p->places[i];
-    const PetscInt m   = (PetscInt)place->phase;
+    const Place   *place = &p->places[i];
+    const PetscInt m     = (PetscInt)place->phase;
 
     if (place->meeting.x < p->least.unstable && !IsOutgrown(p, place))
       PetscCall(Ascend(p, place->meeting, MpmCriticalPhase(m), Spacing(m) / 2));
@@ -375,19 +377,18 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
 
 PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
 {
-  const MpmSymbolWish wish = {
-      .phases = 2 * MPM_CRITICAL_PHASES, .tolerance = of->tolerance, .progress = of->progress};
-  MpmSymbol *symbol;
-  PetscReal  bracket[2] = {0, INFINITY};
-  Plane     *p;
+  const MpmSymbolWish wish = {.phases = 2 * MPM_CRITICAL_PHASES, .tolerance = of->tolerance, .progress = of->progress};
+  MpmSymbol          *symbol;
+  PetscReal           bracket[2] = {0, INFINITY};
+  Plane              *p;
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, &wish, &symbol));
-  *beta                = symbol->beta_at_max;
-  finding->tolerance   = of->tolerance;
-  finding->growth      = symbol->growth;
-  finding->uncertainty = symbol->uncertainty;
-  finding->blur        = symbol->blur;
+  *beta                    = symbol->beta_at_max;
+  finding->tolerance       = of->tolerance;
+  finding->growth          = symbol->growth;
+  finding->uncertainty     = symbol->uncertainty;
+  finding->defective_error = symbol->defective_error;
   PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence, "the symbol at %d phases, and followed between",
                           2 * MPM_CRITICAL_PHASES));
   finding->verdict = MpmVerdictOf(finding);
@@ -399,14 +400,14 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *findin
   PetscCall(MpmFollowLine(&p->follow, LEAST_BETA, PETSC_PI, bracket));
   if (isfinite(bracket[1])) {
     finding->growth      = exp(p->follow.peak);
-    finding->uncertainty = finding->blur;
+    finding->uncertainty = finding->defective_error;
     *beta                = bracket[1];
   }
   finding->verdict = MpmVerdictOf(finding);
   if (finding->verdict == MPM_STABLE && isfinite(p->follow.doubtful)) {
     finding->verdict = MPM_UNDECIDED;
-    PetscCall(PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart",
-                           sizeof finding->evidence));
+    PetscCall(
+        PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence));
   }
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,7 +9,8 @@
    Collective.
 */
 PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *critical);
-PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *critical);
+PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta,
+                                     MpmCritical *critical);
 
 /* Collective. The limit through all eigenvalues of the assembled operator, and growth at the case's Courant number. */
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *critical);
@@ -21,3 +22,8 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *crit
    from phase to phase. Undecided where some of them could not be told apart.
 */
 PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta);
+
+/* Not collective. Growth per step of one phase at a Courant number; what rounding may make of a defective pair there. */
+PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, PetscReal beta,
+                                        PetscReal *growth);
+PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth);

@@ -134,8 +134,8 @@ static PetscErrorCode Refine(Probe *p, MpmCritical *c)
 static PetscErrorCode Search(Probe *p, MpmCritical *c)
 {
   PetscFunctionBegin;
-  p->steps = (MpmCriticalSteps){
-      .from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+  p->steps =
+      (MpmCriticalSteps){.from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
   PetscCall(SearchPhases(p, c));
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,5 +171,41 @@ PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, 
   c->evaluations += probe.evaluations;
   PetscCall(MpmSmallEigenDestroy(&probe.eigen));
   PetscCall(MpmBlochDestroy(&probe.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth)
+{
+  Probe probe = {.tolerance = of->tolerance};
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &probe.bloch));
+  PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
+  PetscCall(GrowthAt(&probe, courant, beta, growth));
+  PetscCall(MpmSmallEigenDestroy(&probe.eigen));
+  PetscCall(MpmBlochDestroy(&probe.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth)
+{
+  MpmBloch        bloch;
+  PetscInt        exponent, other, n;
+  PetscReal       norm = 0, moved = 0;
+  double complex *matrix, *noisy;
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &bloch));
+  n = bloch.size * bloch.size;
+  PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
+  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_TRUE, noisy, &other));
+  for (PetscInt i = 0; i < n; i++) {
+    norm  = hypot(norm, cabs(matrix[i]));
+    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - matrix[i]));
+  }
+  *growth = MpmDefectiveErrorOf(PetscMax(moved, MPM_ROUNDING * norm), exponent, bloch.period);
+  PetscCall(PetscFree2(matrix, noisy));
+  PetscCall(MpmBlochDestroy(&bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -101,8 +101,8 @@ static PetscErrorCode Judge(const MpmScene *scene, const MpmLayout *layout, MpmF
   PetscCall(MpmDenseLargest(op->balanced, value));
   f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
   PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
-  f->blur = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
-  if (!(mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+  f->defective_error = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
+  if (!(mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, value, mismatch, f));
   f->verdict = MpmVerdictOf(f);
   PetscCall(MpmOperatorDestroy(&op));

@@ -10,27 +10,27 @@
 #include "analysis/follow.h"
 #include <math.h>
 
-#define TURN 0.3        /* at most: how far a factor moves in a step */
-#define RATIO 0.5       /* at most: a step over its place */
-#define BESIDE 1e-2     /* of a step: distance at which derivatives are taken, */
-#define CLOSER 1e-4     /* and at a meeting, of the distance between the places of its model */
-#define COINCIDE 3e-8   /* factors nearer than this are moved together: rounding splits what is defective so far */
-#define NOISE 1e-6      /* rounding may move a factor so far from its prediction, by derivatives taken so near */
-#define INSIDE 0.3      /* factors of smaller abs are left alone until they have grown to it */
-#define HARMLESS 0.7    /* abs of factors that need not be told apart */
-#define MATCHED 0.1     /* how far from its prediction a factor may be, over the way of the fastest */
-#define NEAR 0.5        /* how near two factors come, over the way they make past each other, to be looked at */
-#define FIRST 0.1       /* first step over the first place */
-#define LEAST 1e-5      /* least step over its place */
-#define NARROW 1e-10    /* distance of two places of a model, over the place: they show no more */
+#define TURN 0.3           /* at most: how far a factor moves in a step */
+#define RATIO 0.5          /* at most: a step over its place */
+#define BESIDE 1e-2        /* of a step: distance at which derivatives are taken, */
+#define CLOSER 1e-4        /* and at a meeting, of the distance between the places of its model */
+#define COINCIDE 3e-8      /* factors nearer than this are moved together: rounding splits what is defective so far */
+#define NOISE 1e-6         /* rounding may move a factor so far from its prediction, by derivatives taken so near */
+#define INSIDE 0.3         /* factors of smaller abs are left alone until they have grown to it */
+#define HARMLESS 0.7       /* abs of factors that need not be told apart */
+#define MATCHED 0.1        /* how far from its prediction a factor may be, over the way of the fastest */
+#define NEAR 0.5           /* how near two factors come, over the way they make past each other, to be looked at */
+#define FIRST 0.1          /* first step over the first place */
+#define LEAST 1e-5         /* least step over its place */
+#define NARROW 1e-10       /* distance of two places of a model, over the place: they show no more */
 #define LEAST_GROWING 1e-3 /* the same towards a place that grows: bisection takes it from there */
-#define PRECISION 1e-10 /* of a bracket, relative */
-#define RISE 0.1        /* of the tolerance: how far a factor rises between two places to be looked at */
-#define CLOSE 1e-4      /* how near to the tolerance it must then come */
-#define MOST_LOOKS 60   /* at one meeting */
-#define SAFE 2          /* times the error of a model */
-#define STRAIGHT 3      /* divisions that go straight to a piece fine enough */
-#define ENOUGH 1e-2     /* error of Q over the square of what is tolerated */
+#define PRECISION 1e-10    /* of a bracket, relative */
+#define RISE 0.1           /* of the tolerance: how far a factor rises between two places to be looked at */
+#define CLOSE 1e-4         /* how near to the tolerance it must then come */
+#define MOST_LOOKS 60      /* at one meeting */
+#define SAFE 2             /* times the error of a model */
+#define STRAIGHT 3         /* divisions that go straight to a piece fine enough */
+#define ENOUGH 1e-2        /* error of Q over the square of what is tolerated */
 #define GRID 16
 #define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 24
@@ -45,12 +45,8 @@ PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance,
                                MpmFollow *f)
 {
   PetscFunctionBegin;
-  *f = (MpmFollow){.n        = n,
-                   .period   = period,
-                   .most     = period * log1p(tolerance),
-                   .doubtful = INFINITY,
-                   .at       = at,
-                   .context  = context};
+  *f = (MpmFollow){
+      .n = n, .period = period, .most = period * log1p(tolerance), .doubtful = INFINITY, .at = at, .context = context};
   PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
   for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,7 +83,7 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 
   PetscFunctionBegin;
   PetscCall(MpmMarchNorms(march, &norms));
-  *follow   = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  *follow = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
   if (march->scheme->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;

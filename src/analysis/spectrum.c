@@ -151,16 +151,19 @@ static PetscErrorCode Judge(MpmSpectrum *s)
     PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
   }
   PetscCall(Sensitivity(s));
-  f->blur = s->symbol ? s->symbol->blur : 0;
+  f->defective_error = s->symbol ? s->symbol->defective_error : 0;
   if (f->growth == s->growth)
-    f->blur = PetscMax(f->blur, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
-  if (!(s->step_mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+    f->defective_error =
+        PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
+  if (!(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
-    f->uncertainty = f->blur = INFINITY;
+    f->uncertainty = f->defective_error = INFINITY;
     PetscCall(PetscStrlcat(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
   }
   f->verdict = MpmVerdictOf(f);
+  if (s->symbol && MpmPredictDisagrees(&s->comparison, s->symbol->growth))
+    PetscCall(MpmFindingDispute(f, "the corrected closed form says otherwise"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -98,12 +98,14 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &map->scene->scheme, &at.step, &wish, &symbol));
-  f.growth        = symbol->growth;
-  f.uncertainty   = symbol->uncertainty;
-  f.blur          = symbol->blur;
-  map->growth[i]  = symbol->growth;
-  map->beta[i]    = symbol->beta_at_max;
-  map->verdict[i] = MpmVerdictOf(&f);
+  f.growth          = symbol->growth;
+  f.uncertainty     = symbol->uncertainty;
+  f.defective_error = symbol->defective_error;
+  map->growth[i]    = symbol->growth;
+  map->beta[i]      = symbol->beta_at_max;
+  f.verdict         = MpmVerdictOf(&f);
+  PetscCall(MpmFindingOfPhases(&f, symbol->phases, at.layout.grid.cells));
+  map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -137,6 +139,8 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
                           map->scene->phases, n));
+  if (map->scene->phases % map->scene->layout.grid.cells)
+    PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,7 +10,12 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
       MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
 
   PetscFunctionBegin;
-  if (isinf(c->courant))
+  if (c->disputed)
+    MpmPrint("%s: undecided, the search finds %.10g, but the closed form says otherwise\n", name, c->stable_at);
+  else if (isnan(c->courant))
+    MpmPrint("%s: undecided, tolerance %.6g is less than the growth of up to %.1g per step that rounding makes here\n",
+             name, s->tolerance, c->rounding);
+  else if (isinf(c->courant))
     MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
   else if (c->courant == 0 && c->stable_at == 0)
     MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
@@ -27,9 +32,12 @@ static PetscErrorCode PrintLimit(const MpmScene *s, const MpmCritical *c)
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", s->tolerance, c->stable_at,
              c->unstable_at);
   if (MpmSceneDrifts(s))
-    MpmPrint(
-        "  under drift windows of instability open and close; the first one found counts, a very narrow one may be "
-        "missed\n");
+    MpmPrint(c->assembled
+                 ? "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
+                   "search may be missed\n"
+                 : "  under drift growth comes in windows of Courant number; this is where the first one opens\n");
+  if (isfinite(c->doubtful))
+    MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
     MpmPrint("  closed form  %.10g: %s\n", c->closed, s->scheme.formulation->limit_text);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -39,7 +47,7 @@ static PetscErrorCode PrintReason(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!isnan(c->fading))
+  if (!isnan(c->fading) && !isnan(c->courant))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
              c->fading, s->tolerance);
   MpmPrint("  limited by   ");
@@ -73,7 +81,8 @@ static PetscErrorCode PrintAsked(const MpmScene *s, const MpmCritical *c)
     if (isinf(c->moving))
       MpmPrint("beyond that range");
     else
-      MpmPrint("%.9g%s", c->moving, c->moving > 1 + s->tolerance ? ", it rings" : "");
+      MpmPrint("%.9g%s", c->moving,
+               c->moving > 1 + s->tolerance && c->asked.growth <= 1 + s->tolerance ? ", it rings" : "");
   }
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -102,7 +102,9 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
       MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
-  if (isfinite(c->corrected))
+  if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
+    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %.4g\n", c->corrected, c->corrected_beta);
+  else if (isfinite(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,10 +122,10 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
     else if (f->growth > 1 + f->tolerance && isfinite(condition))
       MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
   }
-  if (f->verdict == MPM_UNDECIDED && isinf(f->blur))
+  if (f->verdict == MPM_UNDECIDED && isinf(f->defective_error))
     MpmPrint("; the operator is not what the march does");
-  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->blur > f->tolerance)
-    MpmPrint("; rounding may hide growth of %.1g per step", f->blur);
+  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
+    MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
   MpmPrint("\nevidence: %s\n", f->evidence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

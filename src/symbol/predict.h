@@ -53,6 +53,12 @@ typedef struct {
   PetscReal published, published_beta, corrected, corrected_beta;
 } MpmComparison;
 
+/*
+   Not collective. Whether the corrected closed form and the symbol, whose growth this is, are so far apart that one of
+   the two is wrong.
+*/
+PetscBool MpmPredictDisagrees(const MpmComparison *comparison, PetscReal growth);
+
 /* Collective. */
 PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *predictor, const MpmSymbol *symbol,
                                  MpmComparison *comparison);

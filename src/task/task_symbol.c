@@ -73,13 +73,16 @@ static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *mi
   PetscCall(MpmPredict(scene, &predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
-  finding.growth      = symbol->growth;
-  finding.uncertainty = symbol->uncertainty;
-  finding.blur        = symbol->blur;
-  finding.verdict     = MpmVerdictOf(&finding);
+  finding.growth          = symbol->growth;
+  finding.uncertainty     = symbol->uncertainty;
+  finding.defective_error = symbol->defective_error;
+  finding.verdict         = MpmVerdictOf(&finding);
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
                           "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
                           symbol->phases, symbol->phases));
+  PetscCall(MpmFindingOfPhases(&finding, symbol->phases, scene->layout.grid.cells));
+  if (MpmPredictDisagrees(&comparison, symbol->growth))
+    PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
   PetscCall(Print(scene, symbol, &predictor, &predictions, &comparison, &finding, ranks));
   PetscCall(WriteFiles(scene, symbol, &predictor));
   if (scene->json[0])

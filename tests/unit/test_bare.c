@@ -12,8 +12,8 @@
 enum { V, S, D }; /* velocity, stress, and a displacement that nothing reads */
 enum { V_I, A_I };
 
-static const MpmOp ops[] = {P2G(V_I, V),     IMPOSE(V_I),      MINUS_DIV(A_I, S, COURANT), REACT(A_I, V_I),
-                            ADD(V_I, A_I),   IMPOSE(V_I),      G2P(V, A_I, ONE),           GRAD(S, V_I, COURANT),
+static const MpmOp ops[] = {P2G(V_I, V),          IMPOSE(V_I), MINUS_DIV(A_I, S, COURANT), REACT(A_I, V_I),
+                            ADD(V_I, A_I),        IMPOSE(V_I), G2P(V, A_I, ONE),           GRAD(S, V_I, COURANT),
                             G2P(D, V_I, COURANT), DRIFT};
 
 static const MpmFormulation bare = {.name            = "bare",
@@ -36,7 +36,8 @@ static PetscErrorCode SceneOf(const char options[], const MpmFormulation *f, Mpm
   PetscCall(CheckScene(options, scene));
   (*scene)->scheme.formulation = f;
   PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
-  PetscCall(MpmTableCreate(f, (*scene)->scheme.transfer, &(*scene)->scheme.numbers, (*scene)->layout.grid.ends, &(*scene)->scheme.table));
+  PetscCall(MpmTableCreate(f, (*scene)->scheme.transfer, &(*scene)->scheme.numbers, (*scene)->layout.grid.ends,
+                           &(*scene)->scheme.table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -85,6 +86,60 @@ static PetscErrorCode CheckBare(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* usl's own closed forms, and wrong ones: a limit too large or too small, abs(G) off by a part. */
+static PetscReal TooLarge(const MpmCellSymbols *cell)
+{
+  return 1.5 * MpmFormulationFind("usl")->limit(cell);
+}
+
+static PetscReal TooSmall(const MpmCellSymbols *cell)
+{
+  return 0.5 * MpmFormulationFind("usl")->limit(cell);
+}
+
+static PetscReal Off(const MpmCellSymbols *cell, PetscReal courant)
+{
+  return 0.99 * MpmFormulationFind("usl")->corrected(cell, courant);
+}
+
+static PetscErrorCode CheckLimitOf(PetscReal (*limit)(const MpmCellSymbols *), PetscBool disputed)
+{
+  MpmFormulation  usl = *MpmFormulationFind("usl");
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
+
+  PetscFunctionBegin;
+  if (limit) usl.limit = limit;
+  PetscCall(SceneOf("-formulation usl -initial random", &usl, &scene));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
+  CHECK(c.disputed == disputed && isnan(c.courant) == disputed, "limit %g, closed form %g, %s", c.stable_at, c.closed,
+        c.disputed ? "disputed" : "not disputed");
+  CHECK(c.asked.verdict == (disputed ? MPM_UNDECIDED : MPM_STABLE), "%s", MpmVerdictNames[c.asked.verdict]);
+  CHECK(disputed == (strstr(c.asked.evidence, "closed form") != NULL), "%s", c.asked.evidence);
+  PetscCall(MpmCriticalPrint(scene, &c));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckCorrectedOf(PetscReal (*corrected)(const MpmCellSymbols *, PetscReal), MpmVerdict verdict)
+{
+  MpmFormulation usl = *MpmFormulationFind("usl");
+  MpmScene      *scene;
+  MpmSpectrum   *spectrum;
+
+  PetscFunctionBegin;
+  if (corrected) usl.corrected = corrected;
+  PetscCall(SceneOf("-formulation usl -initial random -cells 8", &usl, &scene));
+  PetscCall(MpmSpectrumCreate(scene, 0, &spectrum));
+  CHECK(spectrum->finding.verdict == verdict, "%s, %s", MpmVerdictNames[spectrum->finding.verdict],
+        spectrum->finding.evidence);
+  PetscCall(MpmSpectrumDestroy(&spectrum));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -93,6 +148,11 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCheck(freopen("/dev/null", "w", stdout), PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "/dev/null");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(CheckBare());
+  PetscCall(CheckLimitOf(NULL, PETSC_FALSE));
+  PetscCall(CheckLimitOf(TooLarge, PETSC_TRUE));
+  PetscCall(CheckLimitOf(TooSmall, PETSC_TRUE));
+  PetscCall(CheckCorrectedOf(NULL, MPM_STABLE));
+  PetscCall(CheckCorrectedOf(Off, MPM_UNDECIDED));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -221,7 +221,7 @@ static PetscErrorCode CheckUndecided(const char options[], const char solver[])
 
 static void CheckVerdict(PetscReal growth, PetscReal uncertainty, PetscReal blur, MpmVerdict verdict, const char what[])
 {
-  const MpmFinding finding = {.growth = growth, .tolerance = 1e-6, .uncertainty = uncertainty, .blur = blur};
+  const MpmFinding finding = {.growth = growth, .tolerance = 1e-6, .uncertainty = uncertainty, .defective_error = blur};
 
   CHECK(MpmVerdictOf(&finding) == verdict, "%s: %s", what, MpmVerdictNames[MpmVerdictOf(&finding)]);
 }

@@ -47,6 +47,41 @@ static PetscErrorCode CheckLimits(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The verdict at a Courant number inside a window that 320 phases miss. */
+static PetscErrorCode CheckAsked(void)
+{
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-formulation usavg -basis cubic -ppc 3 -offset 0 -drift 1/2 -courant 1.9163", &scene));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
+  CHECK(c.asked.verdict == MPM_UNSTABLE && c.asked.growth > 1.00005, "%s, growth %.9g",
+        MpmVerdictNames[c.asked.verdict], c.asked.growth);
+  CHECK(c.courant < 1.9163, "limit %.9g", c.courant);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A tolerance below what rounding makes of a defective pair gives no limit; the pair is at beta = pi. */
+static PetscErrorCode CheckTolerance(const char options[], PetscBool undecided)
+{
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  of = MpmCriticalCaseOf(scene);
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
+  CHECK(isnan(c.courant) == undecided && (c.rounding > of.tolerance) == undecided, "%s: %.9g, rounding %g", options,
+        c.courant, c.rounding);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 typedef struct {
   MpmBloch      bloch;
   MpmSmallEigen eigen;
@@ -108,8 +143,8 @@ static PetscInt Draw(PetscInt seed, PetscInt n, PetscInt of)
 /* The options of random scheme n; "" when there is no such scheme. */
 static PetscErrorCode DrawScheme(PetscInt n, size_t room, char options[])
 {
-  const char *const offsets[]  = {"1/2", "0", "1e-9", "1/3"};
-  PetscInt          count[3]   = {0, 0, 0}, den = 2 + Draw(36, n, 9), num;
+  const char *const offsets[] = {"1/2", "0", "1e-9", "1/3"};
+  PetscInt          count[3] = {0, 0, 0}, den = 2 + Draw(36, n, 9), num;
   char              offset[32];
 
   PetscFunctionBegin;
@@ -136,7 +171,7 @@ static PetscErrorCode DrawScheme(PetscInt n, size_t room, char options[])
 
 static PetscErrorCode CheckRandom(PetscInt n, PetscInt phases, PetscBool say)
 {
-  char        options[256];
+  char            options[256];
   MpmScene       *scene;
   Symbol          s;
   MpmCriticalCase of;
@@ -168,11 +203,18 @@ static PetscErrorCode CheckRandom(PetscInt n, PetscInt phases, PetscBool say)
 static PetscErrorCode Test(int argc, char **argv)
 {
   const PetscInt schemes = argc > 1 ? atoi(argv[1]) : 12, phases = argc > 2 ? atoi(argv[2]) : 40;
-  const PetscInt first   = argc > 3 ? atoi(argv[3]) : 0;
+  const PetscInt first = argc > 3 ? atoi(argv[3]) : 0;
 
   PetscFunctionBegin;
-  if (argc <= 1) PetscCall(CheckLimits());
-  for (PetscInt n = first; n < first + schemes; n++) PetscCall(CheckRandom(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
+  if (argc <= 1) {
+    PetscCall(CheckLimits());
+    PetscCall(CheckAsked());
+    PetscCall(CheckTolerance("-tolerance 1e-6", PETSC_FALSE));
+    PetscCall(CheckTolerance("-tolerance 1e-8", PETSC_TRUE));
+    PetscCall(CheckTolerance("-tolerance 1e-9", PETSC_TRUE));
+  }
+  for (PetscInt n = first; n < first + schemes; n++)
+    PetscCall(CheckRandom(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
