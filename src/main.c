@@ -3,6 +3,7 @@
 #include "base/launch.h"
 #include "scene/settings.h"
 #include "base/stop.h"
+#include "base/suggest.h"
 #include "task/task.h"
 #include <signal.h>
 #include <string.h>

@@ -15,24 +15,49 @@
 
    moving: growth at the scene's own Courant number if particles at rest drifted by MPM_CRITICAL_DRIFT (NaN: not asked).
 
+   courant is NaN where it is undecided: disputed says that search and closed form contradict each other; rounding,
+   where it is not 0, is the growth per step that rounding alone may make at the limit found, which is more than
+   tolerance. doubtful: under drift a Courant number below the limit at which factors could not be told apart, so that a
+   window may be missed there; infinite for none.
+
    closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
    the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
-  PetscReal      courant, stable_at, unstable_at, beta, null_share, fading, moving, closed, closed_beta, seconds;
-  PetscBool      threshold, assembled;
+  PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
+  PetscReal      rounding, seconds;
+  PetscBool      threshold, assembled, disputed;
   PetscInt       order;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;
 } MpmCritical;
 
+/*S
+   MpmCriticalCase - whose limit is sought: a scheme on a layout, with the drift of step. step.courant is only where
+   growth is asked for besides. Growth per step up to 1 + tolerance counts as none.
+S*/
+typedef struct {
+  const MpmLayout *layout;
+  const MpmScheme *scheme;
+  MpmStep          step;
+  PetscReal        tolerance;
+} MpmCriticalCase;
+
+/* Not collective. The case of a scene. */
+static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal tolerance)
+{
+  return (MpmCriticalCase){
+      .layout = &scene->layout, .scheme = &scene->scheme, .step = scene->step, .tolerance = tolerance};
+}
+
 /* Courant numbers that are looked at, and how many phases in (0, pi] at first. */
 #define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
-#define MPM_CRITICAL_DRIFT 8    /* one cell in so many steps, where it is asked what motion does */
-#define MPM_CRITICAL_STEP 0.003 /* under drift, at most */
+#define MPM_CRITICAL_PRECISION 1e-10 /* of a bracket through the symbol, relative */
+#define MPM_CRITICAL_DRIFT 8         /* one cell in so many steps, where it is asked what motion does */
+#define MPM_CRITICAL_STEP 0.003      /* under drift, at most */
 
 /*
    MpmCriticalFind - searches upwards; scheme alone: without growth at the scene's own Courant number.
@@ -44,7 +69,16 @@ typedef struct {
    Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
    that.
 */
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
+PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
+
+/*
+   MpmCriticalSurvey - the limit of every formulation, transfer and basis at a case's layout and drift, in its scheme's
+   place; bases vary fastest. Calls row with each as it comes.
+
+   Collective on PETSC_COMM_WORLD. Refuses layouts without a symbol.
+*/
+typedef PetscErrorCode (*MpmCriticalRow)(void *context, const MpmScheme *scheme, const MpmCritical *critical);
+PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, void *context);
 
 /* Not collective. Sets closed, closed_beta and cell: the least of the closed form over all phases. */
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
@@ -87,7 +121,3 @@ PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);
 typedef PetscErrorCode (*MpmFunction)(void *context, PetscReal x, PetscReal *value);
 PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, PetscReal hi, PetscReal *x,
                                 PetscReal *value);
-
-/* Collective. The searches through symbol and assembled operator, parts of MpmCriticalFind. */
-PetscErrorCode MpmCriticalBySymbol(const MpmScene *scene, PetscBool alone, MpmCritical *critical);
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *critical);

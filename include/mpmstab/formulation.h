@@ -175,6 +175,9 @@ typedef struct {
    corrected give abs(G) at a phase; published returns NaN where the formula says nothing. published_slip says in a
    sentence what is wrong with the published one; published_centred: it also takes particles for centred, C1 = C2.
    limit is the largest stable Courant number at a phase, infinite where there is none.
+
+   Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0): without it nothing is compared with
+   a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the norm.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;

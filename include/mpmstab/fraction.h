@@ -42,3 +42,18 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
    fma, without rounding, so that nothing accumulates over steps.
 @*/
 void MpmFractionMultiple(const MpmFraction *fraction, PetscInt64 n, PetscInt64 *whole, PetscReal *part);
+
+/*
+   MpmFractionProduct - the product of n fractions, exact where its terms are short.
+
+   Not collective. A factor with den 0 is no ratio, and then neither is the product; its value is the product of the
+   values. n is at most 8.
+*/
+MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[]);
+
+/*
+   MpmFractionNear - a double as the fraction of a denominator up to most that is the same double, if there is one.
+
+   Not collective.
+*/
+MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most);

@@ -4,18 +4,16 @@
 */
 #pragma once
 #include <mpmstab/layout.h>
-#include <mpmstab/progress.h>
 #include <mpmstab/scheme.h>
 
 /*S
-   MpmSymbolWish - what is asked of a symbol: phases of them in [0, 2 pi), keep the factors and not only the growth, the
-   tolerance within which growth counts as none (see blur), and who sees the progress.
+   MpmSymbolWish - what is asked of a symbol: phases of them in [0, 2 pi), keep the factors and not only the growth, and
+   the tolerance within which growth counts as none (see defective_error).
 S*/
 typedef struct {
-  PetscInt        phases;
-  PetscBool       keep;
-  PetscReal       tolerance;
-  MpmProgressWish progress;
+  PetscInt  phases;
+  PetscBool keep;
+  PetscReal tolerance;
 } MpmSymbolWish;
 
 /*S
@@ -23,7 +21,7 @@ typedef struct {
 
    A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
    growth is the largest abs(factor)^(1/period) over all phases, condition the condition number of the factor it belongs
-   to, an eigenvalue of a matrix divided by 2^exponent, uncertainty how far rounding may have moved growth, blur
+   to, an eigenvalue of a matrix divided by 2^exponent, uncertainty how far rounding may have moved growth, defective_error
    how far it may have split a defective pair at 1 (see verdict.h; 0 where growth is beyond ten times the tolerance, so
    that it does not matter), beta_at_max its phase: the least of those that
    share the maximum to rounding.
@@ -41,7 +39,7 @@ typedef struct {
   MpmStep          step;
   MpmSymbolWish    wish;
   PetscInt         phases, half, first, count, size, period, exponent;
-  PetscReal        growth, beta_at_max, condition, uncertainty, blur, seconds;
+  PetscReal        growth, beta_at_max, condition, uncertainty, defective_error, seconds;
   PetscReal       *per_phase, *seen, *factors;
   PetscInt        *exponents;
 } MpmSymbol;

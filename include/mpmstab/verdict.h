@@ -13,24 +13,41 @@ extern const char *const MpmGrowthKindNames[];
    MpmFinding - a verdict with what it rests on.
 
    growth is per step; uncertainty, how far rounding may have moved it: eigenvalues of condition number c move by about
-   c times the rounding of the matrix. blur: how far it may have split a defective pair at 1, by the square root of that
-   rounding, per step. evidence says where growth comes from.
+   c times the rounding of the matrix. defective_error: how far it may have split a defective pair at 1, by the square root
+   of that rounding, per step. evidence says where growth comes from.
 */
 typedef struct {
   MpmVerdict verdict;
-  PetscReal  growth, tolerance, uncertainty, blur;
+  PetscReal  growth, tolerance, uncertainty, defective_error;
   char       evidence[256];
 } MpmFinding;
 
 /*
    MpmVerdictOf - stable up to 1 + tolerance, unstable above; undecided when the excess over 1 is within the
-   uncertainty, when the tolerance is within the blur, or when growth is not known (NaN).
+   uncertainty, when the tolerance is within the error of a defective pair, or when growth is not known (NaN).
 
    Not collective. A defective pair at 1 (rigid motion: growth like t, which is no instability) is split by rounding
    to about 1 +- 1e-8, below any sensible tolerance; larger blocks at 1 split further, and their condition number says
    so.
 */
 MpmVerdict MpmVerdictOf(const MpmFinding *finding);
+
+/*
+   MpmFindingDispute - makes a verdict undecided, because something else contradicts it; evidence then ends with ", but"
+   and these words.
+
+   Not collective.
+*/
+PetscErrorCode MpmFindingDispute(MpmFinding *finding, const char words[]);
+
+/*
+   MpmFindingOfPhases - makes stable undecided where it rests on phases that are not all waves of a grid of so many cells:
+   they are when phases is a multiple of cells, and then the verdict is exact for that grid. Unstable is certain in any
+   case.
+
+   Not collective.
+*/
+PetscErrorCode MpmFindingOfPhases(MpmFinding *finding, PetscInt phases, PetscInt cells);
 
 /* Not collective. Growth per step of an eigenvalue over a period: (size 2^exponent)^(1/period), in any range. */
 PetscReal MpmGrowthPerStep(PetscReal size, PetscInt exponent, PetscInt period);
@@ -47,7 +64,7 @@ PetscReal MpmUncertaintyOf(PetscReal growth, PetscReal relative, PetscInt period
 
 /*
    Not collective. How far rounding, a mismatch of operator and march, and what the solver left over (residual) may have
-   moved an operator of this norm, in the units of its numbers; and the blur that comes from such an error of an
+   moved an operator of this norm, in the units of its numbers; and the defective_error that comes from such an error of an
    operator times 2^exponent.
 */
 PetscReal MpmOperatorErrorOf(PetscReal norm, PetscReal mismatch, PetscReal residual);

@@ -1,4 +1,5 @@
 /* Writes the operator A of a scene as PETSc's binary, for solvers that are not ours: FILE [-option value]... */
+#include "scene/request.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/operator.h>
 #include <mpmstab/scene.h>
@@ -11,7 +12,7 @@ static PetscErrorCode Write(const char path[])
 
   PetscFunctionBegin;
   PetscCall(MpmErrorsInstall());
-  PetscCall(MpmSceneCreate("spectrum", NULL, &scene));
+  PetscCall(MpmSceneCreate("spectrum", NULL, &scene, NULL));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCheck(op->exponent == 0, PETSC_COMM_WORLD, PETSC_ERR_ARG_OUTOFRANGE, "the operator is A times 2^%d",
              (int)op->exponent);

@@ -1,9 +1,11 @@
 /* The largest stable Courant number: by symbol or operator, and by closed form. */
+#include "analysis/critical_parts.h"
 #include "symbol/predict.h"
-#include <mpmstab/critical.h>
 #include <math.h>
 
-#define SAME 1e-5       /* closed form and search, relative */
+#define AGREE 1e-5      /* closed form and search, relative */
+#define BEYOND 0.01     /* over a limit: growth there is more than rounding makes, or the limit is rounding */
+#define GROWS 1e-12     /* growth of one phase that is more than rounding */
 #define PRECISION 1e-10 /* of the closed form, relative */
 
 static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
@@ -25,7 +27,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not; m--) {
+  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not && scheme->formulation->limit; m--) {
     PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
     if (limit >= c->closed) continue;
     c->closed      = limit;
@@ -44,28 +46,84 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether it rings when particles move: a limit at rest does not say. */
-static PetscErrorCode WhenMoving(const MpmScene *scene, MpmCritical *c)
+/* Whether growth appears when particles move: a limit at rest does not say. */
+static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
 {
-  const MpmSymbolWish wish = {
-      .phases = 2 * MPM_CRITICAL_PHASES, .tolerance = scene->tolerance, .progress = scene->progress};
-  const MpmStep moved = {.courant = scene->step.courant,
-                         .drift   = {.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT}};
-  MpmSymbol    *symbol;
+  MpmCriticalCase moving = *of;
+  MpmFinding      finding;
+  PetscReal       beta;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &moved, &wish, &symbol));
-  c->moving = symbol->growth;
-  PetscCall(MpmSymbolDestroy(&symbol));
+  moving.step.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
+  PetscCall(MpmCriticalGrowthAt(&moving, &finding, &beta));
+  c->moving = finding.growth;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritical *c)
+/* A limit above a Courant number that grows has missed it: the search goes on from there. */
+static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
+{
+  const PetscBool drifts = MpmStepDrifts(&of->step);
+  PetscErrorCode (*find)(const MpmCriticalCase *, PetscReal, PetscReal, MpmCritical *) =
+      drifts ? MpmCriticalUnderDrift : MpmCriticalAtRest;
+  PetscReal beta;
+
+  PetscFunctionBegin;
+  PetscCall(find(of, INFINITY, NAN, c));
+  if (alone) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCriticalGrowthAt(of, &c->asked, &beta));
+  if (c->asked.verdict == MPM_UNSTABLE && of->step.courant < c->stable_at)
+    PetscCall(find(of, of->step.courant, beta, c));
+  if (!drifts) PetscCall(WhenMoving(of, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  if (c->assembled || isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCriticalRounding(of, c->unstable_at, c->beta, &c->rounding));
+  if (c->rounding > of->tolerance) {
+    PetscCall(MpmCriticalGrowthOfPhase(of, c->unstable_at * (1 + BEYOND), c->beta, &growth));
+    if (growth <= 1 + c->rounding) c->courant = NAN;
+  }
+  if (!isnan(c->courant)) c->rounding = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The closed form beside what was found. It may give less, where growth beyond it is within tolerance: then it is the
+   limit, and there is such growth at its phase. All else is a contradiction.
+*/
+static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
+{
+  PetscReal growth = INFINITY;
+
+  PetscFunctionBegin;
+  if (isnan(c->closed) || isnan(c->courant) || (c->closed == 0 && c->courant == 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (c->closed < c->stable_at * (1 - AGREE))
+    PetscCall(MpmCriticalGrowthOfPhase(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2,
+                                       c->closed_beta, &growth));
+  if (c->closed <= c->stable_at * (1 + AGREE) && growth > 1 + GROWS) {
+    if (isfinite(growth)) c->courant = c->closed;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  c->disputed = PETSC_TRUE;
+  c->courant  = NAN;
+  PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin = MPI_Wtime();
 
   PetscFunctionBegin;
   *c = (MpmCritical){.unstable_at = INFINITY,
+                     .doubtful    = INFINITY,
                      .beta        = NAN,
                      .null_share  = NAN,
                      .fading      = NAN,
@@ -73,15 +131,14 @@ PetscErrorCode MpmCriticalFind(const MpmScene *scene, PetscBool alone, MpmCritic
                      .closed      = NAN,
                      .closed_beta = NAN,
                      .threshold   = PETSC_TRUE,
-                     .asked       = {.tolerance = scene->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
-  if (MpmSymbolWhyNot(&scene->layout))
-    PetscCall(MpmCriticalAssembled(scene, c));
+                     .asked       = {.tolerance = of->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+  if (MpmSymbolWhyNot(of->layout))
+    PetscCall(MpmCriticalAssembled(of, c));
   else
-    PetscCall(MpmCriticalBySymbol(scene, alone, c));
-  if (!alone && !c->assembled && !MpmSceneDrifts(scene)) PetscCall(WhenMoving(scene, c));
-  PetscCall(MpmCriticalByClosedForm(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), c));
-  /* long waves may grow by less than tolerance per step: the closed form knows */
-  if (c->closed < c->stable_at * (1 - SAME)) c->courant = c->closed;
+    PetscCall(BySymbol(of, alone, c));
+  PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, MpmStepDrifts(&of->step), c));
+  PetscCall(CheckRounding(of, c));
+  PetscCall(Compare(of, c));
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,10 +1,9 @@
 /* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
-#include "symbol/predict.h"
-#include <mpmstab/critical.h>
+#include "analysis/critical_parts.h"
 #include "linalg/dense.h"
-#include "scene/layout.h"
 #include "analysis/modes.h"
 #include <mpmstab/operator.h>
+#include <mpmstab/symbol.h>
 #include "base/progress.h"
 #include <math.h>
 
@@ -12,33 +11,38 @@
 #define RATIO 1.5        /* steps at rest */
 #define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
 #define PRECISION 1e-7
+#define BEYOND 0.01 /* over a limit: growth there is more than rounding makes, or the limit is rounding */
 
 typedef struct {
-  MpmScene    scene; /* with a Courant number of its own */
-  MpmProgress progress;
-  PetscInt64  evaluations;
+  const MpmCriticalCase *of;
+  MpmProgress            progress;
+  PetscReal              rounding; /* growth per step that it may make of a defective pair, at the last place */
+  PetscInt64             evaluations;
 } Probe;
 
 static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
 {
-  char note[128];
+  const MpmStep step = {.courant = courant, .drift = p->of->step.drift};
+  char          note[128];
 
   PetscFunctionBegin;
-  p->scene.step.courant = courant;
   p->evaluations++;
   PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &p->scene.layout, &p->scene.scheme, &p->scene.step, op));
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
+  Probe       *p = (Probe *)context;
   MpmOperator *op;
-  PetscReal    value[2];
+  PetscReal    value[2], norm;
 
   PetscFunctionBegin;
-  PetscCall(Assemble((Probe *)context, courant, &op));
+  PetscCall(Assemble(p, courant, &op));
+  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
+  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), op->exponent, op->period);
   PetscCall(MpmDenseLargest(op->balanced, value));
   PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
   *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
@@ -70,7 +74,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 /* Up to the scene's own Courant number first: if that grows, the limit is below. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
-  const PetscBool  drifts = MpmSceneDrifts(&p->scene);
+  const PetscBool  drifts = MpmStepDrifts(&p->of->step);
   MpmFinding      *asked  = &c->asked;
   MpmCriticalSteps steps  = {
        .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
@@ -78,37 +82,52 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
-  asked->verdict = MpmVerdictOf(asked);
+  asked->uncertainty = p->rounding;
+  asked->verdict     = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
-  if (!(asked->growth <= 1 + p->scene.tolerance)) {
+  if (!(asked->growth <= 1 + p->of->tolerance)) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }
-  PetscCall(MpmCriticalCross(Growth, p, p->scene.tolerance, &steps, PRECISION, bracket));
+  PetscCall(MpmCriticalCross(Growth, p, p->of->tolerance, &steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAssembled(const MpmScene *scene, MpmCritical *c)
+/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
 {
-  const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
-  Probe            probe    = {.scene = *scene};
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  PetscCall(Growth(p, c->unstable_at * (1 + BEYOND), &growth));
+  if (p->rounding <= p->of->tolerance || growth > 1 + p->rounding) PetscFunctionReturn(PETSC_SUCCESS);
+  c->rounding = p->rounding;
+  c->courant  = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
+{
+  const PetscInt64 unknowns = of->scheme->table->nstate * of->layout->particles;
+  Probe            probe    = {.of = of};
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                scene->layout.grid.cells, scene->layout.ppc, MpmSymbolWhyNot(&scene->layout), unknowns, MPM_DENSE_MANY);
+                of->layout->grid.cells, of->layout->ppc, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
-  PetscCall(MpmProgressBegin(scene->progress, "", &probe.progress));
-  PetscCall(Search(&probe, scene->step.courant, c));
+  PetscCall(MpmProgressBegin("", &probe.progress));
+  PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    PetscCall(MpmCriticalThreshold(Growth, &probe, scene->tolerance, c));
+    PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
     PetscCall(LimitingMode(&probe, c));
-    c->courant = c->threshold || MpmSceneDrifts(scene) ? c->stable_at : 0;
+    c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
+    PetscCall(CheckRounding(&probe, c));
   }
   PetscCall(MpmProgressEnd(&probe.progress));
   c->evaluations = probe.evaluations;

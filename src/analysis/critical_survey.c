@@ -1,90 +1,55 @@
 /* The limits of all schemes at one layout, one after another. */
-#include "report/results.h"
-#include "report/report.h"
-#include <math.h>
+#include "base/progress.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/errors.h>
+#include <mpmstab/symbol.h>
 
-/* A scene for each scheme that there is; bases vary fastest. */
-static PetscErrorCode MakeScenes(const MpmScene *scene, PetscInt *n, MpmScene **scenes)
+static PetscBool IsPossible(const MpmFormulation *f, const MpmTransfer *t)
 {
-  PetscInt room = 0;
+  return !t->affine || f->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+}
 
-  PetscFunctionBegin;
-  *n = 0;
+static PetscInt CountSchemes(void)
+{
+  PetscInt n = 0;
+
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
-      for (PetscInt b = 0; MpmBases[b]; b++) room++;
-  PetscCall(PetscMalloc1(room, scenes));
+      for (PetscInt b = 0; MpmBases[b]; b++) n += IsPossible(MpmFormulations[f], MpmTransfers[t]);
+  return n;
+}
+
+PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, void *context)
+{
+  const PetscInt  n      = CountSchemes();
+  MpmScheme       scheme = *of->scheme;
+  MpmCriticalCase each   = *of;
+  MpmCritical     critical;
+  MpmProgress     progress;
+  PetscInt        done = 0;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!MpmSymbolWhyNot(of->layout),
+                "survey: %s; allowed: the same particles in every cell, and boundary periodic",
+                MpmSymbolWhyNot(of->layout));
+  each.scheme = &scheme;
+  PetscCall(MpmProgressBegin("scheme", &progress));
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     for (PetscInt t = 0; MpmTransfers[t]; t++) {
-      if (MpmTransfers[t]->affine && MpmFormulations[f]->affine == MPM_NONE) continue;
+      if (!IsPossible(MpmFormulations[f], MpmTransfers[t])) continue;
       for (PetscInt b = 0; MpmBases[b]; b++) {
-        MpmScene *s = &(*scenes)[(*n)++];
-
-        *s                    = *scene;
-        s->scheme.formulation = MpmFormulations[f];
-        s->scheme.transfer    = MpmTransfers[t];
-        s->scheme.basis       = MpmBases[b];
-        PetscCall(MpmTableCreate(s->scheme.formulation, s->scheme.transfer, &s->scheme.numbers, s->layout.grid.ends,
-                                 &s->scheme.table));
+        scheme.formulation = MpmFormulations[f];
+        scheme.transfer    = MpmTransfers[t];
+        scheme.basis       = MpmBases[b];
+        PetscCall(
+            MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, of->layout->grid.ends, &scheme.table));
+        PetscCall(MpmCriticalFind(&each, PETSC_TRUE, &critical));
+        PetscCall(row(context, &scheme, &critical));
+        PetscCall(MpmTableDestroy(&scheme.table));
+        PetscCall(MpmProgressUpdate(&progress, ++done, n));
       }
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintCell(PetscReal courant)
-{
-  PetscFunctionBegin;
-  if (isinf(courant))
-    MpmPrint("  %9s", "none");
-  else if (courant == 0)
-    MpmPrint("  %9s", "0");
-  else if (courant < 1e-3)
-    MpmPrint("  %9.1e", courant);
-  else
-    MpmPrint("  %9.4f", courant);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintRow(const MpmScene *s)
-{
-  PetscFunctionBegin;
-  MpmPrint("%-8s %-10s", s->scheme.formulation->name, s->scheme.transfer->name);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalSurvey(const MpmScene *scene)
-{
-  PetscInt         n;
-  MpmScene        *scenes;
-  const MpmScene **each;
-  MpmCritical     *critical;
-
-  PetscFunctionBegin;
-  MpmCheckInput(!MpmSymbolWhyNot(&scene->layout),
-                "survey: %s; allowed: the same particles in every cell, and boundary periodic",
-                MpmSymbolWhyNot(&scene->layout));
-  PetscCall(MakeScenes(scene, &n, &scenes));
-  PetscCall(PetscMalloc2(n, &critical, n, &each));
-  MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
-           ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
-           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc,
-           scene->layout.offset.value, scene->step.drift.value, scene->scheme.numbers.order,
-           scene->scheme.numbers.ratio);
-  for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
-  for (PetscInt i = 0; i < n; i++) {
-    each[i] = &scenes[i];
-    if (scenes[i].scheme.basis == MpmBases[0]) {
-      MpmPrint("\n");
-      PetscCall(PrintRow(&scenes[i]));
-    }
-    PetscCall(MpmCriticalFind(&scenes[i], PETSC_TRUE, &critical[i]));
-    PetscCall(PrintCell(critical[i].courant));
-  }
-  MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g\n", MPM_CRITICAL_TO);
-  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, n, each, critical));
-  for (PetscInt i = 0; i < n; i++) PetscCall(MpmTableDestroy(&scenes[i].scheme.table));
-  PetscCall(PetscFree2(critical, each));
-  PetscCall(PetscFree(scenes));
+  PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

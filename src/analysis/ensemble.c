@@ -22,7 +22,7 @@ void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
 }
 
 /* Everything that could be refused depends on the scene, not on the seed: all ranks meet it here, together. */
-static PetscErrorCode Check(const MpmScene *scene)
+static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
 {
   const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
   MpmOperator     *op;
@@ -31,10 +31,10 @@ static PetscErrorCode Check(const MpmScene *scene)
   PetscFunctionBegin;
   MpmCheckInput(scene->layout.jitter > 0,
                 "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
-  MpmCheckInput(scene->layout.seed <= LAST_SEED - scene->layouts + 1,
+  MpmCheckInput(scene->layout.seed <= LAST_SEED - layouts + 1,
                 "seed %" PetscInt64_FMT " with layouts %" PetscInt_FMT
                 ": the last seed is out of range; allowed: seed + layouts - 1 up to %" PetscInt64_FMT,
-                scene->layout.seed, scene->layouts, (PetscInt64)LAST_SEED);
+                scene->layout.seed, layouts, (PetscInt64)LAST_SEED);
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": all eigenvalues of %" PetscInt64_FMT
                 " unknowns are sought for each layout; allowed: at most %d, so fewer cells",
@@ -89,20 +89,20 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Judge(const MpmScene *scene, const MpmLayout *layout, MpmFinding *f)
+static PetscErrorCode Judge(const MpmScene *scene, const MpmLayout *layout, PetscReal tolerance, MpmFinding *f)
 {
   MpmOperator *op;
   PetscReal    value[2], norm, mismatch;
 
   PetscFunctionBegin;
-  *f = (MpmFinding){.tolerance = scene->tolerance};
+  *f = (MpmFinding){.tolerance = tolerance};
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &scene->scheme, &scene->step, &op));
   PetscCall(Mismatch(op, &mismatch));
   PetscCall(MpmDenseLargest(op->balanced, value));
   f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
   PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
-  f->blur = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
-  if (!(mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+  f->defective_error = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
+  if (!(mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, value, mismatch, f));
   f->verdict = MpmVerdictOf(f);
   PetscCall(MpmOperatorDestroy(&op));
@@ -117,7 +117,7 @@ static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 
   PetscFunctionBegin;
   layout.seed += i;
-  PetscCall(Judge(e->scene, &layout, &f));
+  PetscCall(Judge(e->scene, &layout, e->request->tolerance, &f));
   e->growth[i]      = f.growth;
   e->uncertainty[i] = f.uncertainty;
   e->verdict[i]     = f.verdict;
@@ -127,7 +127,7 @@ static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 static PetscErrorCode Solve(MpmEnsemble *e)
 {
   PetscFunctionBegin;
-  PetscCall(MpmFarm(e->scene->progress, "layout", e->n, JudgeSeed, e));
+  PetscCall(MpmFarm("layout", e->n, JudgeSeed, e));
   PetscCall(MpmFarmSumReals(e->n, e->growth));
   PetscCall(MpmFarmSumReals(e->n, e->uncertainty));
   PetscCall(MpmFarmSumInts(e->n, e->verdict));
@@ -175,7 +175,7 @@ static PetscErrorCode Sum(MpmEnsemble *e)
   MpmWilson(e->unstable + e->undecided, e->n, if_unstable);
   e->interval[1] = if_unstable[1];
   PetscCall(Spread(e));
-  f->tolerance = e->scene->tolerance;
+  f->tolerance = e->request->tolerance;
   f->growth    = e->growth_max;
   f->verdict   = e->unstable ? MPM_UNSTABLE : e->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
@@ -183,18 +183,19 @@ static PetscErrorCode Sum(MpmEnsemble *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, MpmEnsemble **ensemble)
+PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, const MpmRequest *request, MpmEnsemble **ensemble)
 {
   const PetscReal begin = MPI_Wtime();
   MpmEnsemble    *e;
 
   PetscFunctionBegin;
-  PetscCall(Check(scene));
+  PetscCall(Check(scene, request->layouts));
   PetscCall(PetscNew(ensemble));
-  e        = *ensemble;
-  e->scene = scene;
-  e->n     = scene->layouts;
-  e->order = (PetscInt)(scene->scheme.table->nstate * scene->layout.particles);
+  e          = *ensemble;
+  e->scene   = scene;
+  e->request = request;
+  e->n       = request->layouts;
+  e->order   = (PetscInt)(scene->scheme.table->nstate * scene->layout.particles);
   PetscCall(PetscCalloc3(e->n, &e->growth, e->n, &e->uncertainty, e->n, &e->verdict));
   PetscCall(Solve(e));
   PetscCall(Sum(e));

@@ -1,6 +1,6 @@
 /* Ensemble: which share of random layouts is unstable. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 
 /*S
    MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->layout.seed and those
@@ -12,13 +12,14 @@
    has the largest. order: of each layout's operator. finding: unstable when any layout is, stable when all are.
 S*/
 typedef struct {
-  const MpmScene *scene;
-  PetscInt        n, unstable, undecided, order;
-  PetscReal      *growth, *uncertainty;
-  PetscInt       *verdict; /* MpmVerdict */
-  PetscReal       share, interval[2], growth_min, growth_median, growth_max, seconds;
-  PetscInt64      worst_seed;
-  MpmFinding      finding;
+  const MpmScene   *scene;
+  const MpmRequest *request;
+  PetscInt          n, unstable, undecided, order;
+  PetscReal        *growth, *uncertainty;
+  PetscInt         *verdict; /* MpmVerdict */
+  PetscReal         share, interval[2], growth_min, growth_median, growth_max, seconds;
+  PetscInt64        worst_seed;
+  MpmFinding        finding;
 } MpmEnsemble;
 
 /*
@@ -32,7 +33,7 @@ typedef struct {
    that rounding may have moved it that far, where the operator is not what the march does, or where LAPACK did not
    converge.
 */
-PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, MpmEnsemble **ensemble);
+PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, const MpmRequest *request, MpmEnsemble **ensemble);
 PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble);
 
 /*

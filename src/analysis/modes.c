@@ -199,7 +199,11 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
   for (PetscInt f = 0; f < table->nstate; f++) {
     const MpmOp *seen = MpmTableSeenBy(table, f);
 
-    if (table->filtered[f] || !seen) continue;
+    if (table->filtered[f]) continue;
+    if (!seen) { /* no node feels any of it */
+      *nullity += (PetscInt)op->layout->particles;
+      continue;
+    }
     PetscCall(MpmRegistersMap(&registers, seen->kind, table->antisymmetric[seen->dst], 0, &map));
     PetscCall(Nullity(map, &unseen));
     PetscCall(MatDestroy(&map));

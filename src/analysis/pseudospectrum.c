@@ -27,7 +27,7 @@ PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
   const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
 
   PetscFunctionBegin;
-  MpmCheckInput(!scene->pseudospectrum || order <= MPM_RESOLVENT_ORDER,
+  MpmCheckInput(order <= MPM_RESOLVENT_ORDER,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
                 scene->layout.grid.cells, scene->layout.ppc, order, MPM_RESOLVENT_ORDER);
@@ -172,8 +172,7 @@ static PetscErrorCode Kreiss(MpmResolvent *r, const Points *p, MpmPseudospectrum
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt points, PetscReal tolerance,
-                                       MpmPseudospectrum **pseudospectrum)
+PetscErrorCode MpmPseudospectrumCreate(Mat A, PetscInt points, PetscReal tolerance, MpmPseudospectrum **pseudospectrum)
 {
   const PetscReal    begin = MPI_Wtime();
   MpmPseudospectrum *s;
@@ -195,7 +194,7 @@ PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt po
   for (PetscInt j = 0; j < points; j++) s->re[j] = half * (2.0 * j - (points - 1)) / (points - 1);
   PetscCall(PointsCreate(s, &r, &p));
   p.resolvent = &r;
-  PetscCall(MpmFarm(scene->progress, "point of the pseudospectrum", p.n, Sigma, &p));
+  PetscCall(MpmFarm("point of the pseudospectrum", p.n, Sigma, &p));
   PetscCall(MpmFarmSumReals(p.n, p.sigma));
   for (PetscInt i = 0; i < points; i++)
     for (PetscInt j = 0; j < points; j++) s->sigma[i * points + j] = p.sigma[PetscMin(i, points - 1 - i) * points + j];

@@ -31,6 +31,5 @@ PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene);
 
    Collective: the points are dealt to ranks in turn.
 */
-PetscErrorCode MpmPseudospectrumCreate(const MpmScene *scene, Mat A, PetscInt points, PetscReal tolerance,
-                                       MpmPseudospectrum **pseudospectrum);
+PetscErrorCode MpmPseudospectrumCreate(Mat A, PetscInt points, PetscReal tolerance, MpmPseudospectrum **pseudospectrum);
 PetscErrorCode MpmPseudospectrumDestroy(MpmPseudospectrum **pseudospectrum);

@@ -18,8 +18,12 @@
 
 #define LEAST_MASS 0x1p-52 /* of a node in a layout that is not uniform, in particles */
 
+static const MpmRunCallbacks no_callbacks;
+
 typedef struct {
   MpmRun                 *run;
+  const MpmRequest       *request;
+  PetscBool               random; /* starts from random data, not from the scene's */
   MpmMarch               *march;
   const MpmRunCallbacks  *callbacks;
   MpmTransferDiagnostics *exchange; /* NULL: the scene asks for none */
@@ -29,7 +33,7 @@ typedef struct {
 } Loop;
 
 /* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
-static PetscInt64 SampleGap(const MpmScene *scene)
+static PetscInt64 SampleGap(const MpmScene *scene, PetscInt64 steps)
 {
   PetscReal least = MpmLayoutIsUniform(&scene->layout) ? scene->layout.ppc : LEAST_MASS;
   PetscReal extreme[MPM_PROPERTIES], bound, safe;
@@ -39,7 +43,7 @@ static PetscInt64 SampleGap(const MpmScene *scene)
   bound = MpmScheduleBound(scene->scheme.table, scene->scheme.basis, scene->step.courant, scene->layout.ppc, least,
                            extreme[MPM_STIFFNESS]);
   safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
-  return PetscMax(1, PetscMin((PetscInt64)safe, scene->steps / MOST_SAMPLES));
+  return PetscMax(1, PetscMin((PetscInt64)safe, steps / MOST_SAMPLES));
 }
 
 /* What is done with a sample besides the series; no part of the loop's time. */
@@ -55,11 +59,12 @@ static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy in the scene's units; NaN when it is out of the range of doubles. */
+/* The energy in the scene's units; NaN when it is out of the range of doubles, or when there is none. */
 static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 {
   const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
-  const PetscReal  velocity = sqrt(energy) * march->scheme->formulation->wave->velocity_unit(&profile);
+  const MpmWave   *wave     = march->scheme->formulation->wave;
+  const PetscReal  velocity = sqrt(energy) * (wave ? wave->velocity_unit(&profile) : 1);
   const PetscReal  value    = PetscSqr(scalbn(velocity, (int)march->exponent));
 
   return isnormal(value) || energy == 0 ? value : NAN;
@@ -76,7 +81,8 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 
   PetscFunctionBegin;
   PetscCall(MpmMarchNorms(march, &norms));
-  *follow   = isfinite(norms.state) && isfinite(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  *follow = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
+  if (march->scheme->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);
@@ -113,29 +119,29 @@ static PetscErrorCode TellStep(Loop *loop, PetscBool *stop)
 
 static PetscErrorCode March(Loop *loop)
 {
-  const MpmScene *scene = loop->run->scene;
-  PetscReal       begin;
-  PetscBool       follow = PETSC_TRUE, stop = PETSC_FALSE;
-  MpmProgress     progress;
+  const MpmRequest *request = loop->request;
+  PetscReal         begin;
+  PetscBool         follow = PETSC_TRUE, stop = PETSC_FALSE;
+  MpmProgress       progress;
 
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   /* a run that resumes at its last step takes no sample, and still has diagnostics to show */
-  if (loop->march->step == scene->steps && loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
+  if (loop->march->step == request->steps && loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
   PetscCall(TellStep(loop, &stop));
-  PetscCall(MpmProgressBegin(scene->progress, "step", &progress));
+  PetscCall(MpmProgressBegin("step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
-  while (loop->march->step < scene->steps && follow && !stop) {
+  while (loop->march->step < request->steps && follow && !stop) {
     const PetscInt64 step   = loop->march->step + 1;
-    const PetscBool  sample = step % loop->gap == 0 || step == scene->steps ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool  sample = step % loop->gap == 0 || step == request->steps ? PETSC_TRUE : PETSC_FALSE;
 
     PetscCall(MpmMarchStep(loop->march, sample));
     if (sample) PetscCall(Sample(loop, &follow));
     PetscCall(TellStep(loop, &stop));
-    PetscCall(MpmProgressUpdate(&progress, step, scene->steps));
+    PetscCall(MpmProgressUpdate(&progress, step, request->steps));
   }
-  loop->run->stopped = stop && loop->march->step < scene->steps ? PETSC_TRUE : PETSC_FALSE;
+  loop->run->stopped = stop && loop->march->step < request->steps ? PETSC_TRUE : PETSC_FALSE;
   loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,10 +153,11 @@ static PetscErrorCode Begin(Loop *loop)
 
   PetscFunctionBegin;
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, loop->run->scene, &loop->march));
+  if (loop->random) PetscCall(MpmMarchFillRandom(loop->march, loop->run->scene->amplitude));
   if (c->begin) PetscCall(c->begin(c->context, loop->run, loop->march));
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
-  PetscCall(MpmTransferDiagnosticsCreate(loop->march, &loop->exchange));
+  PetscCall(MpmTransferDiagnosticsCreate(loop->march, loop->request, &loop->exchange));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,53 +172,80 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCreateWith(const MpmScene *scene, const MpmRunCallbacks *callbacks, PetscReal started,
-                                MpmRun **run)
+/* What came out of the march, beside what was recorded on its way. */
+static PetscErrorCode Conclude(Loop *loop)
 {
-  Loop      loop = {.gap = SampleGap(scene), .callbacks = callbacks};
-  MpmRun   *r;
-  PetscBool alike; /* on all ranks */
+  MpmRun         *r     = loop->run;
+  const MpmScene *scene = r->scene;
+  PetscBool       alike; /* on all ranks */
 
   PetscFunctionBegin;
-  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene), "the march"));
-  PetscCall(PetscNew(run));
-  r                  = *run;
-  r->scene           = scene;
-  r->blew_up_at_step = MPM_NEVER;
-  r->has_errors      = MpmSceneHasExact(scene);
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
-  PetscCall(MpmPredict(scene, &r->predictions));
-  r->eigenmode = NAN;
-  loop.run     = r;
-  PetscCall(Begin(&loop));
-  PetscCall(March(&loop));
-  PetscCall(Check(&loop));
-  if (callbacks->end) PetscCall(callbacks->end(callbacks->context, r, loop.march));
-  if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop.march, r->error));
-  r->steps = loop.march->step;
-  alike    = loop.march->particles->per_cell || !loop.march->particles->count ? PETSC_TRUE : PETSC_FALSE;
+  if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
+  r->steps = loop->march->step;
+  alike    = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
-  r->bytes = MpmScheduleBytes(scene->scheme.table, &loop.march->schedule,
+  r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
                               (PetscReal)scene->layout.particles / scene->layout.grid.nodes, alike);
-  if (loop.exchange) {
-    r->exchange_first = loop.exchange->first;
-    r->exchange_last  = loop.exchange->last;
-    r->exchange_most  = loop.exchange->most;
+  if (loop->exchange) {
+    r->exchange_first = loop->exchange->first;
+    r->exchange_last  = loop->exchange->last;
+    r->exchange_most  = loop->exchange->most;
   }
-  PetscCall(MpmTransferDiagnosticsDestroy(&loop.exchange));
-  PetscCall(MpmMarchDestroy(&loop.march));
-  PetscCall(MpmGrowthFit(&r->series, scene->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
-  r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, scene->tolerance);
-  r->wall_s  = MPI_Wtime() - started;
+  PetscCall(MpmGrowthFit(&r->series, loop->request->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
+  r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, loop->request->tolerance);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
 {
-  const MpmRunCallbacks none = {.context = NULL};
+  const MpmRunCallbacks *c      = loop->callbacks;
+  const PetscBool        output = loop->request->output[0] ? PETSC_TRUE : PETSC_FALSE;
+  MpmRun                *r;
 
   PetscFunctionBegin;
-  PetscCall(MpmRunCreateWith(scene, &none, started, run));
+  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene, output), "the march"));
+  PetscCall(PetscNew(run));
+  r                  = *run;
+  r->scene           = scene;
+  r->request         = loop->request;
+  r->blew_up_at_step = MPM_NEVER;
+  r->has_errors      = !loop->random && MpmSceneHasExact(scene) ? PETSC_TRUE : PETSC_FALSE;
+  r->eigenmode       = NAN;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
+  loop->run = r;
+  loop->gap = SampleGap(scene, loop->request->steps);
+  PetscCall(Begin(loop));
+  PetscCall(March(loop));
+  PetscCall(Check(loop));
+  if (c->end) PetscCall(c->end(c->context, r, loop->march));
+  PetscCall(Conclude(loop));
+  PetscCall(MpmTransferDiagnosticsDestroy(&loop->exchange));
+  PetscCall(MpmMarchDestroy(&loop->march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunCreate(const MpmScene *scene, const MpmRequest *request, const MpmRunCallbacks *callbacks,
+                            PetscReal started, MpmRun **run)
+{
+  Loop loop = {.request = request, .callbacks = callbacks ? callbacks : &no_callbacks};
+
+  PetscFunctionBegin;
+  PetscCall(Run(scene, &loop, run));
+  PetscCall(MpmPredict(scene, &(*run)->predictions));
+  (*run)->wall_s = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRunRandom(const MpmScene *scene, PetscInt64 steps, PetscReal tolerance, MpmRun **run)
+{
+  const PetscReal  started = MPI_Wtime();
+  const MpmRequest request = {.task = "run", .steps = steps, .tolerance = tolerance};
+  Loop             loop    = {.request = &request, .callbacks = &no_callbacks, .random = PETSC_TRUE};
+
+  PetscFunctionBegin;
+  PetscCall(Run(scene, &loop, run));
+  (*run)->request = NULL;
+  (*run)->wall_s  = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

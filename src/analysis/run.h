@@ -18,17 +18,18 @@
 S*/
 #define MPM_NEVER -1
 typedef struct {
-  const MpmScene *scene;
-  PetscMPIInt     ranks;
-  PetscInt64      from, steps, blew_up_at_step;
-  PetscReal       loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
-  PetscReal       mass_change, momentum_change, growth_above, bytes;
-  PetscBool       has_errors, lost, stopped;
-  MpmError        error[MPM_MAX_FIELDS];
-  MpmSeries       series;
-  MpmGrowth       growth;
-  MpmVerdict      verdict;
-  MpmPredictions  predictions;
+  const MpmScene   *scene;
+  const MpmRequest *request; /* NULL: only marched and measured */
+  PetscMPIInt       ranks;
+  PetscInt64        from, steps, blew_up_at_step;
+  PetscReal         loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
+  PetscReal         mass_change, momentum_change, growth_above, bytes;
+  PetscBool         has_errors, lost, stopped;
+  MpmError          error[MPM_MAX_FIELDS];
+  MpmSeries         series;
+  MpmGrowth         growth;
+  MpmVerdict        verdict;
+  MpmPredictions    predictions;
 
   MpmTransferDiagnosticsSample exchange_first, exchange_last, exchange_most;
 } MpmRun;
@@ -54,14 +55,18 @@ typedef struct {
 } MpmRunCallbacks;
 
 /*
-   MpmRunCreate - marches a scene from its initial data and measures; it reads and writes no file.
+   MpmRunCreate - marches a scene, measures, and lets the callbacks (NULL: none) read and write files.
 
-   Collective on PETSC_COMM_WORLD. started is the MPI_Wtime at which the program began. Data of an eigenmode come from a
-   file: such a scene needs MpmRunCreateWith.
+   Collective on PETSC_COMM_WORLD. started is the MPI_Wtime at which the program began. Of the request it reads steps,
+   tolerance and what is to be measured.
 */
-PetscErrorCode MpmRunCreate(const MpmScene *scene, PetscReal started, MpmRun **run);
+PetscErrorCode MpmRunCreate(const MpmScene *scene, const MpmRequest *request, const MpmRunCallbacks *callbacks,
+                            PetscReal started, MpmRun **run);
 
-/* The same with callbacks. */
-PetscErrorCode MpmRunCreateWith(const MpmScene *scene, const MpmRunCallbacks *callbacks, PetscReal started,
-                                MpmRun **run);
+/*
+   MpmRunRandom - marches a scene from random data, which excite every mode, for a number of steps, and measures growth.
+
+   Collective on PETSC_COMM_WORLD. It writes no file and predicts nothing.
+*/
+PetscErrorCode MpmRunRandom(const MpmScene *scene, PetscInt64 steps, PetscReal tolerance, MpmRun **run);
 PetscErrorCode MpmRunDestroy(MpmRun **run);

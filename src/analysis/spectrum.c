@@ -62,7 +62,7 @@ static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
   for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
-  PetscCall(MpmProgressBegin(s->scene->progress, "", &progress));
+  PetscCall(MpmProgressBegin("", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
@@ -129,7 +129,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   char            seed[64];
 
   PetscFunctionBegin;
-  f->tolerance = s->scene->tolerance;
+  f->tolerance = s->request->tolerance;
   f->growth    = s->growth;
   if (s->eigen->complete) {
     evidence = "all eigenvalues";
@@ -151,16 +151,19 @@ static PetscErrorCode Judge(MpmSpectrum *s)
     PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
   }
   PetscCall(Sensitivity(s));
-  f->blur = s->symbol ? s->symbol->blur : 0;
+  f->defective_error = s->symbol ? s->symbol->defective_error : 0;
   if (f->growth == s->growth)
-    f->blur = PetscMax(f->blur, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
-  if (!(s->step_mismatch <= MPM_MISMATCH)) f->blur = INFINITY;
+    f->defective_error =
+        PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
+  if (!(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
-    f->uncertainty = f->blur = INFINITY;
+    f->uncertainty = f->defective_error = INFINITY;
     PetscCall(PetscStrlcat(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
   }
   f->verdict = MpmVerdictOf(f);
+  if (s->symbol && MpmPredictDisagrees(&s->comparison, s->symbol->growth))
+    PetscCall(MpmFindingDispute(f, "the corrected closed form says otherwise"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,15 +174,10 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscReal       steps = MEASURE_STEPS;
 
   PetscFunctionBegin;
-  if (s->finding.growth > 1 + s->scene->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
+  if (s->finding.growth > 1 + s->request->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
   steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
-  if (!s->scene->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
-  s->random           = *s->scene;
-  s->random.initial   = MPM_INITIAL_RANDOM;
-  s->random.stagger   = PETSC_FALSE;
-  s->random.steps     = (PetscInt64)steps;
-  s->random.output[0] = s->random.csv[0] = '\0';
-  PetscCall(MpmRunCreate(&s->random, MPI_Wtime(), &s->run));
+  if (!s->request->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRunRandom(s->scene, (PetscInt64)steps, s->request->tolerance, &s->run));
   if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
     s->finding.verdict = MPM_UNDECIDED;
     PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
@@ -201,15 +199,14 @@ static PetscErrorCode Transient(MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->scene->powers)
-    PetscCall(MpmTransientCreate(s->op, s->scene->powers, growth, s->scene->progress, &s->transient));
-  if (!s->scene->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->request->powers) PetscCall(MpmTransientCreate(s->op, s->request->powers, growth, &s->transient));
+  if (!s->request->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
   PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
   PetscCall(MatScale(A, scalbn(1, (int)s->op->exponent)));
   PetscCall(MatNorm(A, NORM_INFINITY, &norm));
   if (isfinite(norm))
-    PetscCall(MpmPseudospectrumCreate(s->scene, A, s->scene->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
+    PetscCall(MpmPseudospectrumCreate(A, s->request->pseudospectrum, pow(1 + tolerance, s->op->period) - 1,
                                       &s->pseudospectrum));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&weighed));
@@ -228,7 +225,8 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum)
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum)
 {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   PetscReal      before;
@@ -238,6 +236,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCall(PetscNew(spectrum));
   s             = *spectrum;
   s->scene      = scene;
+  s->request    = request;
   s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
@@ -248,12 +247,10 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSp
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));
   if (!MpmSymbolWhyNot(&scene->layout)) {
-    PetscCall(MpmSymbolCreate(comm, &scene->layout, &scene->scheme, &scene->step,
-                              &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                               .keep      = PETSC_TRUE,
-                                               .tolerance = scene->tolerance,
-                                               .progress  = scene->progress},
-                              &s->symbol));
+    PetscCall(MpmSymbolCreate(
+        comm, &scene->layout, &scene->scheme, &scene->step,
+        &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = request->tolerance},
+        &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));

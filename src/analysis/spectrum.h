@@ -20,11 +20,11 @@
 #define MPM_UNCOUNTED -1
 typedef struct {
   const MpmScene    *scene;
+  const MpmRequest  *request;
   PetscMPIInt        ranks;
   MpmOperator       *op;
   MpmEigen          *eigen;
   MpmSymbol         *symbol;
-  MpmScene           random;
   MpmRun            *run;
   MpmTransient      *transient;
   MpmPseudospectrum *pseudospectrum;
@@ -43,5 +43,6 @@ typedef struct {
 
    Collective on PETSC_COMM_WORLD, with SLEPc initialized. started is the MPI_Wtime at which the program began.
 */
-PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, PetscReal started, MpmSpectrum **spectrum);
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);

@@ -37,11 +37,6 @@ static void SetParameter(Point *at, MpmAxisKind kind, const MpmFraction *value)
   }
 }
 
-static PetscBool GoesOver(const MpmScene *scene, MpmAxisKind kind)
-{
-  return scene->axes[0].kind == kind || scene->axes[1].kind == kind ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
 {
   return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
@@ -53,33 +48,33 @@ static Point PointOf(const MpmStabilityMap *map, PetscInt point)
   Point          at   = OwnPoint(map->scene);
 
   for (int a = 0; a < 2; a++) {
-    const MpmFraction value = NumberOf(&map->scene->axes[a], i[a]);
+    const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    SetParameter(&at, map->scene->axes[a].kind, &value);
+    SetParameter(&at, map->request->axes[a].kind, &value);
   }
   return at;
 }
 
 /* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
-static PetscErrorCode Check(const MpmScene *scene)
+static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
 {
   Point    at = OwnPoint(scene);
   PetscInt period;
 
   PetscFunctionBegin;
-  MpmCheckInput((PetscReal)scene->axes[0].points * scene->axes[1].points <= MOST_POINTS,
+  MpmCheckInput((PetscReal)request->axes[0].points * request->axes[1].points <= MOST_POINTS,
                 "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together",
-                scene->axes[0].points, scene->axes[1].points, MOST_POINTS);
+                request->axes[0].points, request->axes[1].points, MOST_POINTS);
   for (int a = 0; a < 2; a++)
-    for (PetscInt i = 0; i < scene->axes[a].points; i++) {
-      const MpmFraction value = NumberOf(&scene->axes[a], i);
+    for (PetscInt i = 0; i < request->axes[a].points; i++) {
+      const MpmFraction value = NumberOf(&request->axes[a], i);
 
-      MpmCheckInput(scene->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
+      MpmCheckInput(request->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
                     "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
-                    scene->axes[0].points, scene->axes[1].points, value.value, MPM_LONGEST_PERIOD);
-      SetParameter(&at, scene->axes[a].kind, &value);
+                    request->axes[0].points, request->axes[1].points, value.value, MPM_LONGEST_PERIOD);
+      SetParameter(&at, request->axes[a].kind, &value);
     }
   PetscCall(MpmStepPeriod(&at.step, &period));
   PetscCall(MpmSymbolCheck(&at.layout));
@@ -89,21 +84,22 @@ static PetscErrorCode Check(const MpmScene *scene)
 static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
   MpmStabilityMap    *map  = context;
-  MpmFinding          f    = {.tolerance = map->scene->tolerance};
+  MpmFinding          f    = {.tolerance = map->request->tolerance};
   const Point         at   = PointOf(map, i);
-  const MpmSymbolWish wish = {.phases    = map->scene->phases,
-                              .tolerance = map->scene->tolerance,
-                              .progress  = MPM_PROGRESS_NEVER}; /* the map itself shows how many points are done */
+  const MpmSymbolWish wish = {.phases    = map->request->phases,
+                              .tolerance = map->request->tolerance}; /* the map itself shows how many points are done */
   MpmSymbol          *symbol;
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &map->scene->scheme, &at.step, &wish, &symbol));
-  f.growth        = symbol->growth;
-  f.uncertainty   = symbol->uncertainty;
-  f.blur          = symbol->blur;
-  map->growth[i]  = symbol->growth;
-  map->beta[i]    = symbol->beta_at_max;
-  map->verdict[i] = MpmVerdictOf(&f);
+  f.growth          = symbol->growth;
+  f.uncertainty     = symbol->uncertainty;
+  f.defective_error = symbol->defective_error;
+  map->growth[i]    = symbol->growth;
+  map->beta[i]      = symbol->beta_at_max;
+  f.verdict         = MpmVerdictOf(&f);
+  PetscCall(MpmFindingOfPhases(&f, symbol->phases, at.layout.grid.cells));
+  map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -113,7 +109,7 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   const PetscInt n = map->points[0] * map->points[1];
 
   PetscFunctionBegin;
-  PetscCall(MpmFarm(map->scene->progress, "point", n, SolvePoint, map));
+  PetscCall(MpmFarm("point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
   PetscCall(MpmFarmSumReals(n, map->beta));
   PetscCall(MpmFarmSumInts(n, map->verdict));
@@ -131,12 +127,14 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
     map->undecided += map->verdict[i] == MPM_UNDECIDED;
     if (!(map->growth[i] <= map->growth[map->worst])) map->worst = i;
   }
-  f->tolerance = map->scene->tolerance;
+  f->tolerance = map->request->tolerance;
   f->growth    = map->growth[map->worst];
   f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
-                          map->scene->phases, n));
+                          map->request->phases, n));
+  if (map->request->phases % map->scene->layout.grid.cells)
+    PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,7 +144,7 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 
   PetscFunctionBegin;
   map->published_limit = NAN;
-  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPredictorCreate(&map->scene->layout, &map->scene->scheme, PETSC_FALSE, &predictor));
   if (!predictor.why_not_published) map->published_limit = map->scene->scheme.formulation->published_limit;
   PetscCall(MpmPredictorDestroy(&predictor));
@@ -155,13 +153,13 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 
 PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
 {
-  const MpmAxis *axes  = map->scene->axes;
+  const MpmAxis *axes  = map->request->axes;
   const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   Point          at    = OwnPoint(map->scene);
   MpmCritical    critical;
 
   PetscFunctionBegin;
-  if (!GoesOver(map->scene, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(map->points[other], &map->limits));
   for (PetscInt i = 0; i < map->points[other]; i++) {
     const MpmFraction value = NumberOf(&axes[other], i);
@@ -173,21 +171,22 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map)
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map)
 {
   const PetscReal  begin = MPI_Wtime();
   MpmStabilityMap *m;
   PetscInt         n;
 
   PetscFunctionBegin;
-  PetscCall(Check(scene));
+  PetscCall(Check(scene, request));
   PetscCall(PetscNew(map));
-  m        = *map;
-  m->scene = scene;
+  m          = *map;
+  m->scene   = scene;
+  m->request = request;
   for (int a = 0; a < 2; a++) {
-    m->points[a] = scene->axes[a].points;
+    m->points[a] = request->axes[a].points;
     PetscCall(PetscMalloc1(m->points[a], &m->at[a]));
-    for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&scene->axes[a], i).value;
+    for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&request->axes[a], i).value;
   }
   n = m->points[0] * m->points[1];
   PetscCall(PetscCalloc3(n, &m->growth, n, &m->beta, n, &m->verdict));

@@ -1,6 +1,6 @@
 /* Stability map: growth over a rectangle of two parameters, through the symbol. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 
 /*S
    MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, the second axis running
@@ -14,21 +14,22 @@
    stable, whatever their places (NaN: they do not treat the scene). limits: NULL until MpmStabilityMapLimits.
 S*/
 typedef struct {
-  const MpmScene *scene;
-  PetscInt        points[2], unstable, undecided, worst;
-  PetscReal      *at[2], *growth, *beta, *limits, published_limit, seconds;
-  PetscInt       *verdict; /* MpmVerdict */
-  MpmFinding      finding;
+  const MpmScene   *scene;
+  const MpmRequest *request;
+  PetscInt          points[2], unstable, undecided, worst;
+  PetscReal        *at[2], *growth, *beta, *limits, published_limit, seconds;
+  PetscInt         *verdict; /* MpmVerdict */
+  MpmFinding        finding;
 } MpmStabilityMap;
 
 /*
-   MpmStabilityMapCreate - the symbol at each point of the scene's axes; its other parameters stay as they are.
+   MpmStabilityMapCreate - the symbol at each point of the request's axes; the scene's other parameters stay as they are.
 
    Collective on PETSC_COMM_WORLD. Points are dealt to ranks in turn and each is one rank's, so that nothing depends on
    the number of ranks. Refuses what has no symbol, drifts without a short period, and more points than can be counted.
    Method: THEORY.md, section 3.
 */
-PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, MpmStabilityMap **map);
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map);
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
 
 /*

@@ -173,7 +173,7 @@ static PetscInt Next(PetscInt step, PetscInt last)
   return PetscMin(step < EVERY ? step + 1 : (PetscInt)ceil(SPACING * step), last);
 }
 
-static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, MpmProgressWish wish, MpmTransient *t)
+static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, MpmTransient *t)
 {
   PetscInt    rows, exponent = 0, done = 0, work = 0;
   PetscBool   finite;
@@ -190,7 +190,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
   for (PetscInt i = 0; i < t->n; i++) work += t->steps[i];
-  PetscCall(MpmProgressBegin(wish, "steps of powers", &progress));
+  PetscCall(MpmProgressBegin("steps of powers", &progress));
   for (PetscInt i = 1; i < t->n; i++) {
     PetscReal sigma = NAN;
 
@@ -240,8 +240,7 @@ static void Judge(PetscReal growth, MpmTransient *t)
   t->power  = points >= FEWEST ? (product - points * mean[0] * mean[1]) / (square - points * mean[0] * mean[0]) : NAN;
 }
 
-PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmProgressWish progress,
-                                  MpmTransient **transient)
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient)
 {
   const PetscReal begin = MPI_Wtime();
   Product         product;
@@ -258,7 +257,7 @@ PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscRea
   t->log_norm[0] = 0;
   for (PetscInt i = 1; i < t->n; i++) t->steps[i] = Next(t->steps[i - 1], last);
   PetscCall(ProductCreate(op, last, &product));
-  PetscCall(Norms(op, &product, last, progress, t));
+  PetscCall(Norms(op, &product, last, t));
   PetscCall(ProductDestroy(&product));
   Judge(growth, t);
   t->seconds = MPI_Wtime() - begin;

@@ -25,6 +25,5 @@ typedef struct {
    Collective; needs SLEPc initialized. growth: per step, of the spectrum (NaN: not known). A norm is right to 1e-6 at
    least, and where it is apart from the next singular value to rounding.
 */
-PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmProgressWish progress,
-                                  MpmTransient **transient);
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient);
 PetscErrorCode MpmTransientDestroy(MpmTransient **transient);

@@ -1,7 +1,7 @@
 /* Parts of work dealt to the ranks in turn. */
 #include "base/farm.h"
 
-PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmPart part, void *context)
+PetscErrorCode MpmFarm(const char unit[], PetscInt n, MpmPart part, void *context)
 {
   PetscMPIInt rank, size;
   MpmProgress progress;
@@ -9,7 +9,7 @@ PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmP
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  PetscCall(MpmProgressBegin(wish, unit, &progress));
+  PetscCall(MpmProgressBegin(unit, &progress));
   for (PetscInt i = rank; i < n; i += size) {
     PetscCall(part(context, i));
     PetscCall(MpmProgressUpdate(&progress, PetscMin(i + size, n), n));

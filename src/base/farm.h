@@ -11,7 +11,7 @@ typedef PetscErrorCode (*MpmPart)(void *context, PetscInt i);
 
    Collective on PETSC_COMM_WORLD, but part is not: it must not communicate.
 */
-PetscErrorCode MpmFarm(MpmProgressWish wish, const char unit[], PetscInt n, MpmPart part, void *context);
+PetscErrorCode MpmFarm(const char unit[], PetscInt n, MpmPart part, void *context);
 
 /*
    MpmFarmSumReals, MpmFarmSumInts - give all ranks the n results of the parts.

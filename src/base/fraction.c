@@ -120,6 +120,66 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
   return f;
 }
 
+#define MOST_FACTORS 8
+
+MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
+{
+  MpmFraction f = {.num = 1, .den = 1, .value = 1};
+  PetscInt64  num[MOST_FACTORS], den[MOST_FACTORS];
+  PetscReal   value = 1;
+
+  for (PetscInt i = 0; i < n; i++) {
+    num[i] = factors[i].num;
+    den[i] = factors[i].den;
+    value *= factors[i].value;
+    if (!den[i]) f.den = 0;
+  }
+  for (PetscInt i = 0; i < n && f.den; i++) /* terms that cancel do so before products become large */
+    for (PetscInt j = 0; j < n; j++) {
+      const PetscInt64 g = Gcd(num[i], den[j]);
+
+      num[i] /= g;
+      den[j] /= g;
+    }
+  for (PetscInt i = 0; i < n && f.den; i++)
+    if (__builtin_mul_overflow(f.num, num[i], &f.num) || __builtin_mul_overflow(f.den, den[i], &f.den)) f.den = 0;
+  if (!f.den || f.den > LARGEST_TERM || f.num > LARGEST_TERM || f.num < -LARGEST_TERM)
+    return (MpmFraction){.num = 0, .den = 0, .value = value};
+  if (!f.num) f.den = 1;
+  f.value = (PetscReal)f.num / (PetscReal)f.den;
+  return f;
+}
+
+/* Convergents of the continued fraction of abs(value): the nearest fractions for their denominators. */
+MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
+{
+  MpmFraction f      = {.num = 0, .den = 0, .value = value};
+  PetscReal   rest   = PetscAbsReal(value);
+  PetscInt64  num[2] = {0, 1}, den[2] = {1, 0}; /* the last but one, and the last */
+
+  while (rest <= (PetscReal)LARGEST_TERM) {
+    const PetscInt64 whole = (PetscInt64)floor(rest);
+    PetscInt64       next[2];
+
+    if (__builtin_mul_overflow(whole, num[1], &next[0]) || __builtin_mul_overflow(whole, den[1], &next[1])) break;
+    next[0] += num[0];
+    next[1] += den[0];
+    if (next[1] > most || next[0] > LARGEST_TERM) break;
+    num[0] = num[1];
+    den[0] = den[1];
+    num[1] = next[0];
+    den[1] = next[1];
+    if ((PetscReal)num[1] / (PetscReal)den[1] == PetscAbsReal(value)) {
+      f.num = value < 0 ? -num[1] : num[1];
+      f.den = den[1];
+      break;
+    }
+    if (rest == (PetscReal)whole) break;
+    rest = 1 / (rest - (PetscReal)whole);
+  }
+  return f;
+}
+
 void MpmFractionMultiple(const MpmFraction *f, PetscInt64 n, PetscInt64 *whole, PetscReal *part)
 {
   if (f->den) {

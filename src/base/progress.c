@@ -5,20 +5,31 @@
 #define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
 #define BETWEEN_S 0.5
 
-PetscErrorCode MpmProgressBegin(MpmProgressWish wish, const char unit[], MpmProgress *progress)
+static MpmProgressWish wish = MPM_PROGRESS_NEVER;
+static PetscBool       taken; /* whether some work has the line */
+
+void MpmProgressShow(MpmProgressWish who)
+{
+  wish  = who;
+  taken = PETSC_FALSE; /* work that was refused has not given the line back */
+}
+
+PetscErrorCode MpmProgressBegin(const char unit[], MpmProgress *progress)
 {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   progress->unit = unit;
+  progress->owns = taken ? PETSC_FALSE : PETSC_TRUE;
   progress->enabled =
-      !rank && (wish == MPM_PROGRESS_ALWAYS || (wish == MPM_PROGRESS_ON_TERMINAL && isatty(STDERR_FILENO)))
+      !rank && !taken && (wish == MPM_PROGRESS_ALWAYS || (wish == MPM_PROGRESS_ON_TERMINAL && isatty(STDERR_FILENO)))
           ? PETSC_TRUE
           : PETSC_FALSE;
   progress->shown   = PETSC_FALSE;
   progress->started = MPI_Wtime();
   progress->last    = progress->started - BETWEEN_S + (wish == MPM_PROGRESS_ALWAYS ? 0 : SILENT_S);
+  taken             = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -41,6 +52,7 @@ PetscErrorCode MpmProgressEnd(MpmProgress *progress)
 {
   PetscFunctionBegin;
   if (progress->shown) fprintf(stderr, "\r%70s\r", "");
+  if (progress->owns) taken = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

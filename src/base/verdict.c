@@ -30,6 +30,26 @@ PetscReal MpmDefectiveErrorOf(PetscReal error, PetscInt exponent, PetscInt perio
 MpmVerdict MpmVerdictOf(const MpmFinding *f)
 {
   if (isnan(f->growth)) return MPM_UNDECIDED;
-  if (f->growth <= 1 + f->tolerance) return f->blur <= f->tolerance ? MPM_STABLE : MPM_UNDECIDED;
+  if (f->growth <= 1 + f->tolerance) return f->defective_error <= f->tolerance ? MPM_STABLE : MPM_UNDECIDED;
   return isinf(f->growth) || f->growth - 1 > f->uncertainty ? MPM_UNSTABLE : MPM_UNDECIDED;
+}
+
+PetscErrorCode MpmFindingDispute(MpmFinding *f, const char words[])
+{
+  PetscFunctionBegin;
+  f->verdict = MPM_UNDECIDED;
+  PetscCall(PetscStrlcat(f->evidence, ", but ", sizeof f->evidence));
+  PetscCall(PetscStrlcat(f->evidence, words, sizeof f->evidence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFindingOfPhases(MpmFinding *f, PetscInt phases, PetscInt cells)
+{
+  char words[80];
+
+  PetscFunctionBegin;
+  if (f->verdict != MPM_STABLE || phases % cells == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(words, sizeof words, "they leave out waves of the grid of %" PetscInt_FMT " cells", cells));
+  PetscCall(MpmFindingDispute(f, words));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

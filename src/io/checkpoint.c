@@ -7,7 +7,7 @@
 #include "io/hdf5.h"
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
-#include "scene/scene_keys.h"
+#include "scene/fields.h"
 #include "base/checksum.h"
 #include "base/textfile.h"
 #include "base/unfinished.h"
@@ -30,16 +30,17 @@ static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, Petsc
 /* Lines 'name text'. */
 static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 {
-  MpmSceneKey fact[MPM_MAX_SCENE_KEYS];
-  char        text[MPM_MAX_SCENE_KEYS * (MPM_COUNTS_TEXT + 32)] = "";
-  PetscInt    n;
+  MpmValue value[MPM_MAX_VALUES];
+  char     text[MPM_MAX_VALUES * (MPM_COUNTS_TEXT + 32)] = "", one[MPM_COUNTS_TEXT];
+  PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneKeys(scene, &n, fact));
+  PetscCall(MpmValuesIn(MPM_IN_CHECKPOINT, scene, NULL, &n, value));
   for (PetscInt f = 0; f < n; f++) {
     const size_t used = strlen(text);
 
-    snprintf(text + used, sizeof text - used, "%s %s\n", fact[f].name, fact[f].text);
+    PetscCall(MpmValueText(&value[f], sizeof one, one));
+    snprintf(text + used, sizeof text - used, "%s %s\n", value[f].field->name, one);
   }
   PetscCall(FromFirst(s, "scene", H5T_NATIVE_CHAR, (PetscInt64)strlen(text), text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -238,14 +239,14 @@ static PetscErrorCode CheckRead(MpmHdf5 *s, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, MpmCheckpoint *file)
+static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscInt64 steps, MpmCheckpoint *file)
 {
   const char *path = file->path;
 
   PetscFunctionBegin;
   PetscCall(ReadRun(s, file));
   PetscCall(CheckRead(s, path));
-  PetscCall(MpmCheckpointCheckRun(scene, file));
+  PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
   PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->layout.particles));
   PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->layout.particles));
@@ -255,9 +256,9 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, MpmChec
 }
 
 /* The file is closed whether it is refused or not. */
-PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
+PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, PetscInt64 steps)
 {
-  MpmCheckpoint  file = {.path = scene->restart};
+  MpmCheckpoint  file = {.path = path};
   char           why[256];
   PetscBool      failed;
   MpmHdf5        hdf5;
@@ -267,7 +268,7 @@ PetscErrorCode MpmCheckpointCheck(const MpmScene *scene)
   PetscCall(MpmChecksumCheck(PETSC_COMM_WORLD, file.path, sizeof why, why));
   MpmCheckInput(!why[0], "checkpoint %s: %s; allowed: one that 'mpmstab run -checkpoint' has written", file.path, why);
   PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, file.path, &hdf5));
-  ierr = ReadAndCheckRun(&hdf5, scene, &file);
+  ierr = ReadAndCheckRun(&hdf5, scene, steps, &file);
   PetscCall(Free(&file));
   PetscCall(MpmHdf5Close(&hdf5, &failed));
   PetscCall(ierr);
@@ -395,11 +396,11 @@ static PetscErrorCode ReadNodes(MpmHdf5 *s, const char path[], const Share *shar
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, MpmCheckpoint *file, MpmMarch *march, MpmRun *run,
-                                Share *share)
+static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, PetscInt64 steps, MpmCheckpoint *file,
+                                MpmMarch *march, MpmRun *run, Share *share)
 {
   PetscFunctionBegin;
-  PetscCall(ReadAndCheckRun(s, scene, file));
+  PetscCall(ReadAndCheckRun(s, scene, steps, file));
   PetscCall(TakeRun(file, march, run));
   PetscCall(FindShare(s->comm, file, march, share));
   PetscCall(ReadParticles(s, share, march));
@@ -408,7 +409,7 @@ static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, MpmCheckpoint
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv)
+PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *march, MpmRun *run, char **csv)
 {
   MpmCheckpoint  file = {.path = path};
   PetscBool      failed;
@@ -420,7 +421,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run
   PetscFunctionBegin;
   PetscCall(MpmConservedSum(march, &before));
   PetscCall(MpmHdf5Open(PetscObjectComm((PetscObject)march->grid->da), path, &hdf5));
-  ierr = ReadState(&hdf5, march->scene, &file, march, run, &share);
+  ierr = ReadState(&hdf5, march->scene, steps, &file, march, run, &share);
   if (!ierr) {
     *csv     = file.csv;
     file.csv = NULL;

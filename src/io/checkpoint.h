@@ -17,9 +17,9 @@ PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, cons
 /*
    MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or of a step beyond the scene's last.
 
-   Collective. scene->restart names it.
+   Collective.
 */
-PetscErrorCode MpmCheckpointCheck(const MpmScene *scene);
+PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, PetscInt64 steps);
 
 /*
    MpmCheckpointRead - gives march and run the state that was written. csv: the rows so far, on all ranks, empty where
@@ -28,4 +28,4 @@ PetscErrorCode MpmCheckpointCheck(const MpmScene *scene);
    Collective. On another number of ranks particles go to their owners and nodes are summed anew, which changes the last
    bits.
 */
-PetscErrorCode MpmCheckpointRead(const char path[], MpmMarch *march, MpmRun *run, char **csv);
+PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *march, MpmRun *run, char **csv);

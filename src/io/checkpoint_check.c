@@ -2,7 +2,7 @@
 #include "io/checkpoint_file.h"
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
-#include "scene/scene_keys.h"
+#include "scene/fields.h"
 #include "scene/layout.h"
 #include "analysis/run.h"
 #include <math.h>
@@ -38,32 +38,35 @@ static char *FactIn(const char scene[], const char name[], size_t room, char tex
 
 static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *file)
 {
-  MpmSceneKey mine[MPM_MAX_SCENE_KEYS];
-  char        text[MPM_COUNTS_TEXT];
-  PetscInt    n;
+  MpmValue  values[MPM_MAX_VALUES];
+  char      text[MPM_COUNTS_TEXT], mine[MPM_COUNTS_TEXT];
+  PetscInt  n;
+  PetscBool agrees = PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneKeys(scene, &n, mine));
+  PetscCall(MpmValuesIn(MPM_IN_CHECKPOINT, scene, NULL, &n, values));
   for (PetscInt f = 0; f < n; f++) {
-    const char *has = FactIn(file->scene, mine[f].name, sizeof text, text);
+    const char *name = values[f].field->name, *has = FactIn(file->scene, name, sizeof text, text);
 
-    MpmCheckInput(has && !strcmp(has, mine[f].text),
+    if (has) PetscCall(MpmValueAgrees(&values[f], has, &agrees));
+    PetscCall(MpmValueText(&values[f], sizeof mine, mine));
+    MpmCheckInput(has && agrees,
                   "checkpoint %s: its %s is %s, the scene's is %s; allowed: the scene that it is of, but for steps, "
                   "tolerance, expectations and files",
-                  file->path, mine[f].name, has ? has : "not there", mine[f].text);
+                  file->path, name, has ? has : "not there", mine);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The step is checked before anything is computed from it. */
-static PetscErrorCode CheckStep(const MpmScene *scene, const MpmCheckpoint *file)
+static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file)
 {
   const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneDrifts(scene) ? step : 0;
 
   PetscFunctionBegin;
-  MpmCheckInput(step <= scene->steps,
+  MpmCheckInput(step <= steps,
                 "checkpoint %s: is at step %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: as many steps or more",
-                file->path, step, scene->steps);
+                file->path, step, steps);
   Allow(step >= 0, file->path, "its step is negative");
   Allow(file->where[MPM_AT_PLACES] == places, file->path, "its particles are at another step");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -126,11 +129,11 @@ static PetscErrorCode CheckRanks(const MpmScene *scene, const MpmCheckpoint *fil
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, const MpmCheckpoint *file)
+PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file)
 {
   PetscFunctionBegin;
   PetscCall(CompareScenes(scene, file));
-  PetscCall(CheckStep(scene, file));
+  PetscCall(CheckStep(scene, steps, file));
   PetscCall(CheckWhere(scene, file));
   PetscCall(CheckSeries(file));
   PetscCall(CheckRanks(scene, file));

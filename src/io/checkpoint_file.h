@@ -30,7 +30,7 @@ typedef struct {
 
    Not collective: the same on every rank.
 */
-PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, const MpmCheckpoint *file);
+PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file);
 
 /*
    MpmCheckpointCheckState - refuses particles and nodes that the march could not go on with.

@@ -1,8 +1,8 @@
 /* The scene as attributes of an HDF5 file, and the file aside until it is whole. */
 #include "io/datafile.h"
-#include "base/errors_private.h"
-#include "scene/material.h"
+#include <mpmstab/errors.h>
 #include "base/textfile.h"
+#include "scene/fields.h"
 #include "base/unfinished.h"
 #include <string.h>
 
@@ -20,74 +20,65 @@ static PetscErrorCode WriteNumber(MpmHdf5 *file, const char name[], PetscReal va
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* As text too, which keeps 1/7 what it is. */
-static PetscErrorCode WriteFraction(MpmHdf5 *file, const char name[], const MpmFraction *f)
+/* A fraction is written as text too, which keeps 1/7 what it is; a range as its two ends. */
+static PetscErrorCode WriteValue(MpmHdf5 *file, const MpmValue *value)
 {
-  char exact[64], text[64];
+  const char    *name  = value->field->name;
+  const PetscInt count = (PetscInt)value->whole;
+  char           other[64], text[64];
 
   PetscFunctionBegin;
-  PetscCall(WriteNumber(file, name, f->value));
-  if (!f->den) PetscFunctionReturn(PETSC_SUCCESS);
-  snprintf(exact, sizeof exact, "%s_exact", name);
-  snprintf(text, sizeof text, "%" PetscInt64_FMT "/%" PetscInt64_FMT, f->num, f->den);
-  PetscCall(WriteText(file, exact, text));
+  switch (value->kind) {
+  case MPM_AS_COUNT:
+    PetscCall(MpmHdf5WriteInteger(file, "/", name, count));
+    break;
+  case MPM_AS_LONG:
+    PetscCall(WriteNumber(file, name, (PetscReal)value->whole));
+    break;
+  case MPM_AS_REAL:
+    PetscCall(WriteNumber(file, name, value->number[0]));
+    break;
+  case MPM_AS_RANGE:
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_from", name));
+    PetscCall(WriteNumber(file, other, value->number[0]));
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_to", name));
+    PetscCall(WriteNumber(file, other, value->number[1]));
+    break;
+  case MPM_AS_FRACTION:
+    PetscCall(WriteNumber(file, name, value->fraction.value));
+    if (!value->fraction.den) break;
+    PetscCall(PetscSNPrintf(other, sizeof other, "%s_exact", name));
+    PetscCall(MpmValueText(value, sizeof text, text));
+    PetscCall(WriteText(file, other, text));
+    break;
+  default:
+    PetscCall(WriteText(file, name, value->text));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteSceneAttributes(const MpmScene *s, MpmHdf5 *file)
+static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmRequest *request, MpmHdf5 *file)
 {
-  char counts[MPM_COUNTS_TEXT];
+  MpmValue values[MPM_MAX_VALUES];
+  PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(WriteText(file, "version", MPMSTAB_VERSION));
-  PetscCall(WriteText(file, "formulation", s->scheme.formulation->name));
-  PetscCall(WriteText(file, "basis", s->scheme.basis->name));
-  PetscCall(WriteText(file, "transfer", s->scheme.transfer->name));
-  PetscCall(WriteText(file, "layout", s->layout.name));
-  PetscCall(WriteText(file, "boundary", s->boundary));
-  PetscCall(WriteText(file, "initial", MpmInitialNames[s->initial]));
-  PetscCall(WriteText(file, "stagger", s->stagger ? "true" : "false"));
-  PetscCall(WriteFraction(file, "drift", &s->step.drift));
-  PetscCall(WriteFraction(file, "offset", &s->layout.offset));
-  PetscCall(MpmHdf5WriteInteger(file, "/", "dim", s->dim));
-  PetscCall(MpmHdf5WriteInteger(file, "/", "cells", s->layout.grid.cells));
-  PetscCall(MpmHdf5WriteInteger(file, "/", "ppc", s->layout.ppc));
-  PetscCall(MpmHdf5WriteInteger(file, "/", "mode", s->mode));
-  PetscCall(WriteNumber(file, "seed", (PetscReal)s->layout.seed));
-  PetscCall(WriteNumber(file, "steps", (PetscReal)s->steps));
-  PetscCall(WriteNumber(file, "length", s->length));
-  PetscCall(WriteNumber(file, "wave_speed", s->wave_speed));
-  PetscCall(WriteNumber(file, "courant", s->step.courant));
-  PetscCall(WriteNumber(file, "dt", s->dt));
-  PetscCall(WriteNumber(file, "jitter", s->layout.jitter));
-  PetscCall(WriteNumber(file, "amplitude", s->amplitude));
-  PetscCall(WriteNumber(file, "tolerance", s->tolerance));
-  PetscCall(WriteNumber(file, "first", (PetscReal)s->layout.first));
-  PetscCall(WriteNumber(file, "particles", (PetscReal)s->layout.particles));
-  PetscCall(WriteNumber(file, "cluster_from", s->layout.cluster[0]));
-  PetscCall(WriteNumber(file, "cluster_to", s->layout.cluster[1]));
-  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  PetscCall(WriteText(file, "counts", counts));
-  PetscCall(WriteText(file, "material", MpmMaterialNames[s->layout.material.kind]));
-  PetscCall(WriteNumber(file, "density_ratio", s->layout.material.density));
-  PetscCall(WriteNumber(file, "stiffness_ratio", s->layout.material.stiffness));
-  PetscCall(WriteNumber(file, "inclusion_from", s->layout.material.inclusion[0]));
-  PetscCall(WriteNumber(file, "inclusion_to", s->layout.material.inclusion[1]));
-  if (s->scheme.transfer->option)
-    PetscCall(WriteNumber(file, s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers)));
+  PetscCall(MpmValuesIn(MPM_IN_FILE, scene, request, &n, values));
+  for (PetscInt i = 0; i < n; i++) PetscCall(WriteValue(file, &values[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, MpmDataFile *file)
+PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file)
 {
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, scene->output, sizeof file->path));
+  PetscCall(PetscStrncpy(file->path, request->output, sizeof file->path));
   PetscCall(MpmFileCreate(comm, file->path, file->part, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscCall(MpmHdf5Create(comm, file->part, 0, &file->hdf5));
-  PetscCall(WriteSceneAttributes(scene, &file->hdf5));
+  PetscCall(WriteSceneAttributes(scene, request, &file->hdf5));
   PetscCall(MpmDataFileCheck(file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,7 +3,7 @@
    all ranks refuse together. mode_file.c then reads what is known to be there.
 */
 #include <mpmstab/errors.h>
-#include "scene/material.h"
+#include "scene/fields.h"
 #include "io/mode_file.h"
 #include <math.h>
 #include <stdarg.h>
@@ -63,36 +63,49 @@ static void SameCount(Check *c, const char name[], PetscInt mine)
     Wrong(c, "its %s is %lld, the scene's is %" PetscInt_FMT "; allowed: the same", name, theirs, mine);
 }
 
-static PetscErrorCode SameScene(Check *c)
+static PetscErrorCode SameRange(Check *c, const char name[], const PetscReal mine[2])
 {
-  const MpmScene *s = c->scene;
-  char            counts[MPM_COUNTS_TEXT];
+  static const char *const ends[] = {"from", "to"};
+  char                     end[64];
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  SameText(c, "formulation", s->scheme.formulation->name);
-  SameText(c, "basis", s->scheme.basis->name);
-  SameText(c, "transfer", s->scheme.transfer->name);
-  SameText(c, "boundary", s->boundary);
-  SameCount(c, "cells", s->layout.grid.cells);
-  SameCount(c, "ppc", s->layout.ppc);
-  SameText(c, "counts", counts);
-  SameNumber(c, "cluster_from", s->layout.cluster[0]);
-  SameNumber(c, "cluster_to", s->layout.cluster[1]);
-  SameText(c, "material", MpmMaterialNames[s->layout.material.kind]);
-  SameNumber(c, "density_ratio", s->layout.material.density);
-  SameNumber(c, "stiffness_ratio", s->layout.material.stiffness);
-  SameNumber(c, "inclusion_from", s->layout.material.inclusion[0]);
-  SameNumber(c, "inclusion_to", s->layout.material.inclusion[1]);
-  SameNumber(c, "offset", s->layout.offset.value);
-  SameNumber(c, "jitter", s->layout.jitter);
-  if (s->layout.jitter != 0) SameNumber(c, "seed", (PetscReal)s->layout.seed);
-  SameNumber(c, "courant", s->step.courant);
-  SameNumber(c, "first", (PetscReal)s->layout.first);
-  SameNumber(c, "particles", (PetscReal)s->layout.particles);
-  if (s->scheme.transfer->option)
-    SameNumber(c, s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
-  SameNumber(c, "drift", s->step.drift.value);
+  for (int e = 0; e < 2; e++) {
+    PetscCall(PetscSNPrintf(end, sizeof end, "%s_%s", name, ends[e]));
+    SameNumber(c, end, mine[e]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SameScene(Check *c)
+{
+  MpmValue mine[MPM_MAX_VALUES];
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmValuesIn(MPM_IN_MODE_FILE, c->scene, NULL, &n, mine));
+  for (PetscInt i = 0; i < n; i++) {
+    const char *name = mine[i].field->name;
+
+    switch (mine[i].kind) {
+    case MPM_AS_COUNT:
+      SameCount(c, name, (PetscInt)mine[i].whole);
+      break;
+    case MPM_AS_LONG:
+      SameNumber(c, name, (PetscReal)mine[i].whole);
+      break;
+    case MPM_AS_REAL:
+      SameNumber(c, name, mine[i].number[0]);
+      break;
+    case MPM_AS_FRACTION:
+      SameNumber(c, name, mine[i].fraction.value);
+      break;
+    case MPM_AS_RANGE:
+      PetscCall(SameRange(c, name, mine[i].number));
+      break;
+    default:
+      SameText(c, name, mine[i].text);
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -165,15 +178,15 @@ static PetscErrorCode Examine(Check *c, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileCheck(const MpmScene *scene)
+PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[])
 {
   Check       check = {.scene = scene};
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(Examine(&check, scene->mode_file));
+  if (rank == 0) PetscCall(Examine(&check, path));
   PetscCallMPI(MPI_Bcast(check.why, sizeof check.why, MPI_CHAR, 0, PETSC_COMM_WORLD));
-  MpmCheckInput(!check.why[0], "mode_file %s: %s", scene->mode_file, check.why);
+  MpmCheckInput(!check.why[0], "mode_file %s: %s", path, check.why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

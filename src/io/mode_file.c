@@ -12,27 +12,26 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
 }
 
 /* The file was whole when the program began. */
-static PetscErrorCode CloseRead(const MpmScene *scene, MpmHdf5 *file)
+static PetscErrorCode CloseRead(const char path[], MpmHdf5 *file)
 {
   PetscBool failed;
 
   PetscFunctionBegin;
   PetscCall(MpmHdf5Close(file, &failed));
-  MpmCheckInput(!failed, "mode_file %s: cannot be read any more; allowed: a file that stays as it is",
-                scene->mode_file);
+  MpmCheckInput(!failed, "mode_file %s: cannot be read any more; allowed: a file that stays as it is", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth)
+PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth)
 {
   MpmHdf5 file;
   char    group[64];
 
   PetscFunctionBegin;
   PetscCall(MpmModeFileGroup(scene, group, sizeof group));
-  PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, scene->mode_file, &file));
+  PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, path, &file));
   if (!MpmHdf5ReadAttribute(&file, group, "growth", H5T_NATIVE_DOUBLE, growth)) file.failed = PETSC_TRUE;
-  PetscCall(CloseRead(scene, &file));
+  PetscCall(CloseRead(path, &file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,7 +95,7 @@ static PetscErrorCode ReadPart(const MpmScene *scene, MpmHdf5 *file, const char 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModeFileFill(MpmMarch *march)
+PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march)
 {
   const MpmScene *scene     = march->scene;
   MpmParticles   *particles = march->particles;
@@ -104,11 +103,11 @@ PetscErrorCode MpmModeFileFill(MpmMarch *march)
   MpmHdf5         file;
 
   PetscFunctionBegin;
-  PetscCall(MpmHdf5Open(PetscObjectComm((PetscObject)particles->swarm), scene->mode_file, &file));
+  PetscCall(MpmHdf5Open(PetscObjectComm((PetscObject)particles->swarm), path, &file));
   PetscCall(ReadPart(scene, &file, "im", particles, &imaginary));
   PetscCall(ReadPart(scene, &file, "re", particles, &largest));
   if (imaginary > largest) PetscCall(ReadPart(scene, &file, "im", particles, &largest));
-  PetscCall(CloseRead(scene, &file));
+  PetscCall(CloseRead(path, &file));
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 

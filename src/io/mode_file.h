@@ -5,14 +5,14 @@
 #include <mpmstab/march.h>
 #include <mpmstab/operator.h>
 
-/* Collective. Refuses a scene's mode_file unless it is of the same scheme, grid and particles and holds the mode. */
-PetscErrorCode MpmModeFileCheck(const MpmScene *scene);
+/* Collective. Refuses a mode file unless it is of the scene's scheme, grid and particles and holds its mode. */
+PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[]);
 
 /* Not collective. The group of the file that holds the scene's mode. */
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
 
 /* Collective. Growth per step of the mode's eigenvalue. */
-PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
+PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth);
 
 /*
    MpmModeFileFill - gives the particles of a march at its start the real or the imaginary part of the mode, whichever is
@@ -20,7 +20,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
 
    Collective. To be called after MpmMarchCreate, which leaves such fields unset.
 */
-PetscErrorCode MpmModeFileFill(MpmMarch *march);
+PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march);
 
 /*
    MpmModesWrite - the first count listed eigenvectors as particle fields /modes/NNNN/FIELD_re and FIELD_im, in the

@@ -13,7 +13,7 @@ struct MpmOutput_ {
   MpmTextFile     xmf;
 };
 
-PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request, MpmOutput **output)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
   const PetscInt n    = (PetscInt)march->layout->particles;
@@ -30,11 +30,11 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output)
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
   PetscCall(VecCreateMPI(comm, march->grid->nodes, march->layout->grid.nodes, &o->global));
-  PetscCall(MpmTextFileOpen(o->scene->xmf, &o->xmf));
+  PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
                            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
-  PetscCall(MpmDataFileOpen(comm, o->scene, &o->file));
+  PetscCall(MpmDataFileOpen(comm, o->scene, request, &o->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -190,7 +190,7 @@ static PetscErrorCode NameGroup(PetscInt64 step, size_t room, char group[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOutputHasStep(const MpmScene *scene, PetscInt64 step, PetscBool *has)
+PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, PetscBool *has)
 {
   PetscMPIInt rank;
   char        group[64];
@@ -199,11 +199,11 @@ PetscErrorCode MpmOutputHasStep(const MpmScene *scene, PetscInt64 step, PetscBoo
   *has = PETSC_FALSE;
   PetscCall(NameGroup(step, sizeof group, group));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && !access(scene->output, R_OK) && !access(scene->xmf, R_OK)) {
+  if (rank == 0 && !access(request->output, R_OK) && !access(request->xmf, R_OK)) {
     PetscBool failed;
     MpmHdf5   file;
 
-    PetscCall(MpmHdf5Open(PETSC_COMM_SELF, scene->output, &file));
+    PetscCall(MpmHdf5Open(PETSC_COMM_SELF, request->output, &file));
     *has = MpmHdf5Has(&file, group);
     PetscCall(MpmHdf5Close(&file, &failed));
   }

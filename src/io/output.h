@@ -1,6 +1,7 @@
 /* Output: the fields of a run as HDF5, with XDMF beside it. */
 #pragma once
 #include "march/march_private.h"
+#include "scene/request.h"
 
 /*S
    MpmOutput - the HDF5 file of a run.
@@ -13,12 +14,12 @@
 typedef struct MpmOutput_ MpmOutput;
 
 /* Collective. Opens both files aside; a step that cannot be written is refused at once. */
-PetscErrorCode MpmOutputCreate(const MpmMarch *march, MpmOutput **output);
+PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request, MpmOutput **output);
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march);
 
 /* Collective. Gives PATH and PATH.xmf (PATH without .h5 or .hdf5) their names, or, when they are not to be kept, removes
    both. */
 PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output);
 
-/* Collective. Whether the scene's output is there already and holds a step. */
-PetscErrorCode MpmOutputHasStep(const MpmScene *scene, PetscInt64 step, PetscBool *has);
+/* Collective. Whether the request's output is there already and holds a step. */
+PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, PetscBool *has);

@@ -30,7 +30,7 @@ static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(MpmTextFileOpen(s->scene->csv, &csv));
+  PetscCall(MpmTextFileOpen(s->request->csv, &csv));
   if (csv.stream) {
     fprintf(csv.stream, "mode,re,im,abs,growth,residual,beta,null_share\n");
     for (PetscInt j = 0; j < s->eigen->n; j++) {
@@ -79,13 +79,13 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
   MpmDataFile file;
 
   PetscFunctionBegin;
-  if (!s->scene->output[0] && !s->scene->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->request->output[0] && !s->request->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
-  if (s->scene->csv[0]) PetscCall(WriteCsv(s, &modes));
-  if (s->scene->output[0]) {
-    PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, &file));
+  if (s->request->csv[0]) PetscCall(WriteCsv(s, &modes));
+  if (s->request->output[0]) {
+    PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, s->request, &file));
     PetscCall(WriteEigenvalues(s, &modes, &file));
-    PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->scene->modes, &file));
+    PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->request->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
     PetscCall(WriteTransient(s, &file));
     PetscCall(MpmDataFileClose(&file));

@@ -106,6 +106,15 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude)
+{
+  PetscFunctionBegin;
+  march->exponent = ilogb(amplitude);
+  PetscCall(MpmParticlesFillRandom(march->layout->seed, scalbn(amplitude, -(int)march->exponent), march->particles));
+  PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
                                     const MpmStep *step, PetscReal amplitude, MpmMarch **march)
 {
@@ -115,9 +124,7 @@ PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, cons
   PetscCall(PetscNew(march));
   m = *march;
   PetscCall(SetUp(comm, layout, scheme, step, m));
-  m->exponent = ilogb(amplitude);
-  PetscCall(MpmParticlesFillRandom(layout->seed, scalbn(amplitude, -(int)m->exponent), m->particles));
-  PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchFillRandom(m, amplitude));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,9 +162,9 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmMarchBytes(const MpmScene *scene)
+PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
 {
-  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->scheme.table->nparticles + (scene->output[0] ? OF_OUTPUT : 0);
+  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->scheme.table->nparticles + (output ? OF_OUTPUT : 0);
 
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->layout.varies[w]) particle += OF_NUMBER;

@@ -77,6 +77,23 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the grid sees of a formulation without an energy: the node fields that particle fields are sent to. */
+static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
+{
+  const MpmTable *table = march->scheme->table;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < table->nstate; f++) {
+    const MpmOp *seen = MpmTableSeenBy(table, f);
+    PetscReal    squares;
+
+    if (!seen) continue;
+    PetscCall(NodeSquares(march, seen->dst, PETSC_FALSE, &squares));
+    *sum += march->cell_width * squares;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 {
   const MpmTable       *table       = march->scheme->table;
@@ -89,12 +106,15 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
     PetscCall(ParticleSquares(march, f, NULL, &squares));
     sums[0] += h / march->layout->ppc * squares;
   }
+  if (!formulation->nenergy) PetscCall(SeenSquares(march, &sums[2]));
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
     const MpmEnergyTerm *term         = &formulation->energy[t];
     const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-    const PetscInt       node         = on_particles ? MpmTableSeenBy(table, term->field)->dst : term->field;
+    const MpmOp         *seen         = on_particles ? MpmTableSeenBy(table, term->field) : NULL;
 
-    PetscCall(NodeSquares(march, node, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
+    squares = 0;
+    if (seen || !on_particles)
+      PetscCall(NodeSquares(march, seen ? seen->dst : term->field, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
     sums[2] += h * squares;
     if (on_particles) {
       PetscCall(ParticleSquares(march, term->field, term, &squares));
@@ -104,7 +124,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
   norms->state  = sqrt(sums[0]);
-  norms->energy = sums[1] / 2;
+  norms->energy = formulation->nenergy ? sums[1] / 2 : NAN;
   norms->grid   = sqrt(sums[2] / 2);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

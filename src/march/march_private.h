@@ -32,8 +32,17 @@ struct MpmMarch_ {
   MpmFloatCheck    float_check;
 };
 
-/* Not collective. The least number of bytes that particles, nodes and output of a march take, on all ranks together. */
-PetscReal MpmMarchBytes(const MpmScene *scene);
+/* Not collective. The least number of bytes that particles and nodes of a march take, and its output if it has one, on all ranks together. */
+PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
+
+/*
+   Collective. Sums the particles' fields to the nodes as a step finds them; to be called when the fields were changed
+   before the first step.
+*/
+PetscErrorCode MpmMarchStart(MpmMarch *march);
+
+/* Collective. Random particle fields in [-amplitude, amplitude], from the scene's seed, before the first step. */
+PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /* Not collective. Whether the particles move against the grid. */
 static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
@@ -50,6 +59,9 @@ static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
 */
 PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
                                     const MpmStep *step, PetscReal amplitude, MpmMarch **march);
+
+/* Collective. Begins a march anew: every field gets random numbers in [-amplitude, amplitude). */
+PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /*S
    MpmNodeVectors - the node fields that passes sum to and read: local vectors, n of them. spare[f] is the second array

@@ -9,26 +9,28 @@ static MPI_Comm CommOf(const MpmTransferDiagnostics *x)
   return PetscObjectComm((PetscObject)x->march->grid->da);
 }
 
-PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, MpmTransferDiagnostics **exchange)
+PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *request,
+                                            MpmTransferDiagnostics **exchange)
 {
   const MpmScene         *scene = march->scene;
   MpmTransferDiagnostics *x;
 
   PetscFunctionBegin;
   *exchange = NULL;
-  if (!scene->weights && !scene->source_term && !scene->ringing) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!request->weights && !request->source_term && !request->ringing) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
-      !scene->source_term || !MpmSceneDrifts(scene) || march->slack,
+      !request->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
       "within a step; allowed: more cells, or fewer ranks",
       scene->step.drift.value);
   PetscCall(PetscNew(exchange));
-  x        = *exchange;
-  x->march = march;
+  x          = *exchange;
+  x->march   = march;
+  x->request = request;
   PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
   PetscCall(VecDuplicate(x->node, &x->other));
-  if (scene->source_term) PetscCall(VecDuplicate(x->node, &x->inverse_mass));
-  if (scene->ringing) PetscCall(MpmNodalSolveCreate(march->layout, march->scheme->basis, march->grid, &x->solve));
+  if (request->source_term) PetscCall(VecDuplicate(x->node, &x->inverse_mass));
+  if (request->ringing) PetscCall(MpmNodalSolveCreate(march->layout, march->scheme->basis, march->grid, &x->solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -227,17 +229,16 @@ static void Keep(MpmTransferDiagnostics *x, const MpmTransferDiagnosticsSample *
 
 PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *x)
 {
-  const MpmScene              *scene  = x->march->scene;
   MpmTransferDiagnosticsSample sample = {.c1_mean = NAN, .c1_min = NAN, .c1_max = NAN};
 
   PetscFunctionBegin;
-  if (scene->weights) PetscCall(Weights(x, &sample));
+  if (x->request->weights) PetscCall(Weights(x, &sample));
   for (PetscInt f = 0; f < x->march->scheme->table->nstate; f++) {
     sample.source[f] = sample.ringing[f] = NAN;
-    if (!scene->source_term && !scene->ringing) continue;
+    if (!x->request->source_term && !x->request->ringing) continue;
     PetscCall(MpmMarchProject(x->march, f, x->node));
-    if (scene->source_term) PetscCall(Source(x, f, &sample.source[f]));
-    if (scene->ringing) PetscCall(Ringing(x, f, &sample.ringing[f]));
+    if (x->request->source_term) PetscCall(Source(x, f, &sample.source[f]));
+    if (x->request->ringing) PetscCall(Ringing(x, f, &sample.ringing[f]));
   }
   Keep(x, &sample);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,6 +4,7 @@
 */
 #pragma once
 #include "march/march_private.h"
+#include "scene/request.h"
 
 /*S
    MpmTransferDiagnosticsSample - the diagnostics at one step; NaN where they were not asked for, there is nothing to divide by, or
@@ -28,6 +29,7 @@ typedef struct {
 S*/
 typedef struct {
   MpmMarch                    *march;
+  const MpmRequest            *request;                   /* which of them are measured */
   Vec                          node, other, inverse_mass; /* local vectors */
   MpmNodalSolve               *solve;                     /* NULL: no ringing asked for */
   PetscBool                    measured;
@@ -35,11 +37,12 @@ typedef struct {
 } MpmTransferDiagnostics;
 
 /*
-   MpmTransferDiagnosticsCreate - NULL unless the scene asks for weights, source_term or ringing.
+   MpmTransferDiagnosticsCreate - NULL unless the request asks for weights, source_term or ringing.
 
    Collective. Refuses a source term where particles leave a rank's ghost layer within a step.
 */
-PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, MpmTransferDiagnostics **exchange);
+PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *request,
+                                            MpmTransferDiagnostics **exchange);
 PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **exchange);
 
 /* Collective. The diagnostics at the march's step. */

@@ -19,10 +19,10 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   const MpmScene *s = run->scene;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s, "run", run->ranks));
+  PetscCall(MpmReportScene(s, run->request, run->ranks));
   MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
   if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode);
-  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, s->mode_file);
+  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, run->request->mode_file);
   MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
            s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,11 +73,14 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
     }
   } else
     MpmPrint("error: none, these data have no exact solution\n");
-  MpmPrint("energy");
-  PetscCall(PrintNumber(run->energy_initial));
-  MpmPrint(" first");
-  PetscCall(PrintNumber(run->energy_final));
-  MpmPrint(" last\n");
+  if (run->scene->scheme.formulation->nenergy) {
+    MpmPrint("energy");
+    PetscCall(PrintNumber(run->energy_initial));
+    MpmPrint(" first");
+    PetscCall(PrintNumber(run->energy_final));
+    MpmPrint(" last\n");
+  } else
+    MpmPrint("energy: none, the formulation names none; growth is that of the norm of its fields\n");
   if (run->blew_up_at_step != MPM_NEVER)
     MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
              run->lost ? "; the run stopped there" : "; it was followed by rescaling");
@@ -112,13 +115,13 @@ static PetscErrorCode PrintExchange(const MpmRun *run)
   const MpmTable *table                    = run->scene->scheme.table;
 
   PetscFunctionBegin;
-  if (run->scene->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
-  if (run->scene->source_term) {
+  if (run->request->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
+  if (run->request->source_term) {
     MpmPrint("source term, relative to the nodes' field:");
     for (PetscInt f = 0; table->fields[f]; f++) PetscCall(PrintField(table->fields[f], "up to", most->source[f]));
     MpmPrint("\n");
   }
-  if (run->scene->ringing) {
+  if (run->request->ringing) {
     MpmPrint("ringing content, share of particle data that P2G does not see:");
     for (PetscInt f = 0; table->fields[f]; f++) {
       PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));

@@ -10,7 +10,7 @@ static PetscErrorCode PrintVerdict(const MpmEnsemble *e)
   MpmPrint("\nverdict: %s", MpmVerdictNames[e->finding.verdict]);
   if (e->unstable)
     MpmPrint(", %" PetscInt_FMT " of %" PetscInt_FMT " layouts grow beyond 1 + %.6g\n", e->unstable, e->n,
-             e->scene->tolerance);
+             e->request->tolerance);
   else if (e->undecided)
     MpmPrint(", rounding or the solver leaves %" PetscInt_FMT " of %" PetscInt_FMT " layouts open\n", e->undecided,
              e->n);
@@ -27,7 +27,7 @@ PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *e)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(e->scene, "ensemble", ranks));
+  PetscCall(MpmReportScene(e->scene, e->request, ranks));
   MpmPrint("\nlayouts    %" PetscInt_FMT ", seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n", e->n,
            e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
   MpmPrint("unstable   %" PetscInt_FMT "\nundecided  %" PetscInt_FMT "\n", e->unstable, e->undecided);
@@ -50,7 +50,7 @@ PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *e, PetscReal wall_s)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  object = MpmJsonScene(e->scene, "ensemble", ranks, wall_s);
+  PetscCall(MpmJsonScene(e->scene, "ensemble", ranks, wall_s, &object));
   MpmJsonSetFinding(object, &e->finding);
   json_object_set_new(ensemble, "layouts", json_integer(e->n));
   json_object_set_new(ensemble, "unstable", json_integer(e->unstable));
@@ -61,10 +61,10 @@ PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *e, PetscReal wall_s)
   MpmJsonSet(ensemble, "growth_median", e->growth_median);
   MpmJsonSet(ensemble, "growth_max", e->growth_max);
   if (!isnan(e->growth_max)) json_object_set_new(ensemble, "worst_seed", json_integer(e->worst_seed));
-  MpmJsonSet(ensemble, "tolerance", e->scene->tolerance);
+  MpmJsonSet(ensemble, "tolerance", e->request->tolerance);
   MpmJsonSet(ensemble, "seconds", e->seconds);
   json_object_set_new(object, "ensemble", ensemble);
-  PetscCall(MpmJsonWrite(e->scene->json, object));
+  PetscCall(MpmJsonWrite(e->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -73,7 +73,7 @@ PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *e)
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(MpmTextFileOpen(e->scene->csv, &csv));
+  PetscCall(MpmTextFileOpen(e->request->csv, &csv));
   if (csv.stream) {
     fprintf(csv.stream, "seed,growth,verdict\n");
     for (PetscInt i = 0; i < e->n; i++) {

@@ -51,16 +51,16 @@ static void SetExchange(json_t *object, const MpmRun *run)
                                      *most = &run->exchange_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
-  if (run->scene->weights) {
+  if (run->request->weights) {
     json_t *weights = json_object();
 
     MpmJsonSet(weights, "c1_min", most->c1_min);
     MpmJsonSet(weights, "c1_max", most->c1_max);
     json_object_set_new(object, "weights", weights);
   }
-  if (run->scene->source_term)
+  if (run->request->source_term)
     json_object_set_new(object, "source_term", PerField(table, NULL, last->source, most->source));
-  if (run->scene->ringing)
+  if (run->request->ringing)
     json_object_set_new(object, "ringing", PerField(table, first->ringing, last->ringing, most->ringing));
 }
 
@@ -95,13 +95,14 @@ static json_t *Run(const MpmRun *run)
 
 PetscErrorCode MpmRunWriteJson(const MpmRun *run)
 {
-  json_t *object = MpmJsonScene(run->scene, "run", run->ranks, run->wall_s);
+  json_t *object;
 
   PetscFunctionBegin;
+  PetscCall(MpmJsonScene(run->scene, "run", run->ranks, run->wall_s, &object));
   json_object_set_new(object, "verdict", json_string(MpmVerdictNames[run->verdict]));
   if (run->growth.measured) MpmJsonSet(object, "growth", run->growth.per_step);
   json_object_set_new(object, "predicted", Predicted(run));
   json_object_set_new(object, "run", Run(run));
-  PetscCall(MpmJsonWrite(run->scene->json, object));
+  PetscCall(MpmJsonWrite(run->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

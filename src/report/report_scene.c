@@ -1,6 +1,6 @@
 /* The scene, as every task's table and JSON object begin. */
 #include <mpmstab/errors.h>
-#include "scene/material.h"
+#include "scene/fields.h"
 #include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
@@ -8,60 +8,70 @@
 
 #define WORTH_SAYING 1e-6 /* difference in abs(G) */
 
-/* A number of the scene, or that the map goes over it. */
-static const char *Value(const MpmScene *s, MpmAxisKind kind, const char number[])
+/* The option of a map's axis is no number of the scene: the map goes over it. */
+static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
-  for (int a = 0; a < 2; a++)
-    if (!strcmp(s->task, "map") && s->axes[a].kind == kind) return "varied";
-  return number;
+  for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
+    if (!strcmp(MpmAxisNames[kind], name)) return MpmRequestVaries(request, (MpmAxisKind)kind);
+  return PETSC_FALSE;
 }
 
-static PetscErrorCode PrintLayout(const MpmScene *s, PetscMPIInt ranks)
+/* Prints a text in which {name} stands for the value of that field. */
+static PetscErrorCode PrintFields(const MpmScene *scene, const MpmRequest *request, const char text[])
 {
-  char ppc[32], offset[32], courant[32], drift[64];
-
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(ppc, sizeof ppc, "%" PetscInt_FMT, s->layout.ppc));
-  PetscCall(PetscSNPrintf(offset, sizeof offset, "%.6g", s->layout.offset.value));
-  PetscCall(PetscSNPrintf(courant, sizeof courant, "%.6g", s->step.courant));
-  PetscCall(PetscSNPrintf(drift, sizeof drift, "%.6g", s->step.drift.value));
-  if (s->step.drift.den > 1)
-    PetscCall(PetscSNPrintf(drift, sizeof drift, "%" PetscInt64_FMT "/%" PetscInt64_FMT, s->step.drift.num,
-                            s->step.drift.den));
-  MpmPrint("%" PetscInt_FMT " cells x %s particles (%s, offset %s, jitter %.6g), Courant number %s, drift %s cells per "
-           "step, %d rank%s\n",
-           s->layout.grid.cells, Value(s, MPM_AXIS_PPC, ppc), s->layout.name, Value(s, MPM_AXIS_OFFSET, offset),
-           s->layout.jitter, Value(s, MPM_AXIS_COURANT, courant), Value(s, MPM_AXIS_DRIFT, drift), ranks,
-           ranks == 1 ? "" : "s");
+  while (*text) {
+    const char *open = strchr(text, '{'), *close = open ? strchr(open, '}') : NULL;
+    char        name[32], number[MPM_COUNTS_TEXT];
+    MpmValue    value;
+
+    if (!close) {
+      MpmPrint("%s", text);
+      break;
+    }
+    PetscCall(PetscStrncpy(name, open + 1, (size_t)(close - open)));
+    PetscCall(MpmValueOf(name, scene, request, &value));
+    PetscCall(MpmValueHeading(&value, sizeof number, number));
+    MpmPrint("%.*s%s", (int)(open - text), text, IsVaried(request, name) ? "varied" : number);
+    text = close + 1;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportScene(const MpmScene *s, const char task[], PetscMPIInt ranks)
+/* What is said of layout and material where they are not the default. */
+static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
-  char counts[MPM_COUNTS_TEXT];
+  const MpmMaterialKind material = s->layout.material.kind;
 
   PetscFunctionBegin;
-  PetscCall(MpmSceneCountsText(s, sizeof counts, counts));
-  MpmPrint("mpmstab %s %s: %s, %s basis, %s transfer", MPMSTAB_VERSION, task, s->scheme.formulation->name,
-           s->scheme.basis->name, s->scheme.transfer->name);
-  if (s->scheme.transfer->option)
-    MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
-  MpmPrint(", %s\n", s->boundary);
-  PetscCall(PrintLayout(s, ranks));
   if (s->layout.counts.n > 1)
-    MpmPrint("particles in cells: %s, repeated; %" PetscInt64_FMT " in all\n", counts, s->layout.particles);
+    PetscCall(PrintFields(s, request, "particles in cells: {counts}, repeated; {particles} in all\n"));
   else if (!MpmSceneIsFull(s))
     MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n",
              (PetscReal)s->layout.first / s->layout.ppc,
              (PetscReal)(s->layout.first + s->layout.particles) / s->layout.ppc, s->layout.particles);
-  if (s->layout.material.kind != MPM_MATERIAL_UNIFORM)
-    MpmPrint("material %s: density ratio %.6g, stiffness ratio %.6g", MpmMaterialNames[s->layout.material.kind],
-             s->layout.material.density, s->layout.material.stiffness);
-  if (s->layout.material.kind == MPM_MATERIAL_TWO)
-    MpmPrint(", in cells %.6g to %.6g", s->layout.material.inclusion[0], s->layout.material.inclusion[1]);
-  if (s->layout.material.kind != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
+  if (material != MPM_MATERIAL_UNIFORM)
+    PetscCall(PrintFields(s, request,
+                          "material {material}: density ratio {density_ratio}, stiffness ratio {stiffness_ratio}"));
+  if (material == MPM_MATERIAL_TWO) PetscCall(PrintFields(s, request, ", in cells {inclusion}"));
+  if (material != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
   if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
     MpmPrint("particles within %.17g to %.17g of their cells\n", s->layout.cluster[0], s->layout.cluster[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, PetscMPIInt ranks)
+{
+  PetscFunctionBegin;
+  MpmPrint("mpmstab %s %s: ", MPMSTAB_VERSION, request->task);
+  PetscCall(PrintFields(s, request, "{formulation}, {basis} basis, {transfer} transfer"));
+  if (s->scheme.transfer->option)
+    MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
+  PetscCall(PrintFields(s, request,
+                        ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "
+                        "Courant number {courant}, drift {drift} cells per step, "));
+  MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,7 +112,9 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
       MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
-  if (isfinite(c->corrected))
+  if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
+    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %.4g\n", c->corrected, c->corrected_beta);
+  else if (isfinite(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,52 +132,72 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
     else if (f->growth > 1 + f->tolerance && isfinite(condition))
       MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
   }
-  if (f->verdict == MPM_UNDECIDED && isinf(f->blur))
+  if (f->verdict == MPM_UNDECIDED && isinf(f->defective_error))
     MpmPrint("; the operator is not what the march does");
-  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->blur > f->tolerance)
-    MpmPrint("; rounding may hide growth of %.1g per step", f->blur);
+  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
+    MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
   MpmPrint("\nevidence: %s\n", f->evidence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where particles are and in what they differ; absent where that is the default. */
-static void SetDifferences(json_t *object, const MpmScene *s)
+static json_t *CountsArray(const MpmScene *s)
 {
   json_t *counts = json_array();
 
-  if (s->layout.offset.value != 0.5) json_object_set_new(object, "offset", json_real(s->layout.offset.value));
-  if (s->layout.jitter != 0) json_object_set_new(object, "jitter", json_real(s->layout.jitter));
-  if (s->layout.jitter != 0) json_object_set_new(object, "seed", json_integer((json_int_t)s->layout.seed));
-
   for (PetscInt r = 0; r < s->layout.counts.n; r++) json_array_append_new(counts, json_integer(s->layout.counts.of[r]));
-  if (s->layout.counts.n > 1)
-    json_object_set_new(object, "counts", counts);
-  else
-    json_decref(counts);
-  if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
-    json_object_set_new(object, "cluster", json_pack("[f, f]", s->layout.cluster[0], s->layout.cluster[1]));
-  if (s->layout.material.kind == MPM_MATERIAL_UNIFORM) return;
-  json_object_set_new(object, "material",
-                      json_pack("{s:s, s:f, s:f}", "kind", MpmMaterialNames[s->layout.material.kind], "density_ratio",
-                                s->layout.material.density, "stiffness_ratio", s->layout.material.stiffness));
-  if (s->layout.material.kind == MPM_MATERIAL_TWO)
-    json_object_set_new(json_object_get(object, "material"), "inclusion",
-                        json_pack("[f, f]", s->layout.material.inclusion[0], s->layout.material.inclusion[1]));
+  return counts;
 }
 
-json_t *MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s)
+static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
 {
-  json_t *object =
-      json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:I, s:f, s:f, s:i, s:f}", "version", MPMSTAB_VERSION,
-                "task", task, "formulation", s->scheme.formulation->name, "basis", s->scheme.basis->name, "transfer",
-                s->scheme.transfer->name, "boundary", s->boundary, "dim", (int)s->dim, "cells",
-                (int)s->layout.grid.cells, "ppc", (int)s->layout.ppc, "particles", (json_int_t)s->layout.particles,
-                "courant", s->step.courant, "drift", s->step.drift.value, "ranks", (int)ranks, "wall_s", wall_s);
+  switch (value->kind) {
+  case MPM_AS_COUNT:
+  case MPM_AS_LONG:
+    return json_integer((json_int_t)value->whole);
+  case MPM_AS_REAL:
+    return json_real(value->number[0]);
+  case MPM_AS_FRACTION:
+    return json_real(value->fraction.value);
+  case MPM_AS_RANGE:
+    return json_pack("[f, f]", value->number[0], value->number[1]);
+  case MPM_AS_COUNTS:
+    return CountsArray(s);
+  default:
+    return json_string(value->text);
+  }
+}
 
-  if (s->scheme.transfer->option)
-    json_object_set_new(object, s->scheme.transfer->option, json_real(s->scheme.transfer->number(&s->scheme.numbers)));
-  SetDifferences(object, s);
-  return object;
+/* Key 'object.key' is a key inside an object, which the first of its keys makes. */
+static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
+{
+  const char *key = value->field->json ? value->field->json : value->field->name, *dot = strchr(key, '.');
+  char        outer[32];
+
+  if (dot) {
+    (void)snprintf(outer, sizeof outer, "%.*s", (int)(dot - key), key);
+    if (!json_object_get(object, outer)) json_object_set_new(object, outer, json_object());
+    object = json_object_get(object, outer);
+    key    = dot + 1;
+  }
+  json_object_set_new(object, key, ValueJson(s, value));
+}
+
+/* Fields that not every scene shows come last. */
+PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+{
+  MpmValue values[MPM_MAX_VALUES];
+  PetscInt n;
+
+  PetscFunctionBegin;
+  *object = json_pack("{s:s, s:s}", "version", MPMSTAB_VERSION, "task", task);
+  PetscCall(MpmValuesIn(MPM_IN_JSON, s, NULL, &n, values));
+  for (PetscInt i = 0; i < n; i++)
+    if (!values[i].field->shown) SetValue(*object, s, &values[i]);
+  json_object_set_new(*object, "ranks", json_integer(ranks));
+  json_object_set_new(*object, "wall_s", json_real(wall_s));
+  for (PetscInt i = 0; i < n; i++)
+    if (values[i].field->shown) SetValue(*object, s, &values[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmJsonSet(json_t *object, const char key[], PetscReal value)

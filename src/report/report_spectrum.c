@@ -47,9 +47,9 @@ static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
                             MpmGrowthKindNames[growth->kind], growth->from, growth->to));
   else
     PetscCall(PetscStrncpy(text,
-                           growth              ? "nothing left to measure"
-                           : s->scene->measure ? "not run: that would take too long here; try 'mpmstab run'"
-                                               : "not asked for",
+                           growth                ? "nothing left to measure"
+                           : s->request->measure ? "not run: that would take too long here; try 'mpmstab run'"
+                                                 : "not asked for",
                            sizeof text));
   PetscCall(MpmReportGrowth("measured", growth && growth->measured ? growth->per_step : NAN, text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -92,7 +92,7 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
 PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s->scene, "spectrum", s->ranks));
+  PetscCall(MpmReportScene(s->scene, s->request, s->ranks));
   MpmPrint("\ngrowth per step\n");
   PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
   PetscCall(PrintSymbol(s));

@@ -29,9 +29,10 @@ static json_t *Operator(const MpmSpectrum *s)
 
 PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
 {
-  json_t *object = MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s), *run;
+  json_t *object, *run;
 
   PetscFunctionBegin;
+  PetscCall(MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s, &object));
   MpmJsonSetFinding(object, &s->finding);
   json_object_set_new(object, "predicted",
                       MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
@@ -45,6 +46,6 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
     json_object_set_new(object, "run", run);
   }
   MpmTransientJson(s, object);
-  PetscCall(MpmJsonWrite(s->scene->json, object));
+  PetscCall(MpmJsonWrite(s->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

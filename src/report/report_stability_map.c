@@ -25,7 +25,7 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
   const PetscInt down = (rows - 1) / MOST_ROWS + 1, right = (columns - 1) / MOST_COLUMNS + 1;
 
   PetscFunctionBegin;
-  MpmPrint("\n%s\n", MpmAxisNames[map->scene->axes[0].kind]);
+  MpmPrint("\n%s\n", MpmAxisNames[map->request->axes[0].kind]);
   for (PetscInt i = (rows - 1) / down * down; i >= 0; i -= down) {
     char     line[MOST_COLUMNS + 1];
     PetscInt n = 0;
@@ -34,7 +34,7 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
     line[n] = '\0';
     MpmPrint("%8.5g  %s\n", map->at[0][i], line);
   }
-  MpmPrint("%8s  %s %.6g to %.6g\n", "", MpmAxisNames[map->scene->axes[1].kind], map->at[1][0],
+  MpmPrint("%8s  %s %.6g to %.6g\n", "", MpmAxisNames[map->request->axes[1].kind], map->at[1][0],
            map->at[1][columns - 1]);
   MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -42,17 +42,17 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
 
 PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
 {
-  const MpmAxis    *axes = map->scene->axes;
+  const MpmAxis    *axes = map->request->axes;
   const MpmFinding *f    = &map->finding;
   const PetscInt    n    = map->points[0] * map->points[1];
   PetscMPIInt       ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(map->scene, "map", ranks));
+  PetscCall(MpmReportScene(map->scene, map->request, ranks));
   PetscCall(PrintPicture(map));
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt_FMT " phases\n", map->points[0],
-           map->points[1], map->scene->phases);
+           map->points[1], map->request->phases);
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, MpmAxisNames[axes[0].kind],
@@ -77,20 +77,20 @@ static json_t *Numbers(PetscInt n, const PetscReal values[])
 
 PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
 {
-  const char *const names[2] = {MpmAxisNames[map->scene->axes[0].kind], MpmAxisNames[map->scene->axes[1].kind]};
-  const int         other    = map->scene->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
+  const char *const names[2] = {MpmAxisNames[map->request->axes[0].kind], MpmAxisNames[map->request->axes[1].kind]};
+  const int         other    = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   json_t           *object, *part = json_object();
   PetscMPIInt       ranks;
 
   PetscFunctionBegin;
   PetscCall(MpmStabilityMapLimits(map));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  object = MpmJsonScene(map->scene, "map", ranks, wall_s);
+  PetscCall(MpmJsonScene(map->scene, "map", ranks, wall_s, &object));
   MpmJsonSetFinding(object, &map->finding);
   json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
   for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
-  json_object_set_new(part, "phases", json_integer(map->scene->phases));
+  json_object_set_new(part, "phases", json_integer(map->request->phases));
   json_object_set_new(part, "unstable", json_integer(map->unstable));
   json_object_set_new(part, "undecided", json_integer(map->undecided));
   if (map->limits) {
@@ -99,7 +99,7 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   }
   MpmJsonSet(part, "seconds", map->seconds);
   json_object_set_new(object, "map", part);
-  PetscCall(MpmJsonWrite(map->scene->json, object));
+  PetscCall(MpmJsonWrite(map->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,10 +108,10 @@ PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(MpmTextFileOpen(map->scene->csv, &csv));
+  PetscCall(MpmTextFileOpen(map->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "%s,%s,growth,beta,verdict\n", MpmAxisNames[map->scene->axes[0].kind],
-            MpmAxisNames[map->scene->axes[1].kind]);
+    fprintf(csv.stream, "%s,%s,growth,beta,verdict\n", MpmAxisNames[map->request->axes[0].kind],
+            MpmAxisNames[map->request->axes[1].kind]);
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
       fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
       MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
@@ -129,9 +129,9 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
   MpmDataFile file;
 
   PetscFunctionBegin;
-  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, &file));
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, map->request, &file));
   for (int a = 0; a < 2; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->scene->axes[a].kind], map->points[a], 1, map->at[a]));
+    PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->request->axes[a].kind], map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
   PetscCall(MpmDataFileArray(&file, "/map", "beta", map->points[0], map->points[1], map->beta));
   PetscCall(MpmDataFileClose(&file));

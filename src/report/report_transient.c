@@ -67,7 +67,7 @@ PetscErrorCode MpmTransientPrint(const MpmSpectrum *s)
   PetscFunctionBegin;
   if (s->transient) PetscCall(PrintPowers(s));
   if (s->pseudospectrum) PetscCall(PrintKreiss(s));
-  if ((s->scene->powers && !s->transient) || (s->scene->pseudospectrum && !s->pseudospectrum))
+  if ((s->request->powers && !s->transient) || (s->request->pseudospectrum && !s->pseudospectrum))
     MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

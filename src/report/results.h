@@ -8,15 +8,15 @@
 #include <mpmstab/critical.h>
 #include <jansson.h>
 
-/* Collective. The table for people, on standard output; the JSON object, when the scene asks for it. */
+/* Collective. The table for people, on standard output; the JSON object, when the request asks for it. */
 PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
-/* Collective. The table for people; the JSON object, when the scene asks for it. */
+/* Collective. The table for people; the JSON object, when the request asks for it. */
 PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *spectrum);
 PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *spectrum);
 
-/* Collective. Of these, what is said of norm(A^n) and of the pseudospectrum; nothing where the scene does not ask. */
+/* Collective. Of these, what is said of norm(A^n) and of the pseudospectrum; nothing where the request does not ask. */
 PetscErrorCode MpmTransientPrint(const MpmSpectrum *spectrum);
 void           MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
 
@@ -32,12 +32,12 @@ PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *ensemble, PetscReal wall_
 PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *ensemble);
 
 /* Collective. The limit, what limits it, and growth at the scene's own Courant number. */
-PetscErrorCode MpmCriticalPrint(const MpmScene *scene, const MpmCritical *critical);
-PetscErrorCode MpmCriticalWriteJson(const MpmScene *scene, const MpmCritical *critical, PetscReal wall_s);
+PetscErrorCode MpmCriticalPrint(const MpmScene *scene, const MpmRequest *request, const MpmCritical *critical);
+PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *scene, const MpmCritical *critical,
+                                    PetscReal wall_s);
 
-/* Collective. A row for each of n scenes, to a file. */
-PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, PetscInt n, const MpmScene *const scenes[],
-                                   const MpmCritical critical[]);
+/* Collective. The row of one scene, to a file. */
+PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical);
 
-/* Collective. The limits of every formulation, transfer and basis at a scene's layout, as a table (and CSV). */
-PetscErrorCode MpmCriticalSurvey(const MpmScene *scene);
+/* Collective. The limits of every formulation, transfer and basis at a scene's layout, as a table and, if asked, CSV. */
+PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene, const MpmRequest *request);

@@ -20,19 +20,20 @@ static PetscErrorCode Columns(const MpmTable *table, PetscBool wanted, const cha
 
 PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv)
 {
-  const MpmScene *scene                  = run->scene;
-  char            header[LONGEST_HEADER] = "step,time,norm,energy,log10_norm";
-  size_t          length;
+  const MpmScene   *scene                  = run->scene;
+  const MpmRequest *request                = run->request;
+  char              header[LONGEST_HEADER] = "step,time,norm,energy,log10_norm";
+  size_t            length;
 
   PetscFunctionBegin;
   PetscCall(Columns(scene->scheme.table, run->has_errors, "error_l2_", header));
-  if (scene->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
-  PetscCall(Columns(scene->scheme.table, scene->source_term, "source_", header));
-  PetscCall(Columns(scene->scheme.table, scene->ringing, "ringing_", header));
+  if (request->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
+  PetscCall(Columns(scene->scheme.table, request->source_term, "source_", header));
+  PetscCall(Columns(scene->scheme.table, request->ringing, "ringing_", header));
   length = strlen(header);
   MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
                 "restart %s: its CSV has other columns; allowed: weights, source_term and ringing as before",
-                scene->restart);
+                request->restart);
   if (csv->stream && before && *before)
     fputs(before, csv->stream);
   else if (csv->stream)
@@ -43,9 +44,10 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
 PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
                             PetscReal log_norm, PetscReal energy, const MpmTextFile *csv)
 {
-  const MpmScene *scene = run->scene;
-  const PetscInt  n     = scene->scheme.table->nstate;
-  MpmError        error[MPM_MAX_FIELDS];
+  const MpmScene   *scene   = run->scene;
+  const MpmRequest *request = run->request;
+  const PetscInt    n       = scene->scheme.table->nstate;
+  MpmError          error[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
   if (run->has_errors) PetscCall(MpmDiagnosticsErrors(march, error));
@@ -56,13 +58,13 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   MpmTextFileCell(csv, energy);
   MpmTextFileCell(csv, log_norm / M_LN10);
   for (PetscInt f = 0; run->has_errors && f < n; f++) MpmTextFileCell(csv, error[f].l2);
-  if (scene->weights) {
+  if (request->weights) {
     MpmTextFileCell(csv, exchange->last.c1_mean);
     MpmTextFileCell(csv, exchange->last.c1_min);
     MpmTextFileCell(csv, exchange->last.c1_max);
   }
-  for (PetscInt f = 0; scene->source_term && f < n; f++) MpmTextFileCell(csv, exchange->last.source[f]);
-  for (PetscInt f = 0; scene->ringing && f < n; f++) MpmTextFileCell(csv, exchange->last.ringing[f]);
+  for (PetscInt f = 0; request->source_term && f < n; f++) MpmTextFileCell(csv, exchange->last.source[f]);
+  for (PetscInt f = 0; request->ringing && f < n; f++) MpmTextFileCell(csv, exchange->last.ringing[f]);
   fprintf(csv->stream, "\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

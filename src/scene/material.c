@@ -26,6 +26,7 @@ static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
 
   if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
   MpmLayoutPlace(layout, id, &cell, &xi);
+  cell = (cell + layout->grid.cells) % layout->grid.cells; /* jitter may take it over the end of a periodic domain */
   return pow(ratio, Share(layout, cell + xi));
 }
 

@@ -13,7 +13,7 @@ extern const char *const MpmMaterialNames[];
    fills 1 / ppc of a cell.
 
    Not collective. A particle has its cell's width over its cell's number of particles, and the material of its resting
-   place x: with material two the second one's inside the inclusion, graded the first one's times ratio^s, s = x / L, in
+   place x in the domain: with material two the second one's inside the inclusion, graded the first one's times ratio^s, s = x / L, in
    a periodic domain 1 - abs(2 x / L - 1).
 */
 PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id);

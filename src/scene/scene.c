@@ -1,8 +1,18 @@
-/* Settings -> Scene: units, derived numbers, and options that exclude each other. */
+/*
+   From settings to a scene: reads the fields in the order in which one needs another, forms the numbers that follow from
+   them, and refuses what does not exist or does not go together.
+*/
 #include "base/memory.h"
-#include <mpmstab/scene.h>
+#include "scene/layout.h"
+#include "scene/material.h"
+#include "scene/settings.h"
 #include <math.h>
 #include <string.h>
+
+#define MOST_PARTICLES (PETSC_MAX_INT / 2)
+#define MOST_DRIFT 1e6 /* cells per step */
+
+/* ---- words ---- */
 
 static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
 {
@@ -22,63 +32,305 @@ static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- units, grid and time ---- */
+
 static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt64 n;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsInteger(settings, "dim", &n));
-  scene->dim = (PetscInt)n;
-  PetscCall(MpmSettingsInteger(settings, "cells", &n));
-  scene->layout.grid.cells = (PetscInt)n;
-  PetscCall(MpmSettingsReal(settings, "length", &scene->length));
   scene->cell_width = scene->length / scene->layout.grid.cells;
   if (!isnormal(scene->cell_width))
     PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* One of time step and Courant number was given, the other follows. */
 static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscReal value;
+  static const char *const with_dt[] = {"dt", "wave_speed", "length"}, *const with_courant[] = {"courant", "wave_speed",
+                                                                                                "length"};
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReal(settings, "wave_speed", &scene->wave_speed));
   if (MpmSettingsGiven(settings, "dt")) {
-    PetscCall(MpmSettingsReal(settings, "dt", &scene->dt));
     scene->step.courant = scene->wave_speed * scene->dt / scene->cell_width;
     if (!isnormal(scene->step.courant))
-      PetscCall(MpmSettingsRefuse(settings, "dt", "c dt / h is out of range; allowed: a finite Courant number"));
+      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, 3, with_dt),
+                                  "c dt / h is out of range; allowed: a finite Courant number"));
   } else {
-    PetscCall(MpmSettingsReal(settings, "courant", &scene->step.courant));
     scene->dt = scene->step.courant * scene->cell_width / scene->wave_speed;
     if (!isnormal(scene->dt))
-      PetscCall(MpmSettingsRefuse(settings, "courant", "dt = k h / c is out of range; allowed: a finite time step"));
+      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, 3, with_courant),
+                                  "dt = k h / c is out of range; allowed: a finite time step"));
   }
-  if (MpmSettingsGiven(settings, "velocity")) {
-    PetscCall(MpmSettingsReal(settings, "velocity", &value));
-    scene->step.drift = (MpmFraction){.num = 0, .den = value == 0, .value = value * scene->dt / scene->cell_width};
-    if (!(PetscAbsReal(scene->step.drift.value) <= 1e6))
-      PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
-  } else
-    PetscCall(MpmSettingsFraction(settings, "drift", &scene->step.drift));
-  if (MpmSettingsGiven(settings, "time")) {
-    PetscCall(MpmSettingsReal(settings, "time", &value));
-    /* a time that is whole steps but for rounding is not given one more */
-    value = ceil(value / scene->dt * (1 - 1e-12));
-    if (!(value <= 1e15)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
-    scene->steps = PetscMax((PetscInt64)value, 1);
-  } else
-    PetscCall(MpmSettingsInteger(settings, "steps", &scene->steps));
-  if (!isfinite((PetscReal)scene->steps * scene->dt))
-    PetscCall(MpmSettingsRefuse(settings, "length", "steps times dt is out of range; allowed: a smaller length"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+   The drift U0 dt / h of a velocity U0. With the Courant number it is U0 k / c, with the time step U0 dt cells / L: a
+   fraction when the numbers that were given are, so that particles come back to their places. Where its terms are too
+   long it is the short fraction that is the same double, if there is one.
+*/
+static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
+{
+  const PetscBool has_dt    = MpmSettingsGiven(settings, "dt");
+  const char     *names[3]  = {"velocity", has_dt ? "dt" : "courant", has_dt ? "length" : "wave_speed"};
+  MpmFraction     factor[4] = {{.num = scene->layout.grid.cells, .den = 1, .value = scene->layout.grid.cells}};
+  MpmFraction    *last      = &factor[3];
+  PetscReal       velocity;
+  PetscBool       ok;
+
+  PetscFunctionBegin;
+  if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsReal(settings, "velocity", &velocity));
+  for (int i = 0; i < 3; i++) PetscCall(MpmFractionParse(MpmSettingsText(settings, names[i]), &factor[i + 1], &ok));
+  *last = (MpmFraction){.num = last->den, .den = last->num, .value = 1 / last->value};
+  if (!has_dt) factor[0] = (MpmFraction){.num = 1, .den = 1, .value = 1};
+  scene->step.drift = MpmFractionProduct(4, factor);
+  if (!scene->step.drift.den)
+    scene->step.drift = MpmFractionNear(velocity * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
+  if (!(PetscAbsReal(scene->step.drift.value) <= MOST_DRIFT))
+    PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- layout ---- */
+
+/* With counts, ppc is the number of particles in the fullest cell. */
+static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmCounts *c = &scene->layout.counts;
+  PetscInt64 ppc;
+
+  PetscFunctionBegin;
+  if (MpmSettingsGiven(settings, "counts"))
+    PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
+  else {
+    PetscCall(MpmSettingsInteger(settings, "ppc", &ppc));
+    c->n     = 1;
+    c->of[0] = (PetscInt)ppc;
+  }
+  for (PetscInt r = 0; r < c->n; r++) {
+    scene->layout.ppc = PetscMax(scene->layout.ppc, c->of[r]);
+    c->before[r + 1]  = c->before[r] + c->of[r];
+    c->voids          = c->voids || (!c->of[r] && r < scene->layout.grid.cells) ? PETSC_TRUE : PETSC_FALSE;
+  }
+  scene->layout.sites = scene->layout.grid.cells / c->n * c->before[c->n] + c->before[scene->layout.grid.cells % c->n];
+  if (!scene->layout.sites)
+    PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(ReadCounts(settings, scene));
+  if (scene->layout.sites > MOST_PARTICLES)
+    PetscCall(MpmSettingsRefuse(settings,
+                                MpmSettingsGiven(settings, "counts") ? "counts"
+                                : MpmSettingsSource(settings, "ppc") ? "ppc"
+                                                                     : "cells",
+                                "cells times ppc is too large; allowed: at most 1073741823 particles"));
+  scene->layout.particles  = scene->layout.sites;
+  scene->layout.half_width = 0.5 / scene->layout.ppc;
+  if (scene->layout.counts.n > 1 && scene->scheme.basis->wide)
+    PetscCall(MpmSettingsRefuse(settings, "counts",
+                                "particles of different width; allowed: with another basis than gimp, or ppc"));
+  if (!(scene->layout.cluster[0] >= 0 && scene->layout.cluster[1] <= 1))
+    PetscCall(MpmSettingsRefuse(settings, "cluster", "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- scheme ---- */
+
+/* The names of all formulations that can do something, for messages. */
+static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
+{
+  PetscFunctionBegin;
+  names[0] = '\0';
+  for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    if (!can(MpmFormulations[f])) continue;
+    if (names[0]) PetscCall(PetscStrlcat(names, ", ", room));
+    PetscCall(PetscStrlcat(names, MpmFormulations[f]->name, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool CanBeAffine(const MpmFormulation *f)
+{
+  return f->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool CanBeFree(const MpmFormulation *f)
+{
+  return f->free_ends;
+}
+
+static PetscBool CanReact(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_REACT);
+}
+
+/* Refuses an option that the scene's formulation cannot do, says why, and names the formulations that can. */
+static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene, const char option[],
+                              PetscBool (*can)(const MpmFormulation *), const char why[])
+{
+  char names[256], message[512];
+
+  PetscFunctionBegin;
+  if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Those(can, names, sizeof names));
+  PetscCall(PetscSNPrintf(message, sizeof message, "%s has no %s; allowed: with formulation %s",
+                          scene->scheme.formulation->name, why, names));
+  PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A number that only one transfer reads. */
+static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmScene *scene, const char option[])
+{
+  char message[128];
+
+  PetscFunctionBegin;
+  if (MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, "transfer"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt t = 0; MpmTransfers[t]; t++) {
+    if (!MpmTransfers[t]->option || strcmp(MpmTransfers[t]->option, option)) continue;
+    PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with transfer %s", MpmTransfers[t]->name));
+    PetscCall(MpmSettingsRefuse(settings, option, message));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckTransferReads(settings, scene, "xpic_order"));
+  PetscCall(CheckTransferReads(settings, scene, "blend_ratio"));
+  if (scene->scheme.transfer->affine)
+    PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt end[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsEnds(settings, "boundary", end));
+  if ((end[0] == MPM_PERIODIC) != (end[1] == MPM_PERIODIC))
+    PetscCall(MpmSettingsRefuse(settings, "boundary", "allowed: periodic at both ends or at none"));
+  for (int e = 0; e < 2; e++) {
+    scene->layout.grid.ends[e] = (MpmEnd)end[e];
+    if (end[e] == MPM_FREE)
+      PetscCall(Require(settings, scene, "boundary", CanBeFree, "condition for a free end (fixed: a wall reflects)"));
+    if (end[e] == MPM_FIXED_REACTION)
+      PetscCall(Require(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
+  }
+  scene->layout.grid.nodes = scene->layout.grid.cells + (MpmSceneIsPeriodic(scene) ? 0 : 1);
+  PetscCall(PetscStrncpy(scene->boundary, MpmEndNames[end[0]], sizeof scene->boundary));
+  if (MpmSceneIsPeriodic(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscStrlcat(scene->boundary, ",", sizeof scene->boundary));
+  PetscCall(PetscStrlcat(scene->boundary, MpmEndNames[end[1]], sizeof scene->boundary));
+  MpmCheckInput(!MpmSceneDrifts(scene),
+                "drift %g with boundary %s: particles would leave the domain; allowed: drift 0, or boundary periodic",
+                scene->step.drift.value, scene->boundary);
+  MpmCheckInput(
+      scene->layout.offset.value >= scene->layout.jitter / 2 &&
+          scene->layout.offset.value + scene->layout.jitter / 2 <= 1,
+      "jitter %g with offset %g and boundary %s: a particle may start beyond the end; allowed: offset - jitter/2 "
+      ">= 0 and offset + jitter/2 <= 1",
+      scene->layout.jitter, scene->layout.offset.value, scene->boundary);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keeps the particles between two places, which are given in cells and lie between two particles' widths. */
+static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscReal range[2], first, end;
+
+  PetscFunctionBegin;
+  if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->layout.counts.n > 1) {
+    if (!MpmSettingsOverruled(settings, "fill", "counts"))
+      PetscCall(MpmSettingsRefuse(settings, "fill", "allowed: with ppc (counts may be 0 where there is nothing)"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsRange(settings, "fill", range));
+  first = range[0] * scene->layout.ppc;
+  end   = range[1] * scene->layout.ppc;
+  if (!(first >= 0 && end <= (PetscReal)scene->layout.grid.cells * scene->layout.ppc && end > first) ||
+      fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9)
+    PetscCall(MpmSettingsRefuse(settings, "fill",
+                                "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi"));
+  scene->layout.first     = (PetscInt64)round(first);
+  scene->layout.particles = (PetscInt64)round(end) - scene->layout.first;
+  if (!scene->layout.particles)
+    PetscCall(MpmSettingsRefuse(settings, "fill",
+                                "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- material ---- */
+
+/* A number of a material that there is not. */
+static PetscErrorCode CheckMaterialReads(const MpmSettings *settings, const char option[], const char why[])
+{
+  PetscFunctionBegin;
+  if (MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, option, "material"))
+    PetscCall(MpmSettingsRefuse(settings, option, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool CanDiffer(const MpmFormulation *f)
+{
+  return f->materials;
+}
+
+static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmMaterial *m = &scene->layout.material;
+
+  PetscFunctionBegin;
+  PetscCall(Require(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
+  if (m->kind != MPM_MATERIAL_TWO)
+    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+  if (m->kind != MPM_MATERIAL_TWO || !MpmSettingsGiven(settings, "inclusion")) {
+    m->inclusion[0] = scene->layout.grid.cells / 2.0;
+    m->inclusion[1] = scene->layout.grid.cells;
+  }
+  if (!(m->inclusion[0] >= 0 && m->inclusion[0] < m->inclusion[1] && m->inclusion[1] <= scene->layout.grid.cells))
+    PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscBool *varies = scene->layout.varies;
+  PetscInt   i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "material", &i));
+  scene->layout.material.kind = (MpmMaterialKind)i;
+  if (scene->layout.material.kind != MPM_MATERIAL_UNIFORM)
+    PetscCall(ReadRatios(settings, scene));
+  else {
+    PetscCall(CheckMaterialReads(settings, "density_ratio", "allowed: only with material two or graded"));
+    PetscCall(CheckMaterialReads(settings, "stiffness_ratio", "allowed: only with material two or graded"));
+    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+    scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
+  }
+  varies[MPM_VOLUME]    = scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
+  varies[MPM_MASS]      = varies[MPM_VOLUME] || scene->layout.material.density != 1 ? PETSC_TRUE : PETSC_FALSE;
+  varies[MPM_STIFFNESS] = scene->layout.material.stiffness != 1 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- initial data ---- */
 
 static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmSettingsSwitch(settings, "stagger", &scene->stagger));
   if (scene->stagger && scene->scheme.formulation->staggered == MPM_NONE) {
     scene->stagger = PETSC_FALSE;
     if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
@@ -94,89 +346,20 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a run measures besides; the slides' weights are those of hats, and of nodes with a cell to either side. */
-static PetscErrorCode ReadDiagnostics(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (strcmp(scene->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsSwitch(settings, "weights", &scene->weights));
-  PetscCall(MpmSettingsSwitch(settings, "source_term", &scene->source_term));
-  PetscCall(MpmSettingsSwitch(settings, "ringing", &scene->ringing));
-  if (scene->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
-    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Where initial eigenmode is; the tasks that do not march leave initial data alone. */
-static PetscErrorCode ReadModeFile(const MpmSettings *settings, MpmScene *scene)
-{
-  const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
-  const char     *path;
-
-  PetscFunctionBegin;
-  if (strcmp(scene->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
-                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
-  if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
-    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
-  PetscCall(MpmSettingsPath(settings, "mode_file", &path));
-  PetscCall(PetscStrncpy(scene->mode_file, path, sizeof scene->mode_file));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A survey is of all schemes, whatever Courant number a scene has. */
-static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmScene *scene)
-{
-  static const char *const idle[] = {"formulation", "basis",  "transfer",        "courant",
-                                     "dt",          "expect", "expect_critical", "json"};
-
-  PetscFunctionBegin;
-  for (size_t i = 0; scene->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
-    if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A count that may not be given: then it stays what it is. */
-static PetscErrorCode ReadCount(const MpmSettings *settings, const char name[], PetscInt *value)
-{
-  PetscInt64 n = *value;
-
-  PetscFunctionBegin;
-  if (MpmSettingsGiven(settings, name)) PetscCall(MpmSettingsInteger(settings, name, &n));
-  *value = (PetscInt)n;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* How finely symbol and pseudospectrum are read, what the spectrum keeps, and how many layouts there are. */
-static PetscErrorCode ReadAnalysis(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  scene->phases = scene->layout.grid.cells;
-  PetscCall(ReadCount(settings, "phases", &scene->phases));
-  PetscCall(ReadCount(settings, "modes", &scene->modes));
-  PetscCall(ReadCount(settings, "layouts", &scene->layouts));
-  PetscCall(ReadCount(settings, "powers", &scene->powers));
-  PetscCall(ReadCount(settings, "pseudospectrum", &scene->pseudospectrum));
-  PetscCall(MpmSettingsSwitch(settings, "measure", &scene->measure));
-  PetscCall(MpmSettingsSwitch(settings, "survey", &scene->survey));
-  PetscCall(CheckSurvey(settings, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt64 n;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsInteger(settings, "mode", &n));
-  scene->mode = (PetscInt)n;
   if (scene->initial == MPM_INITIAL_MODE &&
       scene->mode > PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->layout.grid.cells / 2 : scene->layout.grid.cells))
     PetscCall(MpmSettingsRefuse(settings, "mode",
                                 MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                           : "allowed: a whole number from 1 to cells"));
+  if (MpmInitialHasExact(scene->initial) && !scene->scheme.formulation->wave) {
+    if (MpmSettingsSource(settings, "initial") != MPM_FROM_DEFAULT)
+      PetscCall(MpmSettingsRefuse(settings, "initial",
+                                  "the formulation has no exact solution to start from; allowed: random or eigenmode"));
+    scene->initial = MPM_INITIAL_RANDOM;
+  }
   if (scene->initial == MPM_INITIAL_STEP &&
       (!MpmEndIsFixed(scene->layout.grid.ends[0]) || scene->layout.grid.ends[1] != MPM_FREE))
     PetscCall(
@@ -184,87 +367,77 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   if (scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_EIGENMODE &&
       MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, "mode", "initial"))
     PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode or eigenmode"));
-  PetscCall(MpmSettingsReal(settings, "amplitude", &scene->amplitude));
-  PetscCall(ReadModeFile(settings, scene));
   PetscCall(ReadStagger(settings, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscBool progress;
-
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsReal(settings, "tolerance", &scene->tolerance));
-  PetscCall(MpmSettingsFiles(settings, scene));
-  scene->output_every = scene->steps;
-  if (MpmSettingsGiven(settings, "output_every") && !strcmp(scene->task, "run")) {
-    PetscCall(MpmSettingsInteger(settings, "output_every", &scene->output_every));
-    if (!scene->output[0]) PetscCall(MpmSettingsRefuse(settings, "output_every", "allowed: only with output"));
-  }
-  scene->checkpoint_every = scene->steps;
-  if (MpmSettingsGiven(settings, "checkpoint_every") && !strcmp(scene->task, "run")) {
-    PetscCall(MpmSettingsInteger(settings, "checkpoint_every", &scene->checkpoint_every));
-    if (!scene->checkpoint[0])
-      PetscCall(MpmSettingsRefuse(settings, "checkpoint_every", "allowed: only with checkpoint"));
-  }
-  if (scene->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
-    PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
-  if (MpmSettingsGiven(settings, "progress")) {
-    PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
-    scene->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses units in which the exact solution itself has no size. */
 static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *scene)
 {
-  const MpmProfile profile = MpmSceneProfile(scene, scene->amplitude);
+  static const char *const given[] = {"wave_speed", "amplitude", "length"};
+  const char *const        blamed  = MpmSettingsFarthest(settings, 3, given);
+  const MpmProfile         profile = MpmSceneProfile(scene, scene->amplitude);
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < scene->scheme.table->nstate; f++)
+  for (PetscInt f = 0; f < scene->scheme.table->nstate && scene->scheme.formulation->wave; f++)
     if (!isnormal(scene->scheme.formulation->wave->amplitude(&profile, f)))
-      PetscCall(
-          MpmSettingsRefuse(settings, "wave_speed",
-                            "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
+      PetscCall(MpmSettingsRefuse(
+          settings, blamed,
+          strcmp(blamed, "wave_speed")
+              ? "a field's amplitude is out of range with it; allowed: a number nearer to 1"
+              : "a field's amplitude is out of range with it; allowed: a speed nearer to length / time"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In this order: what comes later needs what came before. */
-static PetscErrorCode ReadScene(const MpmSettings *settings, MpmScene *scene)
+/* What comes later needs what came before. */
+PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, scene));
   PetscCall(ReadWords(settings, scene));
   PetscCall(ReadGrid(settings, scene));
-  PetscCall(MpmSettingsLayout(settings, scene));
+  PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
-  PetscCall(MpmSettingsScheme(settings, scene));
-  PetscCall(MpmSettingsMaterial(settings, scene));
-  PetscCall(ReadAnalysis(settings, scene));
-  if (!strcmp(scene->task, "map")) PetscCall(MpmSettingsAxes(settings, scene));
+  PetscCall(ReadVelocity(settings, scene));
+  PetscCall(ReadTransfer(settings, scene));
+  PetscCall(ReadBoundary(settings, scene));
+  PetscCall(ReadFill(settings, scene));
+  PetscCall(MpmTableCreate(scene->scheme.formulation, scene->scheme.transfer, &scene->scheme.numbers,
+                           scene->layout.grid.ends, &scene->scheme.table));
+  PetscCall(ReadMaterial(settings, scene));
   PetscCall(ReadInitial(settings, scene));
-  PetscCall(ReadDiagnostics(settings, scene));
   PetscCall(CheckSizes(settings, scene));
-  PetscCall(ReadOutputs(settings, scene));
-  PetscCall(MpmSettingsExpect(settings, scene, &scene->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A refusal frees what there is: the fuzzer reads one scene after another. */
-PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene)
+/* From a file or from text; a refusal frees what there is, so that the caller can go on. */
+static PetscErrorCode FromYaml(const char path[], const char yaml[], MpmScene **scene)
 {
   MpmSettings   *settings = NULL;
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
-  (*scene)->task = task;
-  ierr           = MpmSettingsCreate(path, &settings);
-  if (!ierr) ierr = ReadScene(settings, *scene);
+  ierr = MpmSettingsCreate(&settings);
+  if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, yaml);
+  if (!ierr) ierr = MpmSettingsReadProblem(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
   PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(FromYaml(NULL, yaml, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(FromYaml(path, NULL, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,6 +5,7 @@
 
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
+  if (!scene->scheme.formulation->wave) return PETSC_FALSE;
   if (!MpmInitialHasExact(scene->initial) || scene->layout.material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
   return MpmSceneIsFull(scene) || (scene->layout.first == 0 && scene->layout.grid.ends[1] == MPM_FREE) ? PETSC_TRUE
                                                                                                        : PETSC_FALSE;

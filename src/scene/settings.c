@@ -1,5 +1,6 @@
 /* Gathers what the user said: scene, then command line; refuses what nothing knows. */
 #include "scene/settings.h"
+#include "base/suggest.h"
 #include <string.h>
 
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
@@ -23,7 +24,7 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadCommandLine(MpmSettings *settings)
+PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
@@ -38,7 +39,7 @@ static PetscErrorCode ReadCommandLine(MpmSettings *settings)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsCreate(const char scene[], MpmSettings **settings)
+PetscErrorCode MpmSettingsCreate(MpmSettings **settings)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(settings));
@@ -46,8 +47,6 @@ PetscErrorCode MpmSettingsCreate(const char scene[], MpmSettings **settings)
     PetscCheck(i < MPM_MAX_OPTIONS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_OPTIONS");
     if (MpmOptions[i].fallback) PetscCall(PetscStrallocpy(MpmOptions[i].fallback, &(*settings)->text[i]));
   }
-  if (scene) PetscCall(MpmSettingsReadScene(*settings, scene));
-  PetscCall(ReadCommandLine(*settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -106,7 +105,7 @@ static PetscBool IsKey(const char word[])
 }
 
 /* A scene may hold what other tasks read; on the command line it is a mistake. */
-static PetscErrorCode CheckTask(const char task[], const MpmOption *option)
+static PetscErrorCode CheckTask(const char task[], const MpmField *option)
 {
   PetscFunctionBegin;
   MpmCheckInput(!option->tasks || strstr(option->tasks, task), "-%s: task %s does not read it; allowed: with task %s",

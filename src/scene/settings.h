@@ -1,47 +1,11 @@
 /*
-   Settings: what the user said, as text, with where it was said. The command line overrides the scene, the
-   scene overrides the defaults. Typed readers refuse what is not allowed with one message that names option,
-   value and what is allowed.
+   Settings: what the user said, as text, with where it was said. The command line overrides the scene file, and the
+   scene file overrides the defaults. Readers for each kind of value refuse what is not allowed, with one message that
+   names the option, its value and what is allowed.
 */
 #pragma once
-#include "base/suggest.h"
+#include "scene/fields.h"
 #include <mpmstab/errors.h>
-#include <mpmstab/fraction.h>
-
-typedef enum {
-  MPM_WORD,
-  MPM_INTEGER,
-  MPM_REAL,
-  MPM_FRACTION,
-  MPM_SWITCH,
-  MPM_PATH,
-  MPM_RANGE,
-  MPM_SPAN,
-  MPM_ENDS,
-  MPM_LIST
-} MpmOptionKind;
-
-/*S
-   MpmOption - one option: a scene key and the command-line option of the same name.
-
-   lo and hi bound numbers (lo itself is out when lo_open); word(i) lists the words allowed; rival names an
-   option that says the same thing in another way, so that both given is an error; tasks names those that read it (NULL:
-   all), so that the others refuse it on the command line.
-S*/
-typedef struct {
-  const char   *name;
-  MpmOptionKind kind;
-  const char   *fallback, *help;
-  PetscReal     lo, hi;
-  PetscBool     lo_open;
-  const char *(*word)(PetscInt i);
-  const char *rival, *tasks;
-} MpmOption;
-
-/* Not collective. All options, ended by one without a name. */
-extern const MpmOption MpmOptions[];
-
-#define MPM_MAX_OPTIONS 96
 
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_COMMAND_LINE } MpmSource;
 
@@ -52,23 +16,26 @@ typedef struct {
   char      scene[PETSC_MAX_PATH_LEN];
 } MpmSettings;
 
-/* Collective. Reads the scene (NULL: none), then the command line; refuses unknown and doubly given options. */
-PetscErrorCode MpmSettingsCreate(const char scene[], MpmSettings **settings);
+/* Not collective. The defaults, over which the other readers write. */
+PetscErrorCode MpmSettingsCreate(MpmSettings **settings);
 PetscErrorCode MpmSettingsDestroy(MpmSettings **settings);
 
-/* Not collective. Index of an option in MpmOptions, or MPM_NOT_AN_OPTION. */
-#define MPM_NOT_AN_OPTION -1
-PetscInt MpmOptionIndex(const char name[]);
+/*
+   Collective. Reads the keys of a scene, from a YAML file or from YAML text, and the options in PETSc's database. Each
+   refuses keys that are unknown and what is given twice.
+*/
+PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
+PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[]);
+PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
+
+/* Collective. Sets an option's text, and takes away that of its rival. line: in the scene, from 1. */
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);
-
-/* Collective. Reads a YAML scene's keys into the settings. */
-PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
 /* Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be. */
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[]);
@@ -90,9 +57,25 @@ PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], P
                                PetscInt list[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
-/* Not collective. Whether an option has a value, and who gave it. */
-PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[]);
-MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[]);
+/* Not collective. Whether an option has a value, who gave it, and the value as text. */
+PetscBool   MpmSettingsGiven(const MpmSettings *settings, const char name[]);
+MpmSource   MpmSettingsSource(const MpmSettings *settings, const char name[]);
+const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
 
-/* Not collective. Whether a key of the scene has lost its sense because the command line changed another. */
+/*
+   MpmSettingsFarthest - of the options that were given the one whose number is farthest from 1; it is to blame when a
+   product of them is out of the range of doubles.
+
+   Not collective. Of several that are as far the first in the list; the first of all when none was given.
+*/
+const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const char *const names[]);
+
+/* Not collective. Whether a key of the scene file has lost its sense because the command line changed another. */
 PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[]);
+
+/* Collective. Reads the options that were given into the fields of a scene or a request that keep them as they stand. */
+PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, void *object);
+
+/* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
+PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);

@@ -1,6 +1,7 @@
 /* Names of files, refused before any work is done when they cannot be written or would overwrite one another. */
 #include "base/textfile.h"
-#include <mpmstab/scene.h>
+#include "scene/settings.h"
+#include "scene/request.h"
 #include <string.h>
 #include <sys/stat.h>
 
@@ -44,16 +45,16 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, char path[])
 }
 
 /* XDMF names its datasets as FILE:PATH inside XML. */
-static PetscErrorCode NameXmf(const MpmSettings *settings, MpmScene *scene)
+static PetscErrorCode NameXmf(const MpmSettings *settings, MpmRequest *request)
 {
-  const char *ending = Ending(scene->output);
-  const int   length = (int)(ending ? (size_t)(ending - scene->output) : strlen(scene->output));
+  const char *ending = Ending(request->output);
+  const int   length = (int)(ending ? (size_t)(ending - request->output) : strlen(request->output));
 
   PetscFunctionBegin;
-  if (strpbrk(scene->output, "<>&\":"))
+  if (strpbrk(request->output, "<>&\":"))
     PetscCall(MpmSettingsRefuse(settings, "output", "allowed: a name without < > & : and quotes"));
-  PetscCall(PetscSNPrintf(scene->xmf, sizeof scene->xmf, "%.*s.xmf", length, scene->output));
-  PetscCall(MpmFileCheck("output", scene->xmf));
+  PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, request->output));
+  PetscCall(MpmFileCheck("output", request->xmf));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,25 +92,25 @@ enum { CHECKPOINT = 4, FILES = 5 }; /* of those written */
 enum { RESTART = 2 };               /* of those read */
 
 /* Rank 0 looks, so that all ranks refuse the same. */
-PetscErrorCode MpmSettingsFiles(const MpmSettings *settings, MpmScene *scene)
+PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
   static const char *const names[] = {"output", "output", "json", "csv", "checkpoint"};
   static const char *const roles[] = {"scene", "mode_file", "checkpoint to restart from"};
 
-  const char *const paths[]   = {scene->output, scene->xmf, scene->json, scene->csv, scene->checkpoint};
-  const char *const inputs[]  = {settings->scene, scene->mode_file, scene->restart};
+  const char *const paths[]   = {request->output, request->xmf, request->json, request->csv, request->checkpoint};
+  const char *const inputs[]  = {settings->scene, request->mode_file, request->restart};
   char              why[4096] = "";
   PetscMPIInt       rank;
 
   PetscFunctionBegin;
-  PetscCall(ReadOutput(settings, scene->output));
-  PetscCall(ReadPath(settings, "json", PETSC_TRUE, scene->json));
-  PetscCall(ReadPath(settings, "csv", PETSC_TRUE, scene->csv));
-  if (!strcmp(scene->task, "run")) {
-    PetscCall(ReadPath(settings, "checkpoint", PETSC_TRUE, scene->checkpoint));
-    PetscCall(ReadPath(settings, "restart", PETSC_FALSE, scene->restart));
+  PetscCall(ReadOutput(settings, request->output));
+  PetscCall(ReadPath(settings, "json", PETSC_TRUE, request->json));
+  PetscCall(ReadPath(settings, "csv", PETSC_TRUE, request->csv));
+  if (!strcmp(request->task, "run")) {
+    PetscCall(ReadPath(settings, "checkpoint", PETSC_TRUE, request->checkpoint));
+    PetscCall(ReadPath(settings, "restart", PETSC_FALSE, request->restart));
   }
-  if (scene->output[0] && !strcmp(scene->task, "run")) PetscCall(NameXmf(settings, scene));
+  if (request->output[0] && !strcmp(request->task, "run")) PetscCall(NameXmf(settings, request));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (int i = 0; i < FILES && rank == 0; i++) {
     for (int j = 0; j < i && !why[0]; j++) {

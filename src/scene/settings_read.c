@@ -1,5 +1,6 @@
 /* Typed settings: each is checked once, here, and refused with what is allowed. */
 #include "scene/settings.h"
+#include "base/suggest.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,6 +16,11 @@ PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
 MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[])
 {
   return settings->source[MpmOptionIndex(name)];
+}
+
+const char *MpmSettingsText(const MpmSettings *settings, const char name[])
+{
+  return settings->text[MpmOptionIndex(name)];
 }
 
 PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[])
@@ -36,8 +42,8 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
 {
-  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
-  char             why[256];
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  char            why[256];
 
   PetscFunctionBegin;
   if (option->lo_open && option->hi == PETSC_MAX_REAL)
@@ -53,16 +59,34 @@ static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool InRange(const MpmOption *option, PetscReal value)
+static PetscBool InRange(const MpmField *option, PetscReal value)
 {
   if (!isfinite(value) || value > option->hi) return PETSC_FALSE;
   return option->lo_open ? value > option->lo : value >= option->lo;
 }
 
 /* As integers: 2^53 + 1 is beyond 2^53, but the same double. */
-static PetscBool InWholeRange(const MpmOption *option, PetscInt64 value)
+static PetscBool InWholeRange(const MpmField *option, PetscInt64 value)
 {
   return value >= (PetscInt64)option->lo && value <= (PetscInt64)option->hi ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const char *const names[])
+{
+  const char *farthest = names[0];
+  PetscReal   most     = -1;
+
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal distance = MpmSettingsSource(settings, names[i]) == MPM_FROM_DEFAULT
+                                   ? -1
+                                   : fabs(log(strtod(MpmSettingsText(settings, names[i]), NULL)));
+
+    if (distance > most) {
+      most     = distance;
+      farthest = names[i];
+    }
+  }
+  return farthest;
 }
 
 /* strtod takes blanks, hexadecimals, 'inf' and 'nan'; a setting does not. */
@@ -210,10 +234,10 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
 
 PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2])
 {
-  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
-  const char      *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
-  char             first[64] = "", bounds[32], why[256];
-  PetscBool        ok        = PETSC_FALSE;
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  const char     *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  char            first[64] = "", bounds[32], why[256];
+  PetscBool       ok        = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (comma && comma - text < (ptrdiff_t)sizeof first) {
@@ -233,8 +257,8 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[])
 {
-  const MpmOption *option = &MpmOptions[MpmOptionIndex(name)];
-  char             why[128], *end;
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  char            why[128], *end;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
@@ -257,5 +281,49 @@ PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], c
   PetscFunctionBegin;
   *path = settings->text[MpmOptionIndex(name)];
   if (*path && !**path) PetscCall(MpmSettingsRefuse(settings, name, "allowed: the name of a file"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One field, into the place where it is kept. */
+static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, void *place)
+{
+  PetscInt64 whole;
+
+  PetscFunctionBegin;
+  switch (field->value) {
+  case MPM_AS_COUNT:
+    PetscCall(MpmSettingsInteger(settings, field->name, &whole));
+    *(PetscInt *)place = (PetscInt)whole;
+    break;
+  case MPM_AS_LONG:
+    PetscCall(MpmSettingsInteger(settings, field->name, (PetscInt64 *)place));
+    break;
+  case MPM_AS_REAL:
+    PetscCall(MpmSettingsReal(settings, field->name, (PetscReal *)place));
+    break;
+  case MPM_AS_FRACTION:
+    PetscCall(MpmSettingsFraction(settings, field->name, (MpmFraction *)place));
+    break;
+  case MPM_AS_RANGE:
+    PetscCall(MpmSettingsRange(settings, field->name, (PetscReal *)place));
+    break;
+  case MPM_AS_SWITCH:
+    PetscCall(MpmSettingsSwitch(settings, field->name, (PetscBool *)place));
+    break;
+  default:
+    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s is read by hand", field->name);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, void *object)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const MpmField *field = &MpmOptions[i];
+
+    if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
+    PetscCall(ReadField(settings, field, (char *)object + field->at));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
 #include "scene/settings.h"
+#include "base/suggest.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -77,13 +78,38 @@ static PetscErrorCode FindKey(const MpmSettings *settings, const char key[], int
   MpmRefuse("%s:%d: unknown key '%s'; 'mpmstab list options' shows those there are", settings->scene, line, key);
 }
 
+/* What a key's value may look like, for a message about a key without one. */
+static const char *AllowedFor(const MpmField *option)
+{
+  switch (option->kind) {
+  case MPM_INTEGER:
+    return "a whole number";
+  case MPM_REAL:
+    return "a number";
+  case MPM_FRACTION:
+    return "a number or a fraction such as 1/8";
+  case MPM_SWITCH:
+    return "true or false";
+  case MPM_PATH:
+    return "the name of a file";
+  case MPM_RANGE:
+  case MPM_SPAN:
+    return "two numbers [lo, hi]";
+  case MPM_LIST:
+    return "a list of whole numbers";
+  default:
+    return "one of its words";
+  }
+}
+
 static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], PetscInt option, const char text[], int line)
 {
   PetscFunctionBegin;
-  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time", settings->scene,
-                line, key);
-  MpmCheckInput(*text && strcmp(text, "~") && strcmp(text, "null"), "%s:%d: key '%s' has no value", settings->scene,
-                line, key);
+  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time; allowed: once",
+                settings->scene, line, key);
+  MpmCheckInput(*text && strcmp(text, "~") && strcmp(text, "null"),
+                "%s:%d: key '%s' has no value; allowed: %s, or no such line", settings->scene, line, key,
+                AllowedFor(&MpmOptions[option]));
   PetscCall(MpmSettingsSet(settings, option, text, MPM_FROM_SCENE, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -95,8 +121,9 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
   const MpmOptionKind     kind = MpmOptions[option].kind;
   const char             *key = MpmOptions[option].name, *part = Scalar(value);
   const yaml_node_item_t *item = NULL, *end = NULL;
-  const PetscBool         two  = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
-  size_t                  used = 0;
+  PetscBool               first = PETSC_TRUE;
+  const PetscBool         two   = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
+  size_t                  used  = 0;
 
   PetscFunctionBegin;
   MpmCheckInput(value->type != YAML_MAPPING_NODE, "%s:%d: key '%s' holds a block; allowed: a value", settings->scene,
@@ -120,8 +147,9 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
     MpmCheckInput(part, "%s:%d: key '%s': a zero byte in its value; allowed: text", settings->scene, Line(value), key);
     MpmCheckInput(used + strlen(part) + 2 < size, "%s:%d: key '%s': its value is too long", settings->scene,
                   Line(value), key);
-    PetscCall(PetscSNPrintf(text + used, size - used, "%s%s", used ? "," : "", part));
-    used = strlen(text);
+    PetscCall(PetscSNPrintf(text + used, size - used, "%s%s", first ? "" : ",", part));
+    used  = strlen(text);
+    first = PETSC_FALSE;
   } while (item < end);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -140,11 +168,13 @@ static PetscErrorCode ReadExpect(MpmSettings *settings, yaml_document_t *documen
        other++) {
     const char *key = Scalar(yaml_document_get_node(document, other->key));
 
-    MpmCheckInput(other == pair || !key || strcmp(key, "expect"), "%s:%d: key 'expect' is given a second time",
-                  settings->scene, Line(yaml_document_get_node(document, PetscMax(pair, other)->key)));
+    MpmCheckInput(other == pair || !key || strcmp(key, "expect"),
+                  "%s:%d: key 'expect' is given a second time; allowed: once", settings->scene,
+                  Line(yaml_document_get_node(document, PetscMax(pair, other)->key)));
   }
-  MpmCheckInput(mine->data.mapping.pairs.top > mine->data.mapping.pairs.start, "%s:%d: key 'expect' has no value",
-                settings->scene, Line(mine));
+  MpmCheckInput(mine->data.mapping.pairs.top > mine->data.mapping.pairs.start,
+                "%s:%d: key 'expect' has no value; allowed: a verdict, or a block of expectations", settings->scene,
+                Line(mine));
   PetscCall(ReadMapping(settings, document, mine, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -224,24 +254,42 @@ static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Text in memory, as a scene of that name. */
+static PetscErrorCode ReadYaml(MpmSettings *settings, const char yaml[], size_t size)
+{
+  yaml_parser_t  parser;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the YAML parser");
+  yaml_parser_set_input_string(&parser, (const unsigned char *)yaml, size);
+  ierr = ReadDocument(settings, &parser);
+  yaml_parser_delete(&parser);
+  PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 {
   char          *bytes;
   PetscInt       size = 0;
-  yaml_parser_t  parser;
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
   PetscCall(PetscMalloc1(LARGEST_SCENE + 1, &bytes));
-  PetscCheck(yaml_parser_initialize(&parser), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the YAML parser");
   ierr = ReadBytes(path, bytes, &size);
-  if (!ierr) {
-    yaml_parser_set_input_string(&parser, (const unsigned char *)bytes, (size_t)size);
-    ierr = ReadDocument(settings, &parser);
-  }
-  yaml_parser_delete(&parser);
+  if (!ierr) ierr = ReadYaml(settings, bytes, (size_t)size);
   PetscCall(PetscFree(bytes));
   PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(settings->scene, "text", sizeof settings->scene));
+  MpmCheckInput(strlen(yaml) <= LARGEST_SCENE, "scene text: larger than 16 KiB; allowed: YAML of options");
+  PetscCall(ReadYaml(settings, yaml, strlen(yaml)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,6 +7,7 @@
 /* Beyond this many phases the maximum is the same to all digits that matter. */
 #define MOST_PHASES 65536
 
+#define AGREE 1e-6    /* closed form and symbol, relative to growth: rounding splits a defective pair by 1e-8 */
 #define NOTHING 1e-24 /* symbol of P2G G2P that only rounding keeps from 0 */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
@@ -32,10 +33,11 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
   PetscReal      mean  = 0;
 
   PetscFunctionBegin;
-  *p = (MpmPredictor){.layout            = layout,
-                      .scheme            = scheme,
-                      .why_not           = WhyNot(layout, scheme, drifts),
-                      .why_not_published = WhyNotPublished(layout, scheme, drifts)};
+  *p                   = (MpmPredictor){.layout            = layout,
+                                        .scheme            = scheme,
+                                        .why_not           = WhyNot(layout, scheme, drifts),
+                                        .why_not_published = WhyNotPublished(layout, scheme, drifts)};
+  p->why_not_corrected = scheme->formulation->corrected ? p->why_not : "the formulation has no closed form";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc3(layout->ppc, &p->node, layout->ppc * reach, &p->value, layout->ppc * reach, &p->slope));
   for (PetscInt j = 0; j < layout->ppc; j++) {
@@ -93,7 +95,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, PetscR
 {
   MpmCellSymbols cell;
 
-  if (p->why_not) return NAN;
+  if (p->why_not_corrected) return NAN;
   cell = MpmPredictorSymbols(p, beta);
   return p->scheme->formulation->corrected(&cell, courant);
 }
@@ -149,4 +151,9 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   PetscCall(PetscFree(all));
   *comparison = (MpmComparison){mine[0] < 0 ? NAN : mine[0], mine[1], mine[2] < 0 ? NAN : mine[2], mine[3]};
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmPredictDisagrees(const MpmComparison *comparison, PetscReal growth)
+{
+  return comparison->corrected > AGREE * PetscMax(1, growth) ? PETSC_TRUE : PETSC_FALSE;
 }

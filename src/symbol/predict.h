@@ -4,8 +4,9 @@
 #include <mpmstab/symbol.h>
 
 /*S
-   MpmPredictor - a scheme's closed forms on a layout. why_not: NULL when they cover it, else what they leave out
-   (moving or scattered particles, ends); why_not_published: the same of the slides' (other bases and transfers too).
+   MpmPredictor - a scheme's closed forms on a layout. why_not: NULL when closed forms can cover it, else what they leave
+   out (moving or scattered particles, ends); why_not_corrected: the same, or that the formulation has none;
+   why_not_published: the same of the slides' (other bases and transfers too).
 
    e = C1 - C2 of the slides' weights. node[j]: the first that particle j of a cell sees; value and slope: its phi_ip
    and h dphi_ip/dx, MpmMapReach of each.
@@ -13,7 +14,7 @@ S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  const char      *why_not, *why_not_published;
+  const char      *why_not, *why_not_corrected, *why_not_published;
   PetscReal        e;
   PetscInt        *node;
   PetscReal       *value, *slope;
@@ -51,6 +52,12 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
 typedef struct {
   PetscReal published, published_beta, corrected, corrected_beta;
 } MpmComparison;
+
+/*
+   Not collective. Whether the corrected closed form and the symbol, whose growth this is, are so far apart that one of
+   the two is wrong.
+*/
+PetscBool MpmPredictDisagrees(const MpmComparison *comparison, PetscReal growth);
 
 /* Collective. */
 PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *predictor, const MpmSymbol *symbol,

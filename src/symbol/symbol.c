@@ -94,7 +94,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin(s->wish.progress, "phase", &progress));
+  PetscCall(MpmProgressBegin("phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
     PetscInt        largest, exponent;
@@ -120,7 +120,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
    How far rounding may have split a defective pair. It decides where nothing grows beyond the tolerance, and is not
    looked for elsewhere: it costs as much as the factors.
 */
-static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, MpmSymbol *s)
+static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
   PetscFunctionBegin;
   if (!(s->growth <= 1 + NEAR * s->wish.tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,9 +131,9 @@ static PetscErrorCode FindBlur(MPI_Comm comm, Reader *r, MpmSymbol *s)
 
     PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
     PetscCall(Rounding(r, s, beta, exponent, &error));
-    s->blur = PetscMax(s->blur, MpmDefectiveErrorOf(error, exponent, s->period));
+    s->defective_error = PetscMax(s->defective_error, MpmDefectiveErrorOf(error, exponent, s->period));
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->blur, 1, MPIU_REAL, MPI_MAX, comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->defective_error, 1, MPIU_REAL, MPI_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -243,7 +243,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
-  PetscCall(FindBlur(comm, &reader, s));
+  PetscCall(FindDefectiveError(comm, &reader, s));
   PetscCall(MpmSmallEigenDestroy(&reader.eigen));
   PetscCall(PetscFree(reader.noisy));
   PetscCall(MpmBlochDestroy(&reader.bloch));

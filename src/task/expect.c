@@ -28,7 +28,7 @@ static PetscErrorCode CheckRange(const char what[], PetscReal value, const Petsc
 
 PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed)
 {
-  const MpmExpect *expect = &run->scene->expect;
+  const MpmExpect *expect = &run->request->expect;
   const MpmGrowth *growth = &run->growth;
   PetscReal        worst  = 0;
 

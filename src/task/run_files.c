@@ -12,10 +12,11 @@
 #include "report/run_csv.h"
 
 typedef struct {
-  const MpmScene *scene;
-  PetscInt64      from;   /* the step at which this run began */
-  MpmOutput      *output; /* NULL: none is written */
-  MpmTextFile     csv;
+  const MpmScene   *scene;
+  const MpmRequest *request;
+  PetscInt64        from;   /* the step at which this run began */
+  MpmOutput        *output; /* NULL: none is written */
+  MpmTextFile       csv;
 } Files;
 
 static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
@@ -24,11 +25,11 @@ static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
 
   PetscFunctionBegin;
   /* a run of no steps has nothing to add to an output that ends with this step */
-  if (march->step == files->scene->steps) PetscCall(MpmOutputHasStep(files->scene, march->step, &there));
+  if (march->step == files->request->steps) PetscCall(MpmOutputHasStep(files->request, march->step, &there));
   if (there)
-    MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", files->scene->output, march->step);
+    MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", files->request->output, march->step);
   else
-    PetscCall(MpmOutputCreate(march, &files->output));
+    PetscCall(MpmOutputCreate(march, files->request, &files->output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -37,9 +38,9 @@ static PetscErrorCode OpenCsv(Files *files, const MpmRun *run, const char before
 {
   PetscFunctionBegin;
   if (before && !*before)
-    MpmPrint("%s begins after step %" PetscInt64_FMT ": the checkpoint holds no earlier rows\n", files->scene->csv,
+    MpmPrint("%s begins after step %" PetscInt64_FMT ": the checkpoint holds no earlier rows\n", files->request->csv,
              files->from);
-  PetscCall(MpmTextFileOpen(files->scene->csv, &files->csv));
+  PetscCall(MpmTextFileOpen(files->request->csv, &files->csv));
   PetscCall(MpmRunCsvBegin(run, before, &files->csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -47,23 +48,24 @@ static PetscErrorCode OpenCsv(Files *files, const MpmRun *run, const char before
 /* Every file was tried when the scene was read, and has its name only when the work is done. */
 static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 {
-  Files          *files  = context;
-  const MpmScene *scene  = files->scene;
-  char           *before = NULL;
+  Files            *files   = context;
+  const MpmScene   *scene   = files->scene;
+  const MpmRequest *request = files->request;
+  char             *before  = NULL;
 
   PetscFunctionBegin;
   if (scene->initial == MPM_INITIAL_EIGENMODE) {
-    PetscCall(MpmModeFileGrowth(scene, &run->eigenmode));
-    if (!scene->restart[0]) PetscCall(MpmModeFileFill(march));
+    PetscCall(MpmModeFileGrowth(scene, request->mode_file, &run->eigenmode));
+    if (!request->restart[0]) PetscCall(MpmModeFileFill(request->mode_file, march));
   }
-  if (scene->restart[0]) PetscCall(MpmCheckpointRead(scene->restart, march, run, &before));
+  if (request->restart[0]) PetscCall(MpmCheckpointRead(request->restart, request->steps, march, run, &before));
   files->from = march->step;
-  if (scene->restart[0] && files->from == scene->steps)
-    MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", scene->restart,
+  if (request->restart[0] && files->from == request->steps)
+    MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", request->restart,
              files->from);
-  if (scene->checkpoint[0]) MpmStopInstall();
-  if (scene->output[0]) PetscCall(OpenOutput(files, march));
-  if (scene->csv[0]) PetscCall(OpenCsv(files, run, before));
+  if (request->checkpoint[0]) MpmStopInstall();
+  if (request->output[0]) PetscCall(OpenOutput(files, march));
+  if (request->csv[0]) PetscCall(OpenCsv(files, run, before));
   PetscCall(PetscFree(before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -74,35 +76,35 @@ static PetscErrorCode Sample(void *context, const MpmRun *run, const MpmMarch *m
   Files *files = context;
 
   PetscFunctionBegin;
-  if (files->scene->csv[0]) PetscCall(MpmRunCsvRow(run, march, exchange, log_norm, energy, &files->csv));
+  if (files->request->csv[0]) PetscCall(MpmRunCsvRow(run, march, exchange, log_norm, energy, &files->csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Asks for signals only where there is a checkpoint to write. The checkpoint of the last step is written at the end. */
 static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *march, PetscBool *stop)
 {
-  const MpmScene *scene = files->scene;
-  char           *csv   = NULL;
+  const MpmRequest *request = files->request;
+  char             *csv     = NULL;
 
   PetscFunctionBegin;
-  if (!scene->checkpoint[0] || march->step == files->from || march->step == scene->steps)
+  if (!request->checkpoint[0] || march->step == files->from || march->step == request->steps)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStopAgreed(PETSC_COMM_WORLD, stop));
-  if (!*stop && march->step % scene->checkpoint_every) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->csv[0]) PetscCall(MpmTextFileSoFar(&files->csv, &csv));
-  PetscCall(MpmCheckpointWrite(scene->checkpoint, march, run, csv));
+  if (!*stop && march->step % request->checkpoint_every) PetscFunctionReturn(PETSC_SUCCESS);
+  if (request->csv[0]) PetscCall(MpmTextFileSoFar(&files->csv, &csv));
+  PetscCall(MpmCheckpointWrite(request->checkpoint, march, run, csv));
   PetscCall(PetscFree(csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Step(void *context, const MpmRun *run, MpmMarch *march, PetscBool *stop)
 {
-  Files          *files = context;
-  const MpmScene *scene = files->scene;
+  Files            *files   = context;
+  const MpmRequest *request = files->request;
 
   PetscFunctionBegin;
   if (files->output &&
-      (march->step == files->from || march->step % scene->output_every == 0 || march->step == scene->steps))
+      (march->step == files->from || march->step % request->output_every == 0 || march->step == request->steps))
     PetscCall(MpmOutputStep(files->output, march));
   if (!run->lost) PetscCall(Keep(files, run, march, stop));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -111,30 +113,28 @@ static PetscErrorCode Step(void *context, const MpmRun *run, MpmMarch *march, Pe
 /* A run that was stopped leaves its checkpoint alone. */
 static PetscErrorCode End(void *context, const MpmRun *run, MpmMarch *march)
 {
-  Files          *files = context;
-  const MpmScene *scene = files->scene;
-  const PetscBool keep  = run->stopped ? PETSC_FALSE : PETSC_TRUE;
-  const PetscBool last  = keep && scene->checkpoint[0] && !run->lost ? PETSC_TRUE : PETSC_FALSE;
-  char           *csv   = NULL;
+  Files            *files   = context;
+  const MpmRequest *request = files->request;
+  const PetscBool   keep    = run->stopped ? PETSC_FALSE : PETSC_TRUE;
+  const PetscBool   last    = keep && request->checkpoint[0] && !run->lost ? PETSC_TRUE : PETSC_FALSE;
+  char             *csv     = NULL;
 
   PetscFunctionBegin;
-  if (last && scene->csv[0]) PetscCall(MpmTextFileSoFar(&files->csv, &csv));
+  if (last && request->csv[0]) PetscCall(MpmTextFileSoFar(&files->csv, &csv));
   if (files->output) PetscCall(MpmOutputDestroy(keep, &files->output));
-  if (scene->csv[0] && keep) PetscCall(MpmTextFileClose(&files->csv));
-  if (scene->csv[0] && !keep) MpmTextFileDrop(&files->csv);
-  if (last) PetscCall(MpmCheckpointWrite(scene->checkpoint, march, run, csv));
+  if (request->csv[0] && keep) PetscCall(MpmTextFileClose(&files->csv));
+  if (request->csv[0] && !keep) MpmTextFileDrop(&files->csv);
+  if (last) PetscCall(MpmCheckpointWrite(request->checkpoint, march, run, csv));
   PetscCall(PetscFree(csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, PetscReal started, MpmRun **run)
+PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run)
 {
-  Files                 files     = {.scene = scene};
+  Files                 files     = {.scene = scene, .request = request};
   const MpmRunCallbacks callbacks = {.context = &files, .begin = Begin, .sample = Sample, .step = Step, .end = End};
 
   PetscFunctionBegin;
-  if (scene->initial == MPM_INITIAL_EIGENMODE) PetscCall(MpmModeFileCheck(scene));
-  if (scene->restart[0]) PetscCall(MpmCheckpointCheck(scene));
-  PetscCall(MpmRunCreateWith(scene, &callbacks, started, run));
+  PetscCall(MpmRunCreate(scene, request, &callbacks, started, run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

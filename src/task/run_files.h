@@ -5,8 +5,7 @@
 /*
    MpmRunFilesCreate - marches a scene, reads and writes the files that it names, and measures.
 
-   Collective on PETSC_COMM_WORLD. Refuses a checkpoint to resume from, or a mode file, that is not of this scene,
-   before it marches. A run that a signal has stopped (run->stopped) leaves its checkpoint and no other
+   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked (see tasks.c). A run that a signal has stopped (run->stopped) leaves its checkpoint and no other
    file. started: see MpmRunCreate.
 */
-PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, PetscReal started, MpmRun **run);
+PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run);

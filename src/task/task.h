@@ -1,6 +1,6 @@
 /* Tasks: what the program can be asked to do. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 
 /*S
    MpmTask - one task. run gets the words after the task's name and sets the exit status.
@@ -13,7 +13,8 @@ typedef struct {
 extern const MpmTask MpmTasks[];
 
 /* What a task does with its scene; counts the expectations it misses. */
-typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, PetscReal started, PetscInt *missed);
+typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                       PetscInt *missed);
 
 /* Collective. [SCENE.yaml] [-option value]... -> scene -> work -> exit status; refuses what nothing has read. */
 PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,

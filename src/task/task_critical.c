@@ -3,30 +3,31 @@
 #include "task/expect.h"
 #include "task/task.h"
 
-static PetscErrorCode One(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect   expect = scene->expect;
-  MpmCritical critical;
+  const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
+  MpmExpect             expect = request->expect;
+  MpmCritical           critical;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
-  PetscCall(MpmCriticalFind(scene, PETSC_FALSE, &critical));
-  if (scene->csv[0]) PetscCall(MpmCriticalWriteCsv(scene->csv, scene, 1, &scene, &critical));
-  if (scene->json[0]) PetscCall(MpmCriticalWriteJson(scene, &critical, MPI_Wtime() - started));
-  PetscCall(MpmCriticalPrint(scene, &critical));
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &critical));
+  if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, &critical));
+  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, &critical, MPI_Wtime() - started));
+  PetscCall(MpmCriticalPrint(scene, request, &critical));
   PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
   PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
   *missed = 0;
-  if (scene->survey)
-    PetscCall(MpmCriticalSurvey(scene));
+  if (request->survey)
+    PetscCall(MpmCriticalPrintSurvey(scene, request));
   else
-    PetscCall(One(scene, started, missed));
+    PetscCall(One(scene, request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

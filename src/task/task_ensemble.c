@@ -3,16 +3,16 @@
 #include "task/expect.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect    expect = scene->expect;
+  MpmExpect    expect = request->expect;
   MpmEnsemble *ensemble;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one layout */
-  PetscCall(MpmEnsembleCreate(scene, &ensemble));
-  if (scene->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
-  if (scene->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
+  PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
+  if (request->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
+  if (request->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
   PetscCall(MpmEnsemblePrint(ensemble));
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));

@@ -1,5 +1,6 @@
 /* mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
-#include <mpmstab/scene.h>
+#include "base/suggest.h"
+#include "scene/fields.h"
 #include "task/task.h"
 #include <slepcsys.h>
 #include <string.h>
@@ -47,7 +48,7 @@ static PetscErrorCode ListLayouts(void)
 static PetscErrorCode ListOptions(void)
 {
   PetscFunctionBegin;
-  for (const MpmOption *o = MpmOptions; o->name; o++)
+  for (const MpmField *o = MpmOptions; o->name; o++)
     MpmPrint("  %-16s %-9s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

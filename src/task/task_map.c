@@ -3,17 +3,17 @@
 #include "report/results.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect        expect = scene->expect;
+  MpmExpect        expect = request->expect;
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* that is of one point */
-  PetscCall(MpmStabilityMapCreate(scene, &map));
-  if (scene->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
-  if (scene->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
-  if (scene->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
+  PetscCall(MpmStabilityMapCreate(scene, request, &map));
+  if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
+  if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
+  if (request->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
   PetscCall(MpmStabilityMapPrint(map));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));

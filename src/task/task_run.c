@@ -5,19 +5,19 @@
 #include "task/run_files.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmRun *run;
 
   PetscFunctionBegin;
-  PetscCall(MpmRunFilesCreate(scene, started, &run));
+  PetscCall(MpmRunFilesCreate(scene, request, started, &run));
   *missed = 0;
   if (run->stopped)
     MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
              "; to go on: the same command with -restart %s\n",
-             run->steps, scene->steps, scene->checkpoint);
+             run->steps, request->steps, request->checkpoint);
   else {
-    if (scene->json[0]) PetscCall(MpmRunWriteJson(run));
+    if (request->json[0]) PetscCall(MpmRunWriteJson(run));
     PetscCall(MpmRunPrint(run));
     PetscCall(MpmExpectRun(run, missed));
   }

@@ -4,16 +4,16 @@
 #include "report/results.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, PetscReal started, PetscInt *missed)
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmSpectrum *spectrum;
 
   PetscFunctionBegin;
-  PetscCall(MpmSpectrumCreate(scene, started, &spectrum));
+  PetscCall(MpmSpectrumCreate(scene, request, started, &spectrum));
   PetscCall(MpmSpectrumWriteFiles(spectrum));
-  if (scene->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
   PetscCall(MpmSpectrumPrint(spectrum));
-  PetscCall(MpmExpectFinding(&scene->expect, &spectrum->finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, &spectrum->finding, missed));
   PetscCall(MpmSpectrumDestroy(&spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,9 @@
 #include <mpmstab/errors.h>
 #include "base/memory.h"
 #include "base/stop.h"
+#include "io/checkpoint.h"
+#include "io/mode_file.h"
+#include "scene/settings.h"
 #include "task/task.h"
 
 const MpmTask MpmTasks[] = {
@@ -16,18 +19,31 @@ const MpmTask MpmTasks[] = {
     {NULL, NULL, NULL},
 };
 
+/* Refuses files that a run is to start from and cannot. */
+static PetscErrorCode CheckStart(const MpmScene *scene, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (scene->initial == MPM_INITIAL_EIGENMODE && request->mode_file[0])
+    PetscCall(MpmModeFileCheck(scene, request->mode_file));
+  if (request->restart[0]) PetscCall(MpmCheckpointCheck(request->restart, scene, request->steps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
                               int *status)
 {
   const char *path   = argc > 0 && argv[0][0] != '-' ? argv[0] : NULL;
   PetscInt    missed = 0;
   MpmScene   *scene;
+  MpmRequest  request;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
   PetscCall(MpmMemoryCheckLapack());
-  PetscCall(MpmSceneCreate(task, path, &scene));
-  PetscCall(work(scene, started, &missed));
+  PetscCall(MpmSceneCreate(task, path, &scene, &request));
+  PetscCall(CheckStart(scene, &request));
+  MpmProgressShow(request.progress);
+  PetscCall(work(scene, &request, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(MpmSettingsCheckUnused());
   *status = MpmStopped() ? MPM_EXIT_STOPPED : missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;

@@ -11,12 +11,13 @@
 #include "io/checkpoint.h"
 #include "march/conserved.h"
 #include "march/diagnostics.h"
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 #include <math.h>
 #include <string.h>
 
 #define WRITTEN_AT 9
 #define STEPS 12
+#define TOLERANCE 1e-6
 #define RAW 128
 
 static const char checkpoint_file[] = "input.h5";
@@ -67,10 +68,8 @@ static PetscErrorCode Make(const char words[], MpmScene **scene, Sealed *sealed)
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, words));
-  PetscCall(MpmSceneCreate("run", NULL, scene));
+  PetscCall(MpmSceneCreate("run", NULL, scene, NULL));
   PetscCall(PetscOptionsClear(NULL));
-  (*scene)->steps = STEPS;
-  PetscCall(PetscStrncpy((*scene)->restart, checkpoint_file, sizeof(*scene)->restart));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, *scene, &march));
   PetscCall(March(march, &run, WRITTEN_AT, &follow));
   PetscCall(MpmCheckpointWrite(checkpoint_file, march, &run, "step,norm\n0,1\n"));
@@ -101,13 +100,13 @@ static PetscErrorCode GoOn(const MpmScene *scene, MpmMarch *march, MpmRun *run, 
   MpmError     error[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
-  PetscCall(MpmCheckpointRead(checkpoint_file, march, run, csv));
-  FuzzNeed(march->step >= 0 && march->step < scene->steps, "a step that is none of the scene's");
+  PetscCall(MpmCheckpointRead(checkpoint_file, STEPS, march, run, csv));
+  FuzzNeed(march->step >= 0 && march->step < STEPS, "a step that is none of the scene's");
   PetscCall(MpmConservedSum(march, &start));
-  PetscCall(March(march, run, scene->steps, &follow));
+  PetscCall(March(march, run, STEPS, &follow));
   if (follow) PetscCall(MpmConservedCheck(march, &start, changes));
   if (MpmSceneHasExact(scene)) PetscCall(MpmDiagnosticsErrors(march, error));
-  PetscCall(MpmGrowthFit(&run->series, scene->tolerance, PETSC_TRUE, &run->growth));
+  PetscCall(MpmGrowthFit(&run->series, TOLERANCE, PETSC_TRUE, &run->growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +118,7 @@ static PetscErrorCode ReadAndGoOn(const MpmScene *scene)
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  PetscCall(MpmCheckpointCheck(scene));
+  PetscCall(MpmCheckpointCheck(checkpoint_file, scene, STEPS));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   ierr = GoOn(scene, march, &run, &csv);
   PetscCall(PetscFree(csv));

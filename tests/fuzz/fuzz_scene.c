@@ -6,6 +6,7 @@
    here.
 */
 #include "fuzz.h"
+#include "scene/settings.h"
 #include "task/task.h"
 #include <math.h>
 #include <string.h>
@@ -61,7 +62,7 @@ static PetscErrorCode TakeOptions(const char task[], int n, char **words)
 }
 
 /* What every reader of a scene relies on. */
-static void CheckScene(const MpmScene *s)
+static void CheckScene(const MpmScene *s, const MpmRequest *r)
 {
   const PetscInt64 places = (PetscInt64)s->layout.grid.cells * s->layout.ppc;
 
@@ -71,12 +72,12 @@ static void CheckScene(const MpmScene *s)
   FuzzNeed(s->layout.particles >= 1 && s->layout.first >= 0 && s->layout.first + s->layout.particles <= places,
            "particles");
   FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
-  FuzzNeed(s->dt > 0 && s->step.courant > 0 && s->steps >= 1 && s->output_every >= 1, "time");
+  FuzzNeed(s->dt > 0 && s->step.courant > 0 && r->steps >= 1 && r->output_every >= 1, "time");
   FuzzNeed(isfinite(s->step.drift.value) && s->step.drift.den >= 0 && s->layout.offset.value >= 0 &&
                s->layout.offset.value < 1,
            "places");
-  FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && s->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(s->phases >= 1 && s->modes >= 0 && s->mode >= 1 && s->scheme.table->nops > 0, "a count");
+  FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
+  FuzzNeed(r->phases >= 1 && r->modes >= 0 && s->mode >= 1 && s->scheme.table->nops > 0, "a count");
   FuzzNeed(!MpmSceneDrifts(s) || MpmSceneIsPeriodic(s), "drift into a wall");
 }
 
@@ -86,14 +87,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   const int      n    = Words(data, size, line, sizeof line, words);
   const char    *task = n ? TaskNamed(words[0]) : "run";
   MpmScene      *scene;
+  MpmRequest     request;
   PetscErrorCode ierr;
 
   FuzzEnter();
   FuzzWrite(data, size);
   ierr = TakeOptions(task, n > 1 ? n - 1 : 0, words + 1);
-  if (!ierr) ierr = MpmSceneCreate(task, scene_file, &scene);
+  if (!ierr) ierr = MpmSceneCreate(task, scene_file, &scene, &request);
   if (!ierr) {
-    CheckScene(scene);
+    CheckScene(scene, &request);
     ierr = MpmSceneDestroy(&scene);
   }
   FuzzReturn();

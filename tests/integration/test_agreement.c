@@ -12,8 +12,8 @@ static PetscErrorCode Agrees(const char path[])
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
-  PetscCall(MpmSceneCreate("spectrum", path, &scene));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSceneCreate("spectrum", path, &scene, &check_request));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->step_mismatch <= 1e-14 * s->op->period, "%s: A q and march(q) differ by %.3g", path, s->step_mismatch);
   CHECK(s->eigen->complete && s->max_residual <= 1e-12, "%s: %d eigenvalues, residual %.3g", path, (int)s->eigen->n,
         s->max_residual);

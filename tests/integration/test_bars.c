@@ -121,7 +121,7 @@ static PetscErrorCode Energy(const char options[], PetscReal lo, PetscReal hi)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(all, sizeof all, "%s -cells 16 -mode 3 -steps 20000", options));
   PetscCall(CheckScene(all, &scene));
-  PetscCall(MpmRunCreate(scene, 0, &run));
+  PetscCall(MpmRunCreate(scene, &check_request, NULL, 0, &run));
   CHECK(run->energy_ratio >= lo && run->energy_ratio <= hi, "%s: energy %g of the first", options, run->energy_ratio);
   CHECK(run->verdict == MPM_STABLE, "%s: %s", options, MpmVerdictNames[run->verdict]);
   PetscCall(MpmRunDestroy(&run));
@@ -145,7 +145,7 @@ static PetscErrorCode CheckEnergyOfFilter(void)
                             "-formulation elastic -boundary fixed,free -initial step -cells 32 -steps 9 -transfer %s",
                             transfers[i]));
     PetscCall(CheckScene(options, &scene));
-    PetscCall(MpmRunCreate(scene, 0, &run));
+    PetscCall(MpmRunCreate(scene, &check_request, NULL, 0, &run));
     first[i] = run->energy_initial;
     last[i]  = run->energy_final;
     PetscCall(MpmRunDestroy(&run));

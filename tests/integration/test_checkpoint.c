@@ -67,7 +67,6 @@ static PetscErrorCode GoOn(const char options[], MPI_Comm comm, MPI_Comm other, 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmSeriesAppend(&before.series, 5, 1.0 / 3, -7));
-  PetscCall(PetscStrncpy(scene->restart, FILE_NAME, sizeof scene->restart));
   if (comm != MPI_COMM_NULL) {
     PetscCall(MpmMarchCreate(comm, scene, &parts));
     PetscCall(Steps(parts, 33));
@@ -75,12 +74,12 @@ static PetscErrorCode GoOn(const char options[], MPI_Comm comm, MPI_Comm other, 
     PetscCall(MpmMarchDestroy(&parts));
   }
   PetscCallMPI(MPI_Barrier(PETSC_COMM_WORLD));
-  PetscCall(MpmCheckpointCheck(scene));
+  PetscCall(MpmCheckpointCheck(FILE_NAME, scene, check_request.steps));
   if (other != MPI_COMM_NULL) {
     PetscCall(MpmMarchCreate(other, scene, &whole));
     PetscCall(Steps(whole, 60));
     PetscCall(MpmMarchCreate(other, scene, &parts));
-    PetscCall(MpmCheckpointRead(FILE_NAME, parts, &after, &csv));
+    PetscCall(MpmCheckpointRead(FILE_NAME, check_request.steps, parts, &after, &csv));
     CHECK(parts->step == 33 && after.blew_up_at_step == 17 && after.energy_initial == 0.1, "%s: the run", options);
     CHECK(after.series.n == 1 && after.series.step[0] == 5 && after.series.log_state[0] == 1.0 / 3, "%s: its series",
           options);

@@ -10,7 +10,7 @@ static PetscErrorCode EnsembleOf(const char options[], MpmScene **scene, MpmEnse
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  PetscCall(MpmEnsembleCreate(*scene, e));
+  PetscCall(MpmEnsembleCreate(*scene, &check_request, e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,8 +51,8 @@ static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
   PetscCall(PetscSNPrintf(alone, sizeof alone, "%s -layouts 1", options));
   PetscCall(EnsembleOf(alone, &scene, &e));
   PetscCall(CheckScene(options, &same));
-  same->measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(same, 0, &s));
+  check_request.measure = PETSC_FALSE;
+  PetscCall(MpmSpectrumCreate(same, &check_request, 0, &s));
   if (verdict != MPM_UNDECIDED) /* what rounding decides is not the same on more ranks */
     CHECK_NEAR(e->growth_max, s->growth, s->growth > 1 + 1e-6 ? 1e-10 : 1e-7);
   CHECK(e->finding.verdict == verdict && s->finding.verdict == verdict, "%s: %s, spectrum %s", options,

@@ -12,9 +12,9 @@ static PetscErrorCode MapOf(const char options[], MpmScene **scene, MpmStability
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate("map", NULL, scene));
+  PetscCall(MpmSceneCreate("map", NULL, scene, &check_request));
   PetscCall(PetscOptionsClear(NULL));
-  PetscCall(MpmStabilityMapCreate(*scene, map));
+  PetscCall(MpmStabilityMapCreate(*scene, &check_request, map));
   PetscCall(MpmStabilityMapLimits(*map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -41,10 +41,8 @@ static PetscErrorCode CheckPoint(const char scheme[], const char axes[], PetscIn
   PetscCall(MapOf(options, &scene, &map));
   PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", scheme, texts));
   PetscCall(CheckScene(options, &alone));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_SELF, &alone->layout, &alone->scheme, &alone->step,
-      &(MpmSymbolWish){.phases = scene->phases, .tolerance = scene->tolerance, .progress = MPM_PROGRESS_NEVER},
-      &symbol));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &alone->layout, &alone->scheme, &alone->step,
+                            &(MpmSymbolWish){.phases = check_request.phases, .tolerance = 1e-6}, &symbol));
   point = i * map->points[1] + j;
   CHECK(map->growth[point] == symbol->growth && map->beta[point] == symbol->beta_at_max,
         "%s %s: %.17g at %g, the symbol %.17g at %g", scheme, texts, map->growth[point], map->beta[point],

@@ -13,8 +13,8 @@ static PetscErrorCode Solved(const char options[], MpmScene **scene, MpmSpectrum
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  (*scene)->measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(*scene, 0, s));
+  check_request.measure = PETSC_FALSE;
+  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, s));
   PetscCall(MpmModesCreate((*s)->op, (*s)->eigen, modes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,7 +97,7 @@ static PetscErrorCode CheckGrows(const char options[], PetscInt mode)
 
   PetscFunctionBegin;
   PetscCall(Solved(options, &scene, &s, &modes));
-  PetscCall(PetscStrncpy(scene->output, FILE_NAME, sizeof scene->output));
+  PetscCall(PetscStrncpy(check_request.output, FILE_NAME, sizeof check_request.output));
   PetscCall(MpmSpectrumWriteFiles(s));
   growth = exp(log(hypot(s->eigen->re[mode - 1], s->eigen->im[mode - 1])) / s->op->period);
   PetscCall(Closed(&scene, &s, &modes));
@@ -105,7 +105,7 @@ static PetscErrorCode CheckGrows(const char options[], PetscInt mode)
                           "%s -initial eigenmode -mode_file " FILE_NAME " -mode %" PetscInt_FMT " -steps 1200", options,
                           mode));
   PetscCall(CheckScene(text, &scene));
-  PetscCall(MpmRunFilesCreate(scene, 0, &run));
+  PetscCall(MpmRunFilesCreate(scene, &check_request, 0, &run));
   CHECK_NEAR(run->growth.per_step, growth, 1e-4 * (growth - 1));
   CHECK_NEAR(run->eigenmode, growth, 1e-12);
   CHECK(growth > 1.001, "%s: mode %d does not grow", options, (int)mode);

@@ -16,7 +16,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(all, sizeof all, "%s -steps %.0f", options, steps));
   PetscCall(CheckScene(all, &scene));
-  PetscCall(MpmRunCreate(scene, 0, &run));
+  PetscCall(MpmRunCreate(scene, &check_request, NULL, 0, &run));
   CHECK(run->growth.measured, "%s: not measured", row);
   if (oracle > 1 + 1e-6) {
     CHECK(run->verdict == MPM_UNSTABLE, "%s: %s", row, MpmVerdictNames[run->verdict]);

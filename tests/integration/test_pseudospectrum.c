@@ -76,7 +76,7 @@ static PetscErrorCode CheckNormal(void)
   PetscFunctionBegin;
   PetscCall(CheckScene("", &scene));
   PetscCall(Shift(12, 1, 1, &A));
-  PetscCall(MpmPseudospectrumCreate(scene, A, 7, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(A, 7, 1e-6, &p));
   CHECK(p->kreiss == 1 && isnan(creal(p->kreiss_at)) && p->order == 12, "Kreiss constant %.12g of a normal matrix",
         p->kreiss);
   CHECK_NEAR(p->radius, 1, 1e-14);
@@ -91,7 +91,7 @@ static PetscErrorCode CheckNormal(void)
   PetscCall(MpmPseudospectrumDestroy(&p));
   PetscCall(MatDestroy(&A));
   PetscCall(Shift(4, 1, 16, &A)); /* eigenvalues 2 i^k: outside, and the square holds them */
-  PetscCall(MpmPseudospectrumCreate(scene, A, 3, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(A, 3, 1e-6, &p));
   CHECK(isinf(p->kreiss) && p->re[2] > 2, "Kreiss constant %g, square to %g", p->kreiss, p->re[2]);
   PetscCall(MpmPseudospectrumDestroy(&p));
   PetscCall(MatDestroy(&A));
@@ -113,7 +113,7 @@ static PetscErrorCode CheckNilpotent(PetscReal c)
   PetscFunctionBegin;
   PetscCall(CheckScene("", &scene));
   PetscCall(Shift(2, c, 0, &A));
-  PetscCall(MpmPseudospectrumCreate(scene, A, 3, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(A, 3, 1e-6, &p));
   for (PetscReal r = 1; r < 8; r += 1e-4) kreiss = PetscMax(kreiss, (r - 1) * (c + hypot(c, 2 * r)) / (2 * r * r));
   CHECK_NEAR(p->kreiss, kreiss, 1e-7 * kreiss);
   CHECK_NEAR(p->sigma[2], 2 * 2 * 1.69 / (c + sqrt(c * c + 8 * 1.69)), 1e-12); /* at 1.3 - 1.3i */

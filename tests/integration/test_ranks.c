@@ -116,7 +116,7 @@ static PetscErrorCode CheckAlike(const char rest[], PetscInt per_cell)
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &alike));
   CHECK(alike->particles->per_cell == per_cell, "%s: %d particles in each cell", options, alike->particles->per_cell);
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &read));
-  for (PetscInt64 step = 0; step < scene->steps; step++) {
+  for (PetscInt64 step = 0; step < check_request.steps; step++) {
     read->particles->per_cell = 0;
     PetscCall(MpmMarchStep(read, PETSC_FALSE));
   }
@@ -148,7 +148,7 @@ static PetscErrorCode CheckRescale(void)
   PetscCall(CheckScene("-formulation elastic -initial random -cells 30 -steps 20 -drift 1/9", &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &plain));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &scaled));
-  for (PetscInt64 step = 0; step < scene->steps; step++) {
+  for (PetscInt64 step = 0; step < check_request.steps; step++) {
     if (step % 3 == 1) PetscCall(MpmMarchRescale(scaled, step % 2 ? 37 : -90));
     PetscCall(MpmMarchStep(scaled, PETSC_FALSE));
   }

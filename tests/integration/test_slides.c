@@ -145,7 +145,7 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(PlainCreate(march, &plain));
-  for (PetscInt64 step = 0; step < scene->steps; step++) {
+  for (PetscInt64 step = 0; step < check_request.steps; step++) {
     PetscCall(MpmMarchStep(march, PETSC_FALSE));
     PlainStep(formulation, scene->step.courant, &plain);
     PlainDrift(scene, step + 1, &plain);

@@ -10,8 +10,8 @@ static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpec
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  (*scene)->measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(*scene, 0, spectrum));
+  check_request.measure = PETSC_FALSE;
+  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,10 +155,7 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_TRUE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
+                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
                             &symbol));
   PetscCall(MpmSymbolTarget(PETSC_COMM_WORLD, symbol, op->exponent, target));
   for (int part = 0; part < 2; part++) target[part] *= 1 + 1e-10;
@@ -190,7 +187,7 @@ static PetscErrorCode CheckLargest(void)
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-cells 1100 -courant 0.5 -jitter 0.4", &scene));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->eigen->largest && !s->eigen->complete && s->finding.verdict == MPM_UNSTABLE, "%s: %s", s->eigen->solver,
         MpmVerdictNames[s->finding.verdict]);
   CHECK(fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= 0.02, "measured %.9g, spectrum %.9g",
@@ -207,9 +204,9 @@ static PetscErrorCode CheckUndecided(const char options[], const char solver[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  scene->measure = PETSC_FALSE;
+  check_request.measure = PETSC_FALSE;
   PetscCall(PetscOptionsInsertString(NULL, solver));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   PetscCall(PetscOptionsClear(NULL));
   for (PetscInt j = 0; j < s->eigen->n; j++)
     CHECK(s->eigen->residual[j] <= 1e-7, "%s: lists a residual of %.3g", options, s->eigen->residual[j]);
@@ -219,9 +216,11 @@ static PetscErrorCode CheckUndecided(const char options[], const char solver[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void CheckVerdict(PetscReal growth, PetscReal uncertainty, PetscReal blur, MpmVerdict verdict, const char what[])
+static void CheckVerdict(PetscReal growth, PetscReal uncertainty, PetscReal defective_error, MpmVerdict verdict,
+                         const char what[])
 {
-  const MpmFinding finding = {.growth = growth, .tolerance = 1e-6, .uncertainty = uncertainty, .blur = blur};
+  const MpmFinding finding = {
+      .growth = growth, .tolerance = 1e-6, .uncertainty = uncertainty, .defective_error = defective_error};
 
   CHECK(MpmVerdictOf(&finding) == verdict, "%s: %s", what, MpmVerdictNames[MpmVerdictOf(&finding)]);
 }
@@ -282,7 +281,7 @@ static PetscErrorCode CheckOffRange(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSpectrumCreate(scene, 0, &s));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->eigen->failed && s->finding.verdict == MPM_UNSTABLE, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
   PetscCall(Close(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,17 +18,16 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_FALSE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
-                            &symbol));
+  PetscCall(MpmSymbolCreate(
+      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
-  finding = (MpmFinding){
-      .growth = symbol->growth, .tolerance = 1e-6, .uncertainty = symbol->uncertainty, .blur = symbol->blur};
-  CHECK(MpmVerdictOf(&finding) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: uncertainty %g, blur %g", row,
-        symbol->uncertainty, symbol->blur);
+  finding = (MpmFinding){.growth          = symbol->growth,
+                         .tolerance       = 1e-6,
+                         .uncertainty     = symbol->uncertainty,
+                         .defective_error = symbol->defective_error};
+  CHECK(MpmVerdictOf(&finding) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE),
+        "%s: uncertainty %g, defective_error %g", row, symbol->uncertainty, symbol->defective_error);
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -49,12 +48,9 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells %d -ppc %d -courant %.6f -offset %.9f",
                           formulation, 8 + n, 1 + n % 4, courant, offset));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_FALSE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
-                            &symbol));
+  PetscCall(MpmSymbolCreate(
+      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
@@ -78,12 +74,9 @@ static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal b
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_FALSE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
-                            &symbol));
+  PetscCall(MpmSymbolCreate(
+      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK_NEAR(comparison.published, off, 1e-8);
@@ -103,23 +96,14 @@ static PetscErrorCode CheckRanksAndPhases(const char options[])
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_TRUE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
+                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
                             &all));
   PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_TRUE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
+                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
                             &alone));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = 3 * scene->layout.grid.cells,
-                                             .keep      = PETSC_TRUE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
-                            &finer));
+  PetscCall(MpmSymbolCreate(
+      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+      &(MpmSymbolWish){.phases = 3 * scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6}, &finer));
   CHECK(all->growth == alone->growth && all->beta_at_max == alone->beta_at_max, "%s: %.17g at %g, %.17g at %g", options,
         all->growth, all->beta_at_max, alone->growth, alone->beta_at_max);
   CHECK(finer->growth >= all->growth - 1e-12, "%s: finer phases give %.17g", options, finer->growth);
@@ -157,12 +141,9 @@ static PetscErrorCode CheckLongPeriod(const char options[], PetscReal lo, PetscR
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases    = scene->layout.grid.cells,
-                                             .keep      = PETSC_FALSE,
-                                             .tolerance = scene->tolerance,
-                                             .progress  = scene->progress},
-                            &symbol));
+  PetscCall(MpmSymbolCreate(
+      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
+      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
   CHECK(isfinite(symbol->growth) && symbol->growth > lo && symbol->growth < hi, "%s: growth %g", options,
         symbol->growth);
   if (off_range) CHECK(symbol->exponent > 1024, "%s: exponent %d", options, (int)symbol->exponent);

@@ -64,7 +64,7 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
 {
   MpmOp                ops[OPS * COPIES];
   const MpmFormulation test = SideBySide(copies, ops);
-  MpmSymbolWish        wish = {.tolerance = 1e-6, .progress = MPM_PROGRESS_NEVER};
+  MpmSymbolWish        wish = {.tolerance = 1e-6};
   MpmScene            *scene;
   MpmScheme            scheme;
   MpmOperator         *op, *elastic;

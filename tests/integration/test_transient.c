@@ -66,7 +66,7 @@ static PetscErrorCode CheckNorms(const char options[])
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, LAST, NAN, MPM_PROGRESS_NEVER, &t));
+  PetscCall(MpmTransientCreate(op, LAST, NAN, &t));
   n = op->order;
   CHECK(t->n == 18 && t->steps[t->n - 1] == LAST && t->missing == 0 && t->norm[0] == 1, "%s: %d norms", options,
         (int)t->n);
@@ -104,11 +104,11 @@ static PetscErrorCode CheckLinear(const char options[], PetscReal c)
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, (PetscInt)last, 1, MPM_PROGRESS_NEVER, &t));
+  PetscCall(MpmTransientCreate(op, (PetscInt)last, 1, &t));
   CHECK(fabs(t->largest / norm - 1) <= 1e-9 && t->at_step == (PetscInt)last && fabs(t->excess / norm - 1) <= 1e-9,
         "%s: %.12g, closed form %.12g", options, t->largest, norm);
   CHECK_NEAR(t->power, 1, 0.01);
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 4, 1e-6, &p));
+  PetscCall(MpmPseudospectrumCreate(op->A, 4, 1e-6, &p));
   CHECK(p->kreiss > 0.1 * c / MPM_KREISS_NEAREST && fabs(p->edge_power - 1) < 1e-3, "%s: %.12g, power %g", options,
         p->kreiss, p->edge_power);
   PetscCall(MpmPseudospectrumDestroy(&p));
@@ -129,8 +129,8 @@ static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 300, 1, MPM_PROGRESS_NEVER, &t));
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 5, 1e-6, &p));
+  PetscCall(MpmTransientCreate(op, 300, 1, &t));
+  PetscCall(MpmPseudospectrumCreate(op->A, 5, 1e-6, &p));
   CHECK(p->kreiss >= least && p->kreiss <= t->largest * (1 + 1e-9) && t->largest <= M_E * p->order * p->kreiss,
         "%s: Kreiss %.9g, norms up to %.9g", options, p->kreiss, t->largest);
   CHECK(t->missing == 0 && fabs(t->power) <= 0.02 && p->edge_power < 0.1, "%s: norms like n^%.3f, on the edge %.3f",
@@ -160,8 +160,8 @@ static PetscErrorCode CheckNearLimit(PetscReal k)
   PetscCall(PetscSNPrintf(options, sizeof options, "-cells 8 -ppc 1 -courant %.17g", (double)k));
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 200, 1, MPM_PROGRESS_NEVER, &t));
-  PetscCall(MpmPseudospectrumCreate(scene, op->A, 3, 1e-6, &p));
+  PetscCall(MpmTransientCreate(op, 200, 1, &t));
+  PetscCall(MpmPseudospectrumCreate(op->A, 3, 1e-6, &p));
   CHECK(p->kreiss <= kreiss * (1 + 1e-9) && p->kreiss >= 0.999 * kreiss, "%s: Kreiss %.9g, closed form %.9g", options,
         p->kreiss, kreiss);
   CHECK(t->largest <= norm * (1 + 1e-9) && t->largest >= 0.99 * norm, "%s: norms up to %.9g, closed form %.9g", options,
@@ -184,7 +184,7 @@ static PetscErrorCode CheckOffRange(void)
   PetscFunctionBegin;
   PetscCall(CheckScene("-formulation gas1 -courant 200 -cells 8", &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 200, growth, MPM_PROGRESS_NEVER, &t));
+  PetscCall(MpmTransientCreate(op, 200, growth, &t));
   CHECK(isnan(t->norm[t->n - 1]) && isnan(t->largest) && t->at_step == 200 && t->missing == 0, "largest %g at %d",
         t->largest, (int)t->at_step);
   CHECK_NEAR(t->log_norm[t->n - 1] - t->log_norm[t->n - 2], (200 - t->steps[t->n - 2]) * log(growth), 1e-7);

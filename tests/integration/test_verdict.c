@@ -9,7 +9,7 @@ static PetscErrorCode RunOf(const char options[], MpmScene **scene, MpmRun **run
 {
   PetscFunctionBegin;
   PetscCall(CheckScene(options, scene));
-  PetscCall(MpmRunCreate(*scene, 0, run));
+  PetscCall(MpmRunCreate(*scene, &check_request, NULL, 0, run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

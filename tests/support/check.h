@@ -1,6 +1,6 @@
 /* Checks that say what failed; a test that fails nowhere is silent. */
 #pragma once
-#include <mpmstab/scene.h>
+#include "scene/request.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,13 +21,16 @@ static int check_failures;
   CHECK(fabs((a) - (b)) <= (tolerance), "%.17g and %.17g differ by %.3g, allowed %.3g", (double)(a), (double)(b),      \
         fabs((double)((a) - (b))), (double)(tolerance))
 
+/* The request that came with the scene which CheckScene has made last. */
+static MpmRequest check_request;
+
 /* A scene from options such as "-cells 8 -drift 1/8", read as the program reads them. */
 static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate("run", NULL, scene));
+  PetscCall(MpmSceneCreate("run", NULL, scene, &check_request));
   PetscCall(PetscOptionsClear(NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

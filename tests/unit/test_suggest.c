@@ -1,5 +1,6 @@
 /* The nearest name to a misspelled one. */
 #include "check.h"
+#include "base/suggest.h"
 
 static PetscErrorCode Test(int argc, char **argv)
 {

@@ -1,0 +1,496 @@
+/*
+   Factors along a line. l_i(x) are the factors at x, in any order. With their derivatives at both ends of a step h
+
+     abs(l_j(x + h) - l_i(x) - h (l_i' + l_j') / 2)
+
+   is of order h^3 when j is the continuation of i: so factors are matched. For two that come near each other the mean
+   S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4 are smooth, l = S +- sqrt(Q). On the unit circle Q / S^2 is negative; where
+   it becomes positive a window of growth is open, of abs up to 1 + sqrt(Q / S^2).
+*/
+#include "analysis/follow.h"
+#include <math.h>
+
+#define TURN 0.3           /* at most: how far a factor moves in a step */
+#define RATIO 0.5          /* at most: a step over its place */
+#define BESIDE 1e-2        /* of a step: distance at which derivatives are taken, */
+#define CLOSER 1e-4        /* and at a meeting, of the distance between the places of its model */
+#define COINCIDE 3e-8      /* factors nearer than this are moved together: rounding splits what is defective so far */
+#define NOISE 1e-6         /* rounding may move a factor so far from its prediction, by derivatives taken so near */
+#define INSIDE 0.3         /* factors of smaller abs are left alone until they have grown to it */
+#define HARMLESS 0.7       /* abs of factors that need not be told apart */
+#define MATCHED 0.1        /* how far from its prediction a factor may be, over the way of the fastest */
+#define NEAR 0.5           /* how near two factors come, over the way they make past each other, to be looked at */
+#define FIRST 0.1          /* first step over the first place */
+#define LEAST 1e-5         /* least step over its place */
+#define NARROW 1e-10       /* distance of two places of a model, over the place: they show no more */
+#define LEAST_GROWING 1e-3 /* the same towards a place that grows: bisection takes it from there */
+#define PRECISION 1e-10    /* of a bracket, relative */
+#define RISE 0.1           /* of the tolerance: how far a factor rises between two places to be looked at */
+#define CLOSE 1e-4         /* how near to the tolerance it must then come */
+#define MOST_LOOKS 60      /* at one meeting */
+#define SAFE 2             /* times the error of a model */
+#define STRAIGHT 3         /* divisions that go straight to a piece fine enough */
+#define ENOUGH 1e-2        /* error of Q over the square of what is tolerated */
+#define GRID 16
+#define GOLDEN 0.6180339887498949
+#define GOLDEN_STEPS 24
+#define SAMPLES 3 /* two ends of a step, one between */
+
+struct MpmSample_ {
+  PetscReal       x, largest; /* logarithm of the largest abs */
+  double complex *value, *slope;
+};
+
+PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance, MpmFactorsAt at, void *context,
+                               MpmFollow *f)
+{
+  PetscFunctionBegin;
+  *f = (MpmFollow){
+      .n = n, .period = period, .most = period * log1p(tolerance), .doubtful = INFINITY, .at = at, .context = context};
+  PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
+  for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFollowDestroy(MpmFollow *f)
+{
+  PetscFunctionBegin;
+  if (!f->samples) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int s = 0; s < SAMPLES; s++) PetscCall(PetscFree2(f->samples[s].value, f->samples[s].slope));
+  PetscCall(PetscFree4(f->samples, f->beside, f->match, f->cost));
+  PetscCall(PetscFree(f->meetings));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal LogLargest(PetscInt n, const double complex value[])
+{
+  PetscReal largest = 0;
+
+  for (PetscInt i = 0; i < n; i++) largest = fmax(largest, cabs(value[i]));
+  return log(largest);
+}
+
+static PetscErrorCode GrowthAt(MpmFollow *f, PetscReal x, PetscReal *largest)
+{
+  PetscFunctionBegin;
+  PetscCall(f->at(f->context, x, f->beside));
+  f->evaluations++;
+  *largest = LogLargest(f->n, f->beside);
+  f->peak  = fmax(f->peak, *largest / f->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Factors that coincide have no derivatives of their own: they take the mean, which has one. */
+static void MoveTogether(const MpmFollow *f, MpmSample *s)
+{
+  for (PetscInt i = 0; i < f->n; i++) {
+    double complex sum   = 0;
+    PetscInt       count = 0;
+
+    for (PetscInt j = 0; j < f->n; j++) {
+      if (cabs(s->value[j] - s->value[i]) > COINCIDE) continue;
+      sum += s->slope[j];
+      count++;
+    }
+    f->beside[i] = sum / count;
+  }
+  for (PetscInt i = 0; i < f->n; i++) s->slope[i] = f->beside[i];
+}
+
+/* Factors at x and their derivatives, from those at x + d. */
+static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
+{
+  PetscFunctionBegin;
+  s->x = x;
+  PetscCall(f->at(f->context, x, s->value));
+  s->largest = LogLargest(f->n, s->value);
+  f->peak    = fmax(f->peak, s->largest / f->period);
+  PetscCall(f->at(f->context, x + d, f->beside));
+  f->evaluations += 2;
+  for (PetscInt i = 0; i < f->n; i++) {
+    PetscInt nearest = i;
+
+    for (PetscInt j = i + 1; j < f->n; j++)
+      if (cabs(f->beside[j] - s->value[i]) < cabs(f->beside[nearest] - s->value[i])) nearest = j;
+    s->slope[i]        = (f->beside[nearest] - s->value[i]) / d;
+    f->beside[nearest] = f->beside[i];
+  }
+  if (s->largest < INFINITY) MoveTogether(f, s);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Counts(const MpmSample *s, PetscInt i)
+{
+  return cabs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
+{
+  PetscReal speed = 0;
+
+  for (PetscInt i = 0; i < f->n; i++)
+    if (Counts(s, i)) speed = fmax(speed, cabs(s->slope[i]));
+  return speed;
+}
+
+/* Two factors at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
+typedef struct {
+  PetscReal      x;
+  double complex S, dS, Q, dQ;
+} Pair;
+
+static Pair PairOf(const MpmSample *s, PetscInt i, PetscInt j)
+{
+  const double complex d = s->value[i] - s->value[j];
+
+  return (Pair){s->x, (s->value[i] + s->value[j]) / 2, (s->slope[i] + s->slope[j]) / 2, d * d / 4,
+                d * (s->slope[i] - s->slope[j]) / 2};
+}
+
+/* Of the factors that are not where they were predicted the one nearest to i, or -1. */
+static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, PetscReal allowed)
+{
+  PetscInt nearest = -1;
+
+  for (PetscInt j = 0; j < f->n; j++)
+    if (j != i && f->cost[j] > allowed &&
+        (nearest < 0 || cabs(a->value[j] - a->value[i]) < cabs(a->value[nearest] - a->value[i])))
+      nearest = j;
+  return nearest;
+}
+
+/* Whether the mean of a pair and the square of its half difference are where they were predicted. */
+static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j, PetscReal allowed)
+{
+  const Pair      p = PairOf(a, i, j), q = PairOf(b, i, j);
+  const PetscReal h = b->x - a->x;
+
+  return cabs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
+                 cabs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (cabs(p.Q) + cabs(q.Q)) + allowed * allowed
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+   Brings b's factors into the order of a's, nearest to their predictions first. Says whether all are where predicted:
+   by themselves, or two that meet in between together; then match[i] is the other one, else -1.
+*/
+static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
+{
+  const PetscReal h       = b->x - a->x;
+  const PetscReal allowed = fmax(MATCHED * fmin(h * fmax(Fastest(f, a), Fastest(f, b)), TURN), NOISE);
+
+  for (PetscInt i = 0; i < f->n; i++) f->cost[i] = 0;
+  if (!(b->largest < INFINITY)) return PETSC_FALSE;
+  for (PetscInt i = 0; i < f->n; i++) {
+    const double complex middle = a->value[i] + h / 2 * a->slope[i];
+    double complex       kept;
+    PetscInt             best  = i;
+    PetscReal            least = INFINITY;
+
+    for (PetscInt j = i; j < f->n; j++) {
+      const PetscReal cost = cabs(b->value[j] - h / 2 * b->slope[j] - middle);
+
+      if (cost >= least) continue;
+      best  = j;
+      least = cost;
+    }
+    kept           = b->value[i];
+    b->value[i]    = b->value[best];
+    b->value[best] = kept;
+    kept           = b->slope[i];
+    b->slope[i]    = b->slope[best];
+    b->slope[best] = kept;
+    f->cost[i]     = Counts(a, i) || Counts(b, i) ? least : 0;
+  }
+  for (PetscInt i = 0; i < f->n; i++) {
+    f->match[i] = f->cost[i] > allowed ? Partner(f, a, i, allowed) : -1;
+    if (f->cost[i] > allowed && (f->match[i] < 0 || !MatchPair(a, b, i, f->match[i], allowed))) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* Hermite's cubic through the values and derivatives at a and b. */
+static double complex Cubic(PetscReal a, PetscReal b, double complex fa, double complex da, double complex fb,
+                            double complex db, PetscReal x)
+{
+  const PetscReal h = b - a, t = (x - a) / h, r = 1 - t;
+
+  return r * r * ((1 + 2 * t) * fa + t * h * da) + t * t * ((1 + 2 * r) * fb - r * h * db);
+}
+
+/* The model of S and Q at x; returns the real part of Q / S^2. */
+static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double complex *Q)
+{
+  *S = Cubic(m[0].x, m[1].x, m[0].S, m[0].dS, m[1].S, m[1].dS, x);
+  *Q = Cubic(m[0].x, m[1].x, m[0].Q, m[0].dQ, m[1].Q, m[1].dQ, x);
+  return creal(*Q / (*S * *S));
+}
+
+/* The place in [lo, hi] where Q / S^2 is largest by the model: where the factors meet. */
+static PetscReal Meeting(const Pair m[2], PetscReal lo, PetscReal hi)
+{
+  const PetscReal step = (hi - lo) / GRID;
+  double complex  S, Q;
+  PetscReal       at = lo, best = -INFINITY, a, b, fa, fb;
+
+  for (int i = 0; i <= GRID; i++) {
+    const PetscReal value = ModelAt(m, lo + i * step, &S, &Q);
+
+    if (value <= best) continue;
+    best = value;
+    at   = lo + i * step;
+  }
+  lo = fmax(lo, at - step);
+  hi = fmin(hi, at + step);
+  a  = hi - GOLDEN * (hi - lo);
+  b  = lo + GOLDEN * (hi - lo);
+  fa = ModelAt(m, a, &S, &Q);
+  fb = ModelAt(m, b, &S, &Q);
+  for (int i = 0; i < GOLDEN_STEPS; i++) {
+    if (fa >= fb) {
+      hi = b;
+      b  = a;
+      fb = fa;
+      a  = hi - GOLDEN * (hi - lo);
+      fa = ModelAt(m, a, &S, &Q);
+    } else {
+      lo = a;
+      a  = b;
+      fa = fb;
+      b  = lo + GOLDEN * (hi - lo);
+      fb = ModelAt(m, b, &S, &Q);
+    }
+  }
+  return fa >= fb ? a : b;
+}
+
+/* Where in [lo, hi] the pair meets by the model, and the logarithm of the larger abs there. */
+static PetscReal Peak(const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
+{
+  double complex S, Q;
+
+  *x = Meeting(m, lo, hi);
+  ModelAt(m, *x, &S, &Q);
+  return log(fmax(cabs(S + csqrt(Q)), cabs(S - csqrt(Q))));
+}
+
+/* The pair at a place that is most like the model's; error: how far its Q is from the model's. */
+static Pair Find(const MpmFollow *f, const MpmSample *s, double complex S, double complex Q, PetscReal *error)
+{
+  PetscReal least = INFINITY;
+  Pair      found = {.x = s->x};
+
+  for (PetscInt i = 0; i < f->n; i++) {
+    for (PetscInt j = 0; j < i; j++) {
+      const double complex sum = (s->value[i] + s->value[j]) / 2, half = (s->value[i] - s->value[j]) / 2;
+      const PetscReal      off = cabs(sum - S) + sqrt(cabs(half * half - Q));
+
+      if (off >= least) continue;
+      least  = off;
+      found  = PairOf(s, i, j);
+      *error = cabs(half * half - Q);
+    }
+  }
+  return found;
+}
+
+static PetscErrorCode Note(MpmFollow *f, PetscReal x, PetscReal peak, PetscReal angle)
+{
+  PetscFunctionBegin;
+  f->peak = fmax(f->peak, peak / f->period);
+  if (!(peak >= MPM_MEETING_FLOOR * f->most)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (f->nmeetings == f->room) {
+    f->room = PetscMax(64, 2 * f->room);
+    PetscCall(PetscRealloc(sizeof(*f->meetings) * (size_t)f->room, &f->meetings));
+  }
+  f->meetings[f->nmeetings++] = (MpmMeeting){x, peak / f->period, angle};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The pair between two places. Hermite's cubic of Q is off by at most fourth (w / 2)^4, w the distance of the places,
+   where its error at x is fourth (x - a)^2 (x - b)^2. What this cannot hide is settled: no window, or one of known
+   growth. Else the place where they meet divides the interval; one at its end is told apart by a small piece.
+*/
+static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal fourth, PetscInt depth, PetscInt *looks)
+{
+  const PetscReal w     = end[1].x - end[0].x;
+  const PetscReal error = fourth * w * w * w * w / 16, fine = ENOUGH * f->most * f->most;
+  PetscReal       x, peak, ratio, piece, off = 0;
+  double complex  S, Q;
+  Pair            half[2];
+
+  PetscFunctionBegin;
+  peak  = Peak(end, end[0].x, end[1].x, &x);
+  ratio = ModelAt(end, x, &S, &Q) + SAFE * error / creal(conj(S) * S);
+  if (isfinite(fourth)) {
+    if (ratio < 0) PetscFunctionReturn(PETSC_SUCCESS);
+    if (log(fmax(cabs(S), fmax(cabs(end[0].S), cabs(end[1].S)))) + sqrt(ratio) < MPM_MEETING_FLOOR * f->most)
+      PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (error <= fine || w < NARROW * x || *looks >= MOST_LOOKS) {
+    if (error > fine && w >= NARROW * x && peak > f->most) f->doubtful = fmin(f->doubtful, x);
+    PetscCall(Note(f, x, peak, carg(S)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  piece = isfinite(fourth) ? pow(8 * fine / fourth, 0.25) : 0;
+  piece = fmin(w / 2, depth > STRAIGHT ? fmax(piece, w / 8) : fmax(piece, w / 64));
+  x     = fmin(fmax(x, end[0].x + piece), end[1].x - piece);
+  ModelAt(end, x, &S, &Q);
+  PetscCall(Look(f, x, CLOSER * w, &f->samples[2]));
+  ++*looks;
+  if (f->samples[2].largest > f->most) {
+    f->hit = fmin(f->hit, x);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  half[1] = half[0] = Find(f, &f->samples[2], S, Q, &off);
+  off /= (x - end[0].x) * (x - end[0].x) * (x - end[1].x) * (x - end[1].x);
+  for (int side = 0; side < 2; side++) {
+    half[side] = end[side];
+    PetscCall(MeetWithin(f, half, isfinite(fourth) ? fmax(off, fourth / 16) : off, depth + 1, looks));
+    if (isfinite(f->hit)) break;
+    half[0] = half[1];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Two factors that come near each other between a and b: how large they become there. */
+static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
+{
+  const Pair      end[2] = {PairOf(a, i, j), PairOf(b, i, j)};
+  const PetscReal way    = (b->x - a->x) * fmax(Fastest(f, a), Fastest(f, b));
+  PetscReal       x;
+  PetscInt        looks = 0;
+
+  PetscFunctionBegin;
+  if (Peak(end, a->x, b->x, &x) < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MeetWithin(f, end, INFINITY, 0, &looks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether two factors approach each other after a and part before b, so near that they may meet. */
+static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
+{
+  const double complex da = a->value[i] - a->value[j], db = b->value[i] - b->value[j];
+  const double complex sa = a->slope[i] - a->slope[j], sb = b->slope[i] - b->slope[j];
+  PetscReal            least = INFINITY;
+
+  if ((cabs(da) <= COINCIDE) != (cabs(db) <= COINCIDE)) return PETSC_TRUE;
+  if (cabs(da) <= COINCIDE) return PETSC_FALSE;
+  if (creal(conj(da) * db) > 0 && (creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0)) return PETSC_FALSE;
+  for (int t = 0; t <= GRID; t++)
+    least = fmin(least, cabs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
+  return least <= NEAR * fmax(cabs(db - da), (b->x - a->x) * fmax(cabs(sa), cabs(sb))) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* One factor whose abs has a maximum between a and b, of Hermite's cubic of its logarithm. */
+static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i)
+{
+  const PetscReal at[2]    = {log(cabs(a->value[i])), log(cabs(b->value[i]))};
+  const PetscReal slope[2] = {creal(a->slope[i] / a->value[i]), creal(b->slope[i] / b->value[i])};
+  PetscReal       best = -INFINITY, x = 0, largest;
+
+  PetscFunctionBegin;
+  if (!(slope[0] > 0 && slope[1] < 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int t = 1; t < GRID; t++) {
+    const PetscReal place = a->x + (b->x - a->x) * t / GRID;
+    const PetscReal value = creal(Cubic(a->x, b->x, at[0], slope[0], at[1], slope[1], place));
+
+    if (value <= best) continue;
+    best = value;
+    x    = place;
+  }
+  if (best < f->most - CLOSE || best < fmax(at[0], at[1]) + RISE * f->most) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthAt(f, x, &largest));
+  if (largest > f->most) f->hit = fmin(f->hit, x);
+  PetscCall(Note(f, x, largest, carg(a->value[i])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What may grow between two places whose factors are in the same order. */
+static PetscErrorCode LookBetween(MpmFollow *f, const MpmSample *a, const MpmSample *b)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < f->n; i++) {
+    if (!Counts(a, i) && !Counts(b, i)) continue;
+    PetscCall(Rise(f, a, b, i));
+    for (PetscInt j = 0; j < i; j++)
+      if ((Counts(a, j) || Counts(b, j)) && (f->match[i] == j || f->match[j] == i || MayMeet(a, b, i, j)))
+        PetscCall(Meet(f, a, b, i, j));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
+{
+  PetscFunctionBegin;
+  while (bracket[1] - bracket[0] > PRECISION * bracket[1]) {
+    const PetscReal x = (bracket[0] + bracket[1]) / 2;
+    PetscReal       largest;
+
+    PetscCall(GrowthAt(f, x, &largest));
+    bracket[largest <= f->most ? 0 : 1] = x;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether one of the factors that are not where they were predicted is so large that it might grow. */
+static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
+{
+  for (PetscInt i = 0; i < f->n; i++)
+    if (f->cost[i] > NOISE && cabs(a->value[i]) > HARMLESS) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* The next place after a: as far as factors can be told apart. */
+static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, PetscReal least, MpmSample *b,
+                           PetscBool *matched)
+{
+  PetscFunctionBegin;
+  for (*matched = PETSC_FALSE;; h /= 2) {
+    PetscCall(Look(f, a->x + h, BESIDE * h, b));
+    *matched = Match(f, a, b);
+    if (*matched || (b->largest > f->most && h < LEAST_GROWING * a->x)) PetscFunctionReturn(PETSC_SUCCESS);
+    if (h >= least) continue;
+    if (IsDoubtful(f, a)) f->doubtful = fmin(f->doubtful, a->x);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+}
+
+PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscReal bracket[2])
+{
+  MpmSample *a = &f->samples[0], *b = &f->samples[1];
+  PetscReal  h = FIRST * from, least = LEAST;
+
+  PetscFunctionBegin;
+  f->nmeetings = 0;
+  f->peak      = -INFINITY;
+  f->hit       = INFINITY;
+  bracket[0]   = 0;
+  bracket[1]   = from;
+  PetscCall(Look(f, from, BESIDE * LEAST * from, a));
+  if (!(a->largest <= f->most)) PetscFunctionReturn(PETSC_SUCCESS);
+  while (to - a->x > LEAST * to) {
+    MpmSample *kept = a;
+    PetscBool  matched;
+
+    h = fmin(fmin(2 * h, RATIO * a->x), fmin(TURN / Fastest(f, a), to - a->x));
+    PetscCall(Step(f, a, h, least * a->x, b, &matched));
+    least = matched ? LEAST : 2 * least; /* where nothing can be told apart the way is not crept */
+    if (matched) PetscCall(LookBetween(f, a, b));
+    if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
+    bracket[0] = a->x;
+    bracket[1] = f->hit;
+    if (isfinite(f->hit)) {
+      PetscCall(Bisect(f, bracket));
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    h = b->x - a->x;
+    a = b;
+    b = kept;
+  }
+  bracket[0] = to;
+  bracket[1] = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,316 @@
+/*
+   The table of fields: a line or two for each.
+
+   A field is an option with its default, meaning and range, then where its value is kept: KEPT in the scene, or ASKED for
+   in the request, as it is given; MADE in the scene by scene.c; TEXT(f) is what the function f says. IN(a, b, c, d) is
+   its place among the attributes of HDF5 files, in JSON, in checkpoints and among what mode files are compared by (0:
+   not there). The next free places are one more than the largest. A field that decides what a run computes is to be in
+   checkpoints.
+*/
+#include "scene/fields.h"
+#include "scene/material.h"
+#include <string.h>
+
+/* ---- words ---- */
+
+static const char *FormulationWord(PetscInt i)
+{
+  return MpmFormulations[i] ? MpmFormulations[i]->name : NULL;
+}
+
+static const char *BasisWord(PetscInt i)
+{
+  return MpmBases[i] ? MpmBases[i]->name : NULL;
+}
+
+static const char *InitialWord(PetscInt i)
+{
+  return MpmInitialNames[i];
+}
+
+static const char *VerdictWord(PetscInt i)
+{
+  return MpmVerdictNames[i];
+}
+
+static const char *GrowthWord(PetscInt i)
+{
+  return MpmGrowthKindNames[i];
+}
+
+static const char *TransferWord(PetscInt i)
+{
+  return MpmTransfers[i] ? MpmTransfers[i]->name : NULL;
+}
+
+static const char *LayoutWord(PetscInt i)
+{
+  return i == 0 ? "uniform" : NULL;
+}
+
+static const char *MaterialWord(PetscInt i)
+{
+  return MpmMaterialNames[i];
+}
+
+static const char *EndWord(PetscInt i)
+{
+  return MpmEndNames[i];
+}
+
+static const char *AxisWord(PetscInt i)
+{
+  return MpmAxisNames[i];
+}
+
+/* ---- values that are kept as something else ---- */
+
+static const char *FormulationOf(const MpmScene *scene)
+{
+  return scene->scheme.formulation->name;
+}
+
+static const char *BasisOf(const MpmScene *scene)
+{
+  return scene->scheme.basis->name;
+}
+
+static const char *TransferOf(const MpmScene *scene)
+{
+  return scene->scheme.transfer->name;
+}
+
+static const char *LayoutOf(const MpmScene *scene)
+{
+  return scene->layout.name;
+}
+
+static const char *MaterialOf(const MpmScene *scene)
+{
+  return MpmMaterialNames[scene->layout.material.kind];
+}
+
+static const char *BoundaryOf(const MpmScene *scene)
+{
+  return scene->boundary;
+}
+
+static const char *InitialOf(const MpmScene *scene)
+{
+  return MpmInitialNames[scene->initial];
+}
+
+/* ---- when a record shows a field: JSON leaves out what is the default ---- */
+
+static PetscBool TransferReads(const MpmScene *scene, const char option[])
+{
+  return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return TransferReads(scene, "xpic_order");
+}
+
+static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return TransferReads(scene, "blend_ratio");
+}
+
+static PetscBool HasOffset(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || scene->layout.offset.value != 0.5 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasJitter(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || scene->layout.jitter != 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The seed decides where particles are, and for a run also what random data it starts from. */
+static PetscBool HasSeed(const MpmScene *scene, MpmRecord record)
+{
+  if (record == MPM_IN_FILE || scene->layout.jitter != 0) return PETSC_TRUE;
+  return record == MPM_IN_CHECKPOINT && scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasCounts(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasCluster(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || scene->layout.cluster[1] - scene->layout.cluster[0] < 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasMaterial(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || scene->layout.material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
+{
+  if (record == MPM_IN_FILE || record == MPM_IN_MODE_FILE) return PETSC_TRUE;
+  return scene->layout.material.kind == MPM_MATERIAL_TWO ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* clang-format off */
+#define BETWEEN(a, b)      .lo = a, .hi = b
+#define ABOVE(a)           .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
+#define ANY                .lo = -PETSC_MAX_REAL, .hi = PETSC_MAX_REAL
+#define NO_RANGE           .word = NULL
+#define KEPT(kind, member) .value = MPM_##kind, .at = offsetof(MpmScene, member)
+#define MADE(kind, member) KEPT(kind, member), .by_hand = PETSC_TRUE
+#define ASKED(kind, member) .value = MPM_##kind, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member)
+#define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
+#define IN(file, json, checkpoint, mode_file) .place = {file, json, checkpoint, mode_file}
+
+const MpmField MpmOptions[] = {
+  {"formulation", MPM_WORD, "gas2", "the scheme",
+   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+  {"basis", MPM_WORD, "linear", "the grid's basis functions",
+   .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
+  {"transfer", MPM_WORD, "flip", "how particles are renewed",
+   .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
+  {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
+   BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = HasOrder},
+  {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
+  {"dim", MPM_INTEGER, "1", "space dimensions",
+   BETWEEN(1, 1), KEPT(AS_COUNT, dim), IN(10, 5, 0, 0)},
+  {"cells", MPM_INTEGER, "64", "cells of the grid",
+   BETWEEN(1, 2147483646), KEPT(AS_COUNT, layout.grid.cells), IN(11, 6, 7, 5)},
+  {"length", MPM_REAL, "1", "length L of the domain",
+   ABOVE(0), KEPT(AS_REAL, length), IN(16, 0, 19, 0)},
+  {"ppc", MPM_INTEGER, "2", "particles per cell",
+   BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc), IN(12, 7, 0, 6)},
+  {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
+   BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), .shown = HasCounts},
+  {"layout", MPM_WORD, "uniform", "where particles start",
+   .word = LayoutWord, TEXT(LayoutOf), IN(4, 0, 0, 0)},
+  {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
+   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), KEPT(AS_FRACTION, layout.offset), IN(9, 13, 9, 13), .shown = HasOffset},
+  {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",
+   BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), .shown = HasJitter},
+  {"cluster", MPM_RANGE, "0,1", "the part lo,hi of each cell that its particles are squeezed into",
+   BETWEEN(0, 1), KEPT(AS_RANGE, layout.cluster), IN(25, 17, 12, 8), .shown = HasCluster},
+  {"seed", MPM_INTEGER, "1", "seed of jitter and random data",
+   BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = HasSeed},
+  {"fill", MPM_RANGE, NULL, "cells lo,hi between which there are particles (default: all)",
+   ANY},
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), or graded (from the first to the second)",
+   .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), .shown = HasMaterial, .json = "material.kind"},
+  {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = HasMaterial, .json = "material.density_ratio"},
+  {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), .shown = HasMaterial, .json = "material.stiffness_ratio"},
+  {"inclusion", MPM_RANGE, NULL, "cells lo,hi between which the second material is (default: the right half)",
+   ANY, KEPT(AS_RANGE, layout.material.inclusion), IN(30, 21, 18, 12), .shown = HasInclusion, .json = "material.inclusion"},
+  {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free",
+   .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
+  {"wave_speed", MPM_REAL, "1", "wave speed c",
+   ABOVE(0), KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
+  {"courant", MPM_REAL, "0.5", "Courant number k = c dt / h",
+   ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
+  {"dt", MPM_REAL, NULL, "time step, instead of courant",
+   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 0, 0, 0)},
+  {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
+   BETWEEN(-1e6, 1e6), .rival = "velocity", KEPT(AS_FRACTION, step.drift), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
+  {"velocity", MPM_REAL, NULL, "U0, instead of drift",
+   ANY, .rival = "drift"},
+  {"steps", MPM_INTEGER, "100", "time steps",
+   BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
+  {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
+   ABOVE(0), .rival = "steps", .tasks = "run"},
+  {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
+   .word = InitialWord, .tasks = "run", TEXT(InitialOf), IN(6, 0, 23, 0)},
+  {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; number in mode_file, with eigenmode",
+   BETWEEN(1, 2147483646), .tasks = "run", KEPT(AS_COUNT, mode), IN(13, 0, 24, 0)},
+  {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
+   NO_RANGE, .tasks = "run"},
+  {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
+   ABOVE(0), .tasks = "run", KEPT(AS_REAL, amplitude), IN(21, 0, 25, 0)},
+  {"stagger", MPM_SWITCH, "false", "start the field updated first half a step early",
+   .tasks = "run", KEPT(AS_SWITCH, stagger), IN(7, 0, 26, 0)},
+  {"weights", MPM_SWITCH, "false", "measure the slides' weights C1 and C2 at each sampled step",
+   .tasks = "run", ASKED(AS_SWITCH, weights)},
+  {"source_term", MPM_SWITCH, "false", "measure the slides' source term, sum_p (S^{t+1}_ip - S^t_ip) q_p, at each sampled step",
+   .tasks = "run", ASKED(AS_SWITCH, source_term)},
+  {"ringing", MPM_SWITCH, "false", "measure the ringing content, the part of particle data that P2G does not see, at each sampled step",
+   .tasks = "run", ASKED(AS_SWITCH, ringing)},
+  {"tolerance", MPM_REAL, "1e-6", "exponential growth per step above 1 + tolerance is unstable",
+   ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0)},
+  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken (default: cells)",
+   BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases)},
+  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset and ppc",
+   .word = AxisWord, .tasks = "map"},
+  {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
+   ABOVE(0), .tasks = "map"},
+  {"map_drift", MPM_SPAN, "0,1/2", "drifts lo,hi of a map; fractions",
+   BETWEEN(-1e6, 1e6), .tasks = "map"},
+  {"map_offset", MPM_SPAN, "0,1/2", "offsets lo,hi of a map",
+   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), .tasks = "map"},
+  {"map_ppc", MPM_SPAN, "1,8", "particles per cell lo,hi of a map: every number between",
+   BETWEEN(1, 512), .tasks = "map"},
+  {"map_points", MPM_LIST, "50,33", "points along the two axes of a map",
+   BETWEEN(2, 100000), .tasks = "map"},
+  {"modes", MPM_INTEGER, "8", "leading eigenvectors that go to output",
+   BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes)},
+  {"measure", MPM_SWITCH, "true", "also march random data and measure growth",
+   .tasks = "spectrum", ASKED(AS_SWITCH, measure)},
+  {"powers", MPM_INTEGER, NULL, "steps n up to which norm(A^n) is taken",
+   BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers)},
+  {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
+   BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum)},
+  {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
+   .tasks = "critical", ASKED(AS_SWITCH, survey)},
+  {"layouts", MPM_INTEGER, "100", "random layouts: of seed and the seeds after it",
+   BETWEEN(1, 1000000), .tasks = "ensemble", ASKED(AS_COUNT, layouts)},
+  {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
+   NO_RANGE, .tasks = "run, spectrum, symbol, map"},
+  {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",
+   BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, output_every)},
+  {"checkpoint", MPM_PATH, NULL, "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps",
+   NO_RANGE, .tasks = "run"},
+  {"checkpoint_every", MPM_INTEGER, NULL, "steps between checkpoints",
+   BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, checkpoint_every)},
+  {"restart", MPM_PATH, NULL, "checkpoint to go on from",
+   NO_RANGE, .tasks = "run"},
+  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE},
+  {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE},
+  {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
+   .word = VerdictWord},
+  {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
+   .word = GrowthWord, .tasks = "run"},
+  {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
+  {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
+   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum)},
+  {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number lies in lo,hi",
+   ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical)},
+  {"expect_share", MPM_RANGE, NULL, "fail unless the share of unstable layouts lies in lo,hi",
+   ANY, .tasks = "ensemble", ASKED(AS_RANGE, expect.share)},
+  {"expect_error", MPM_RANGE, NULL, "fail unless the largest l2 error lies in lo,hi",
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.error)},
+  {"expect_energy", MPM_RANGE, NULL, "fail unless final / initial energy lies in lo,hi",
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.energy)},
+  {NULL},
+};
+
+const MpmField MpmDerived[] = {
+  {"first", MADE(AS_LONG, layout.first), IN(23, 0, 13, 17)},
+  {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
+  {NULL},
+};
+/* clang-format on */
+
+PetscInt MpmOptionIndex(const char name[])
+{
+  for (PetscInt i = 0; MpmOptions[i].name; i++)
+    if (!strcmp(MpmOptions[i].name, name)) return i;
+  return MPM_NOT_AN_OPTION;
+}

@@ -1,0 +1,131 @@
+/*
+   Fields: what a scene and a request consist of, one line each in one table. A line says how a field is given (its
+   option, default, range and meaning), where its value is kept, and which records show the value. The command line, the
+   keys of a scene file, 'mpmstab list options', headings, JSON, the attributes of HDF5 files, and what checkpoints and
+   mode files are compared by are all made from the table.
+*/
+#pragma once
+#include "scene/request.h"
+
+/* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them. */
+typedef enum {
+  MPM_WORD,
+  MPM_INTEGER,
+  MPM_REAL,
+  MPM_FRACTION,
+  MPM_SWITCH,
+  MPM_PATH,
+  MPM_RANGE,
+  MPM_SPAN,
+  MPM_ENDS,
+  MPM_LIST
+} MpmOptionKind;
+
+/*
+   How a value is kept: text; a whole number (count: PetscInt, long: PetscInt64); a double; a fraction; two doubles; a
+   PetscBool; the numbers of particles in cells.
+*/
+typedef enum {
+  MPM_NO_VALUE,
+  MPM_AS_TEXT,
+  MPM_AS_COUNT,
+  MPM_AS_LONG,
+  MPM_AS_REAL,
+  MPM_AS_FRACTION,
+  MPM_AS_RANGE,
+  MPM_AS_SWITCH,
+  MPM_AS_COUNTS
+} MpmValueKind;
+
+/* What the value is a part of. */
+typedef enum { MPM_OF_SCENE, MPM_OF_REQUEST } MpmOwner;
+
+/* The records that show values: HDF5 attributes, JSON, a checkpoint's text, and what a mode file is compared by. */
+typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MPM_RECORDS } MpmRecord;
+
+/*S
+   MpmField - one field of a scene or of a request.
+
+   name       - of the option, which is also the key in a scene file, and of the value in records
+   kind       - how the option is given
+   fallback   - its default as text, NULL: none
+   help       - its meaning, as 'mpmstab list options' prints it
+   lo, hi     - bounds of a number; lo itself is out when lo_open
+   word(i)    - the words that are allowed, NULL after the last
+   rival      - an option that says the same in another way, so that giving both is an error
+   tasks      - those that read it (NULL: all); the others refuse it on the command line
+   value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
+   owner, at  - where: the offset in its owner. A text is what the function text says
+   by_hand    - the value is not read from the option as it stands, but by the code that makes its owner
+   real       - records have the whole number as a double, as they have all numbers of transfers
+   place      - for each record its place among those that are shown there, from 1; 0: it is not shown
+   shown      - whether a record of this scene shows it (NULL: always)
+   json       - its key there when that is not its name; 'object.key' is a key inside an object
+   exact      - headings show the fraction as such
+S*/
+typedef struct {
+  const char   *name;
+  MpmOptionKind kind;
+  const char   *fallback, *help;
+  PetscReal     lo, hi;
+  PetscBool     lo_open;
+  const char *(*word)(PetscInt i);
+  const char  *rival, *tasks;
+  MpmValueKind value;
+  MpmOwner     owner;
+  size_t       at;
+  PetscBool    by_hand, real;
+  const char *(*text)(const MpmScene *scene);
+  int place[MPM_RECORDS];
+  PetscBool (*shown)(const MpmScene *scene, MpmRecord record);
+  const char *json;
+  PetscBool   exact;
+} MpmField;
+
+/* Not collective. The fields that are options, and those that follow from others; each ended by one without a name. */
+extern const MpmField MpmOptions[], MpmDerived[];
+
+#define MPM_MAX_OPTIONS 96
+
+/* Not collective. Index of an option in MpmOptions, or MPM_NOT_AN_OPTION. */
+#define MPM_NOT_AN_OPTION -1
+PetscInt MpmOptionIndex(const char name[]);
+/*S
+   MpmValue - a field's value in a scene. Its kind says where it is: AS_COUNT, AS_LONG in whole; AS_REAL, AS_RANGE in number;
+   AS_FRACTION in fraction; the others in text.
+S*/
+typedef struct {
+  const MpmField *field;
+  MpmValueKind    kind;
+  PetscReal       number[2];
+  PetscInt64      whole;
+  MpmFraction     fraction;
+  char            text[MPM_COUNTS_TEXT];
+} MpmValue;
+
+#define MPM_MAX_VALUES 40
+
+/*
+   MpmValuesIn - the values that a record of a scene shows, in their order there.
+
+   Not collective. request NULL: without the fields of requests.
+*/
+PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmRequest *request, PetscInt *n,
+                           MpmValue values[MPM_MAX_VALUES]);
+
+/* Not collective. The value of one field, by its name. */
+PetscErrorCode MpmValueOf(const char name[], const MpmScene *scene, const MpmRequest *request, MpmValue *value);
+
+/* Not collective. A value with all its digits, as a checkpoint has it; a fraction is exact. */
+PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[]);
+
+/* Not collective. A value as headings have it: with six digits. */
+PetscErrorCode MpmValueHeading(const MpmValue *value, size_t room, char text[]);
+
+/*
+   MpmValueAgrees - whether the text of a value in a file is that of a scene.
+
+   Not collective. A fraction also agrees with the number that it is to all digits: drifts that follow from a velocity
+   were once kept as numbers.
+*/
+PetscErrorCode MpmValueAgrees(const MpmValue *value, const char text[], PetscBool *agrees);

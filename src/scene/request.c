@@ -1,0 +1,283 @@
+/* From settings to a request: what a task is to do with its scene. */
+#include "scene/request.h"
+#include "scene/settings.h"
+#include <math.h>
+#include <string.h>
+
+#define MOST_STEPS 1e15
+
+/* ---- time ---- */
+
+/* Refuses a run whose end is out of the range of doubles; the option to blame is the one farthest from 1. */
+static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  static const char *const given[] = {"length", "courant", "dt", "wave_speed", "steps", "time"};
+  const char              *blamed;
+  char                     why[128];
+
+  PetscFunctionBegin;
+  if (isfinite((PetscReal)request->steps * scene->dt)) PetscFunctionReturn(PETSC_SUCCESS);
+  blamed = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
+  PetscCall(PetscSNPrintf(why, sizeof why, "steps times dt is out of range; allowed: a %s %s",
+                          strcmp(blamed, "wave_speed") ? "smaller" : "larger", blamed));
+  PetscCall(MpmSettingsRefuse(settings, blamed, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscReal time, steps;
+
+  PetscFunctionBegin;
+  if (MpmSettingsGiven(settings, "time")) {
+    PetscCall(MpmSettingsReal(settings, "time", &time));
+    /* a time that is a whole number of steps but for rounding does not get one more */
+    steps = ceil(time / scene->dt * (1 - 1e-12));
+    if (!(steps <= MOST_STEPS)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
+    request->steps = PetscMax((PetscInt64)steps, 1);
+  }
+  PetscCall(CheckEnd(settings, scene, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what tasks measure ---- */
+
+/* The slides define their weights for hat functions, at nodes with a cell on either side. */
+static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (request->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
+    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A survey goes through all schemes and does not depend on the scene's Courant number. */
+static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
+{
+  static const char *const idle[] = {"formulation", "basis",  "transfer",        "courant",
+                                     "dt",          "expect", "expect_critical", "json"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; request->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
+    if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
+      PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The task critical, and a map over the Courant number, vary the Courant number at a fixed drift. At a fixed velocity
+   the drift would change with it, so there is no drift that a velocity could stand for.
+*/
+static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  const PetscBool varies = !strcmp(request->task, "critical") || (MpmRequestVaries(request, MPM_AXIS_COURANT) &&
+                                                                  !MpmRequestVaries(request, MPM_AXIS_DRIFT))
+                               ? PETSC_TRUE
+                               : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (varies && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
+    PetscCall(MpmSettingsRefuse(settings, "velocity",
+                                "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
+                                "would change; allowed: drift"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- axes of a map ---- */
+
+const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", NULL};
+
+static const char *const spans[] = {"map_courant", "map_drift", "map_offset", "map_ppc"};
+
+/* The options, by either name, whose place an axis takes. */
+static const char *const replaced[][2] = {
+    {"courant", "dt"}, {"drift", "velocity"}, {"offset", "offset"}, {"ppc", "ppc"}};
+
+static PetscErrorCode RefuseReplaced(const MpmSettings *settings, PetscInt kind)
+{
+  char why[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
+  for (int i = 0; i < 2; i++)
+    if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
+      PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An axis of particles per cell has every number between its ends; the default number of points does not count. */
+static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
+{
+  char why[128];
+
+  PetscFunctionBegin;
+  if (axis->from.den != 1 || axis->to.den != 1)
+    PetscCall(MpmSettingsRefuse(settings, "map_ppc", "allowed: two whole numbers lo,hi"));
+  axis->points = (PetscInt)(axis->to.num - axis->from.num) + 1;
+  PetscCall(PetscSNPrintf(
+      why, sizeof why, "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it", axis->points));
+  if (MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points)
+    PetscCall(MpmSettingsRefuse(settings, "map_points", why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAxes(const MpmSettings *settings, MpmRequest *request)
+{
+  PetscInt kinds[2], points[2], n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
+  if (kinds[0] == kinds[1])
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: two different ones of courant, drift, offset and ppc"));
+  PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
+  if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
+  for (int a = 0; a < 2; a++) {
+    MpmAxis    *axis = &request->axes[a];
+    MpmFraction span[2];
+
+    PetscCall(RefuseReplaced(settings, kinds[a]));
+    axis->kind = (MpmAxisKind)kinds[a];
+    PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
+    axis->from   = span[0];
+    axis->to     = span[1];
+    axis->points = points[a];
+    if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
+  }
+  for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
+    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != kinds[0] && i != kinds[1])
+      PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- files ---- */
+
+/* The file with the eigenmode that a run starts from; the tasks that do not march leave initial data alone. */
+static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
+  const char     *path;
+
+  PetscFunctionBegin;
+  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
+                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
+  if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
+    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
+  PetscCall(MpmSettingsPath(settings, "mode_file", &path));
+  PetscCall(PetscStrncpy(request->mode_file, path, sizeof request->mode_file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Steps between two outputs or checkpoints of a run: all of them when nothing is said. */
+static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
+                                 const MpmRequest *request, PetscInt64 *every)
+{
+  char why[64];
+
+  PetscFunctionBegin;
+  if (strcmp(request->task, "run") || !MpmSettingsGiven(settings, name))
+    *every = request->steps;
+  else if (!path[0]) {
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s", file));
+    PetscCall(MpmSettingsRefuse(settings, name, why));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscBool progress;
+
+  PetscFunctionBegin;
+  PetscCall(ReadModeFile(settings, scene, request));
+  PetscCall(MpmSettingsReadFiles(settings, request));
+  PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
+  PetscCall(
+      CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
+  if (request->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
+    PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
+  if (MpmSettingsGiven(settings, "progress")) {
+    PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
+    request->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what must come out ---- */
+
+static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  expect->has_verdict  = MpmSettingsGiven(settings, "expect");
+  expect->has_kind     = MpmSettingsGiven(settings, "expect_kind");
+  expect->has_growth   = MpmSettingsGiven(settings, "expect_growth");
+  expect->has_spectrum = MpmSettingsGiven(settings, "expect_spectrum");
+  expect->has_error    = MpmSettingsGiven(settings, "expect_error");
+  expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
+  expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
+  expect->has_share    = MpmSettingsGiven(settings, "expect_share");
+  if (expect->has_verdict) {
+    PetscCall(MpmSettingsWord(settings, "expect", &i));
+    expect->verdict = (MpmVerdict)i;
+  }
+  if (expect->has_kind) {
+    PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
+    expect->kind = (MpmGrowthKind)i;
+  }
+  if (expect->has_error && !MpmSceneHasExact(scene)) {
+    if (!MpmSettingsOverruled(settings, "expect_error", "initial"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "expect_error",
+                            "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
+    expect->has_error = PETSC_FALSE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscFunctionBegin;
+  request->phases = scene->layout.grid.cells; /* unless something else is said */
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, request));
+  PetscCall(ReadSteps(settings, scene, request));
+  PetscCall(CheckSurvey(settings, request));
+  if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, request));
+  PetscCall(CheckVelocity(settings, scene, request));
+  PetscCall(CheckDiagnostics(settings, scene, request));
+  PetscCall(ReadOutputs(settings, scene, request));
+  PetscCall(ReadExpect(settings, scene, &request->expect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene *scene, MpmRequest *request)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReadProblem(settings, scene));
+  PetscCall(ReadRequest(settings, scene, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A refusal frees what there is: the fuzzer reads one scene after another. */
+PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
+{
+  MpmSettings   *settings = NULL;
+  MpmRequest     unwanted;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  if (!request) request = &unwanted;
+  *request = (MpmRequest){.task = task};
+  PetscCall(PetscNew(scene));
+  ierr = MpmSettingsCreate(&settings);
+  if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
+  if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
+  if (!ierr) ierr = ReadBoth(settings, *scene, request);
+  PetscCall(MpmSettingsDestroy(&settings));
+  if (ierr) PetscCall(MpmSceneDestroy(scene));
+  PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
