@@ -158,10 +158,11 @@ typedef struct {
 
    alpha: symbol of P2G G2P, the mean over a cell's particles of abs(phi symbol)^2. kappa: of -DIV GRAD, the mean of
    abs(h GRAD symbol)^2. mu: of P2G GRAD; for the hat mu = e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
-   retained: what of a node field's mode is left when its particles have been through the transfer's filter (flip: 1).
+   filter (f in the formulas): what is left of a node field's mode when its particles have been through the transfer's
+   filter, 1 for flip.
 S*/
 typedef struct {
-  PetscReal      beta, alpha, kappa, retained;
+  PetscReal      beta, alpha, kappa, filter;
   double complex mu;
 } MpmCellSymbols;
 

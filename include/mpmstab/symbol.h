@@ -26,9 +26,10 @@ typedef struct {
    that it does not matter), beta_at_max its phase: the least of those that
    share the maximum to rounding.
 
-   per_phase[i] is the growth at phase first + i. At rest seen[i] is the same without what no node sees, which rests at
-   1: of all factors but those nearest to 1 (or to what the transfer leaves of it), ppc - 1 for each field; NULL for
-   transfers without such a factor. With factors kept, factors[2 (size i + j)] is the real part of factor j of phase
+   per_phase[i] is the growth at phase first + i. At rest without_null[i] is the same without the null space of P2G,
+   the particle data that no node feels: the largest of all amplification factors but the ppc - 1 of each field that are
+   nearest to 1, or to the transfer's null_factor where a filter acts on the field. It is NULL for transfers that have no
+   such factor. With factors kept, factors[2 (size i + j)] is the real part of factor j of phase
    first + i, the next number its imaginary part, both divided by 2^exponents[i].
 
    Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
@@ -40,7 +41,7 @@ typedef struct {
   MpmSymbolWish    wish;
   PetscInt         phases, half, first, count, size, period, exponent;
   PetscReal        growth, beta_at_max, condition, uncertainty, defective_error, seconds;
-  PetscReal       *per_phase, *seen, *factors;
+  PetscReal       *per_phase, *without_null, *factors;
   PetscInt        *exponents;
 } MpmSymbol;
 
@@ -75,7 +76,7 @@ static inline PetscReal MpmSymbolPhase(PetscInt m, PetscInt n)
 PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal target[2]);
 
 /*
-   Collective. MpmSymbolGather gives rank 0 a curve (per_phase or seen) at the phases 0..half; MpmSymbolGatherFactors
+   Collective. MpmSymbolGather gives rank 0 a curve (per_phase or without_null) at the phases 0..half; MpmSymbolGatherFactors
    gives every rank the factors of all phases 0..phases-1, divided by 2^exponent: 2 x size x phases numbers. Free with
    PetscFree.
 */

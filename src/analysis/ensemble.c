@@ -9,7 +9,7 @@
 
 #define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */
 #define BESIDE 1e-7         /* how far from the eigenvalue the shift stays, relative */
-#define SAME 1e-6           /* of norm(A): how near what the shift finds must be to it */
+#define FOUND_WITHIN 1e-6   /* of norm(A): how near what the shift finds must be to the eigenvalue */
 #define LAST_SEED 9007199254740992
 
 void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
@@ -80,7 +80,7 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
     if (distance < nearest) match = j;
     nearest = PetscMin(nearest, distance);
   }
-  if (nearest <= SAME * eigen->norm) {
+  if (nearest <= FOUND_WITHIN * eigen->norm) {
     PetscCall(MpmEigenCondition(eigen, match, &condition));
     error          = condition * MpmOperatorErrorOf(eigen->norm, mismatch, eigen->residual[match]);
     f->uncertainty = MpmUncertaintyOf(f->growth, error / hypot(value[0], value[1]), op->period);

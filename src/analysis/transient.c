@@ -7,6 +7,7 @@
    divided by a power of two, found once by following one vector, so that growth over any number of steps stays in
    range.
 */
+#include "base/power_of_two.h"
 #include "scene/layout.h"
 #include <mpmstab/errors.h>
 #include "base/progress.h"
@@ -20,10 +21,10 @@
 #define BASIS 32       /* vectors of the Krylov space */
 #define TOLERANCE 1e-6 /* relative residual; the error is about its square over the gap */
 #define RESTARTS 500
-#define OF_NONZERO 12 /* bytes */
-#define SAME 1e-9     /* logarithms of norms */
-#define LATE 4        /* a power is fitted from last / LATE on */
-#define FEWEST 4      /* norms to fit one */
+#define OF_NONZERO 12     /* bytes */
+#define NORMS_DIFFER 1e-9 /* logarithms of norms that differ by less are alike */
+#define LATE 4            /* a power is fitted from last / LATE on */
+#define FEWEST 4          /* norms to fit one */
 
 /* Steps of a period, and the powers of two that are taken out after each of the n that the product now has. */
 typedef struct {
@@ -128,8 +129,8 @@ static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool
   for (PetscInt k = 0; k < last && *finite; k++) {
     PetscCall(MatMult(p->step[k % p->period], in, out));
     PetscCall(VecNorm(out, NORM_2, &norm));
-    *finite = isfinite(norm) ? PETSC_TRUE : PETSC_FALSE;
-    if (isnormal(norm) && PetscAbsInt(ilogb(norm)) >= RESCALE_AT) p->shift[k] = ilogb(norm);
+    *finite     = isfinite(norm) ? PETSC_TRUE : PETSC_FALSE;
+    p->shift[k] = MpmPowerToTakeOut(norm, RESCALE_AT);
     if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
     PetscCall(VecSwap(in, out));
   }
@@ -220,12 +221,12 @@ static void Judge(PetscReal growth, MpmTransient *t)
   for (PetscInt i = 0; i < t->n; i++) {
     const PetscReal x = log(t->steps[i]), y = t->log_norm[i] - t->steps[i] * log_growth;
 
-    if (t->log_norm[i] > largest + SAME) { /* the first of those that are alike */
+    if (t->log_norm[i] > largest + NORMS_DIFFER) { /* the first of those that are alike */
       largest    = t->log_norm[i];
       t->largest = t->norm[i];
       t->at_step = t->steps[i];
     }
-    if (y > excess + SAME) {
+    if (y > excess + NORMS_DIFFER) {
       excess       = y;
       t->excess_at = t->steps[i];
     }

@@ -60,7 +60,7 @@ PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, cons
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->per_phase, &growth));
-  if (s->seen) PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->seen, &seen));
+  if (s->without_null) PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->without_null, &seen));
   PetscCall(MpmTextFileOpen(path, &csv));
   if (csv.stream) {
     fprintf(csv.stream, "beta,growth%s,published,corrected\n", seen ? ",growth_seen" : "");

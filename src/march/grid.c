@@ -42,11 +42,8 @@ static PetscErrorCode CreateDMDA(MPI_Comm comm, MpmGrid *g)
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscMalloc1(size + 1, &g->starts));
   PetscCall(PetscMalloc1(size, &nodes));
-  g->starts[0] = 0;
-  for (PetscMPIInt r = 0; r < size; r++) {
-    nodes[r]         = g->cells / size + (g->cells % size > r ? 1 : 0);
-    g->starts[r + 1] = g->starts[r] + nodes[r];
-  }
+  for (PetscMPIInt r = 0; r <= size; r++) g->starts[r] = MpmGridFirst(g->cells, size, r);
+  for (PetscMPIInt r = 0; r < size; r++) nodes[r] = MpmGridCount(g->cells, size, r);
   g->first = g->starts[rank];
   g->count = nodes[rank];
   if (!g->periodic) nodes[size - 1]++;

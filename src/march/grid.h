@@ -34,6 +34,19 @@ static inline PetscInt MpmGridSmallestCount(PetscInt cells, PetscMPIInt size)
   return cells / size;
 }
 
+/*
+   Not collective. Which cells a rank of size ranks gets, as DMDA deals them: the number of them, one more for the first
+   cells % size ranks than for the others, and the first of them.
+*/
+static inline PetscInt MpmGridCount(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
+{
+  return cells / size + (cells % size > rank ? 1 : 0);
+}
+static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
+{
+  return cells / size * rank + PetscMin(rank, cells % size);
+}
+
 /* Not collective. A node field's local array, indexed by local node, ghosts included. */
 PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array);
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array);

@@ -5,8 +5,118 @@
      node -> particle       q += a S g,  q += a D g     D: h dphi_ip/dx
      node -> node           g = a L f,   g += a f       L: the operation's stencil
 */
+#include "linalg/normal_inverse.h"
+#include "march/grid.h"
 #include "operator/assemble.h"
 #include "scene/layout.h"
+#include "scene/material.h"
+#include <math.h>
+
+/*
+   Rows are particles in the order of their ids, times what the operation weighs them with. Nodes that a short grid's
+   wrap or a wall makes one add up.
+*/
+static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscBool drop,
+                                       PetscInt64 step, Mat *map)
+{
+  const MpmLayout  *layout = r->layout;
+  const MpmBasis   *basis  = r->scheme->basis;
+  const PetscInt    reach = MpmMapReach(basis), own = PetscMin(reach, r->nodes);
+  const PetscInt    far    = PetscMin(reach, layout->grid.nodes - r->nodes);
+  const MpmProperty weight = MpmLayoutWeight(layout, kind);
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
+  for (PetscInt p = 0; p < r->particles; p++) {
+    const PetscInt  id = r->begin + p;
+    PetscInt        cell, columns[MPM_MAX_REACH];
+    PetscReal       xi, row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
+    const PetscReal w = weight ? MpmMaterialProperty(layout, weight, id) : 1;
+
+    MpmLayoutPlaceAt(layout, &r->step.drift, id, step, &cell, &xi);
+    MpmMapRow(basis, kind, xi, layout->half_width, row);
+    MpmNodesSeen(&r->layout->grid, basis, cell, antisymmetric, drop, columns, sign);
+    for (PetscInt d = 0; d < reach; d++) row[d] *= sign[d] * w;
+    PetscCall(MatSetValues(*map, 1, &id, reach, columns, row, ADD_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*map, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nodal masses at a step: of both images together, whatever the sign of the fields. */
+static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
+{
+  Mat shape;
+  Vec ones;
+
+  PetscFunctionBegin;
+  if (r->masses && r->masses_step == step) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&r->masses));
+  PetscCall(ParticlesByNodes(r, MPM_P2G, PETSC_FALSE, PETSC_FALSE, step, &shape));
+  PetscCall(MatCreateVecs(shape, &r->masses, &ones));
+  PetscCall(VecSet(ones, 1));
+  PetscCall(MatMultTranspose(shape, ones, r->masses));
+  PetscCall(VecDestroy(&ones));
+  PetscCall(MatDestroy(&shape));
+  r->masses_step = step;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step, Mat *map)
+{
+  Mat        shape;
+  Vec        inverse;
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
+    PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, map));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, &shape));
+  PetscCall(Masses(r, step));
+  PetscCall(VecDuplicate(r->masses, &inverse));
+  PetscCall(VecCopy(r->masses, inverse));
+  PetscCall(VecGetArray(inverse, &m));
+  for (PetscInt i = 0; i < r->nodes; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
+  PetscCall(VecRestoreArray(inverse, &m));
+  PetscCall(MatDiagonalScale(shape, NULL, inverse));
+  PetscCall(MatTranspose(shape, MAT_INITIAL_MATRIX, map));
+  PetscCall(VecDestroy(&inverse));
+  PetscCall(MatDestroy(&shape));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* sqrt(m) W, so that its square is W^T m W. */
+static PetscErrorCode WeighRoots(const MpmRegisters *r, Mat W)
+{
+  Vec        root;
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  if (!r->layout->varies[MPM_MASS]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(W, NULL, &root));
+  PetscCall(VecGetArray(root, &m));
+  for (PetscInt p = 0; p < r->particles; p++) m[p] = sqrt(MpmMaterialProperty(r->layout, MPM_MASS, r->begin + p));
+  PetscCall(VecRestoreArray(root, &m));
+  PetscCall(MatDiagonalScale(W, root, NULL));
+  PetscCall(VecDestroy(&root));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool antisymmetric, PetscInt64 step, Mat *map)
+{
+  Mat W;
+
+  PetscFunctionBegin;
+  PetscCall(Masses(r, step));
+  PetscCall(ParticlesByNodes(r, MPM_G2P, antisymmetric, PETSC_TRUE, step, &W));
+  PetscCall(WeighRoots(r, W));
+  PetscCall(MpmNormalInverse(W, r->masses, map));
+  PetscCall(MatDestroy(&W));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* The identity's rows of one field: particle p of this rank is number fields p + field of the state. */
 static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matrix)
@@ -44,10 +154,9 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  *r       = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
-  r->cells = layout->grid.cells / size + (layout->grid.cells % size > rank ? 1 : 0); /* as DMDA gives them */
-  r->first = 0;
-  PetscCallMPI(MPI_Exscan(&r->cells, &r->first, 1, MPIU_INT, MPI_SUM, comm));
+  *r           = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
+  r->cells     = MpmGridCount(layout->grid.cells, size, rank);
+  r->first     = MpmGridFirst(layout->grid.cells, size, rank);
   r->nodes     = r->cells + (rank == size - 1 ? layout->grid.nodes - layout->grid.cells : 0);
   begin        = PetscMax(MpmLayoutSitesBefore(layout, r->first) - layout->first, 0);
   end          = PetscMin(MpmLayoutSitesBefore(layout, r->first + r->cells) - layout->first, layout->particles);
@@ -198,5 +307,68 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
     for (int antisymmetric = 0; antisymmetric < 2; antisymmetric++) PetscCall(MatDestroy(&maps.map[k][antisymmetric]));
   PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Numbers of each row of A in this rank's and in other ranks' columns. */
+static PetscErrorCode CountRows(const MpmRegisters *r, PetscInt begin, PetscInt end, PetscInt own[], PetscInt far[])
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < r->fields; f++) {
+    PetscInt first;
+
+    PetscCall(MatGetOwnershipRange(r->particle[f], &first, NULL));
+    for (PetscInt p = 0; p < r->particles; p++) {
+      const PetscInt  row = r->fields * p + f;
+      const PetscInt *columns;
+      PetscInt        n;
+
+      PetscCall(MatGetRow(r->particle[f], first + p, &n, &columns, NULL));
+      own[row] = far[row] = 0;
+      for (PetscInt c = 0; c < n; c++)
+        if (columns[c] >= begin && columns[c] < end)
+          own[row]++;
+        else
+          far[row]++;
+      PetscCall(MatRestoreRow(r->particle[f], first + p, &n, &columns, NULL));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CopyRows(const MpmRegisters *r, Mat A)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < r->fields; f++) {
+    PetscInt begin, end;
+
+    PetscCall(MatGetOwnershipRange(r->particle[f], &begin, &end));
+    for (PetscInt p = begin; p < end; p++) {
+      const PetscInt     row = r->fields * p + f;
+      const PetscInt    *columns;
+      const PetscScalar *values;
+      PetscInt           n;
+
+      PetscCall(MatGetRow(r->particle[f], p, &n, &columns, &values));
+      PetscCall(MatSetValues(A, 1, &row, n, columns, values, INSERT_VALUES));
+      PetscCall(MatRestoreRow(r->particle[f], p, &n, &columns, &values));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersGather(const MpmRegisters *r, Mat *A)
+{
+  PetscInt *own, *far, begin, end;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRangeColumn(r->particle[0], &begin, &end));
+  PetscCall(PetscMalloc2(r->state, &own, r->state, &far));
+  PetscCall(CountRows(r, begin, end, own, far));
+  PetscCall(MatCreateAIJ(r->comm, r->state, r->state, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
+  PetscCall(PetscFree2(own, far));
+  PetscCall(CopyRows(r, *A));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -63,7 +63,7 @@ static PetscErrorCode PrintReason(PetscReal tolerance, const MpmCritical *c)
   if (c->closed > 0 && isfinite(c->closed))
     MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (-DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
              "(transfer)\n",
-             c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.retained);
+             c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,11 +6,12 @@
      node -> particle       q^_j += a sum_d phi_jd e^(i beta d) g^                  or h dphi/dx for phi
      node -> node           g^  = a sum_s stencil_s e^(i beta s) f^, or f^ over the symbol of P2G G2P for SOLVE
 */
+#include "base/hash.h"
+#include "base/power_of_two.h"
 #include "symbol/bloch.h"
 #include "scene/layout.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
-#include <stdint.h>
 
 #define KINDS MPM_OP_KINDS
 #define SINGULAR 1e-12 /* symbol of P2G G2P that is taken for 0 */
@@ -177,22 +178,19 @@ static PetscInt Rescale(MpmBloch *b)
 
   for (PetscInt i = 0; i < n; i++)
     largest = PetscMax(largest, PetscMax(fabs(creal(b->particle[i])), fabs(cimag(b->particle[i]))));
-  if (!isnormal(largest) || PetscAbsInt(ilogb(largest)) < RESCALE_AT) return 0;
-  shift = ilogb(largest);
-  for (PetscInt i = 0; i < n; i++) b->particle[i] *= scalbn(1, -(int)shift);
+  shift = MpmPowerToTakeOut(largest, RESCALE_AT);
+  for (PetscInt i = 0; i < n && shift; i++) b->particle[i] *= scalbn(1, -(int)shift);
   return shift;
 }
 
 /*
-   Moves every number by up to MPM_ROUNDING, relative, by random numbers (Knuth's linear congruences) that are the same
-   at any phase and on any rank.
+   Moves every number by up to MPM_ROUNDING, relative, by random numbers that are the same at any phase and on any rank.
 */
-static void Disturb(MpmBloch *b, uint64_t *random)
+static void Disturb(MpmBloch *b, PetscInt step)
 {
-  for (PetscInt i = 0; i < b->size * b->size; i++) {
-    *random = *random * 6364136223846793005u + 1442695040888963407u;
-    b->particle[i] *= 1 + MPM_ROUNDING * ((PetscReal)(*random >> 11) * 0x1p-52 - 1);
-  }
+  const PetscInt n = b->size * b->size;
+
+  for (PetscInt i = 0; i < n; i++) b->particle[i] *= 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
 }
 
 PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, PetscBool noisy, double complex G[],
@@ -200,7 +198,6 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, Pe
 {
   const MpmTable *t   = b->scheme->table;
   const PetscInt  ppc = b->layout->ppc, n = b->size;
-  uint64_t        random = 1;
 
   PetscFunctionBegin;
   *exponent = 0;
@@ -212,7 +209,7 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, Pe
   for (PetscInt step = 0; step < b->period; step++) {
     SetTies(b, step);
     for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, o, step, beta);
-    if (noisy) Disturb(b, &random);
+    if (noisy) Disturb(b, step);
     *exponent += Rescale(b);
   }
   for (PetscInt field = 0; field < b->fields; field++)

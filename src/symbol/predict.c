@@ -15,7 +15,7 @@ static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, Pets
   if (drifts) return "the formulas are for particles at rest";
   if (!MpmLayoutIsPeriodic(layout)) return "the formulas are for a periodic domain";
   if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
-  if (!scheme->transfer->retains) return "no closed form for this transfer";
+  if (!scheme->transfer->filter_symbol) return "no closed form for this transfer";
   return NULL;
 }
 
@@ -82,7 +82,7 @@ MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
     cell.mu += conj(value) * slope / ppc;
   }
   if (cell.alpha < NOTHING) cell.alpha = 0;
-  cell.retained = p->scheme->transfer->retains(&p->scheme->numbers, cell.alpha);
+  cell.filter = p->scheme->transfer->filter_symbol(&p->scheme->numbers, cell.alpha);
   return cell;
 }
 
@@ -135,11 +135,11 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   PetscMPIInt size;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < s->count && s->seen; i++) {
+  for (PetscInt i = 0; i < s->count && s->without_null; i++) {
     const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
 
-    Widest(fabs(MpmPredictorPublished(p, s->step.courant, beta) - s->seen[i]), beta, &mine[0], &mine[1]);
-    Widest(fabs(MpmPredictorCorrected(p, s->step.courant, beta) - s->seen[i]), beta, &mine[2], &mine[3]);
+    Widest(fabs(MpmPredictorPublished(p, s->step.courant, beta) - s->without_null[i]), beta, &mine[0], &mine[1]);
+    Widest(fabs(MpmPredictorCorrected(p, s->step.courant, beta) - s->without_null[i]), beta, &mine[2], &mine[3]);
   }
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscMalloc1(4 * size, &all));

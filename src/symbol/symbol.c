@@ -1,16 +1,19 @@
-/* Phase after phase: amplification matrix, its eigenvalues, the largest of all; phases are spread over the ranks. */
-#include "symbol/bloch.h"
-#include "linalg/small_eigen.h"
-#include <mpmstab/errors.h>
-#include "scene/layout.h"
+/*
+   Phase after phase: amplification matrix, its eigenvalues, the largest of all. Phases are spread over the ranks, and
+   what they have computed is brought together at the end of this file.
+*/
 #include "base/progress.h"
+#include "linalg/small_eigen.h"
+#include "scene/layout.h"
+#include "symbol/bloch.h"
+#include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
 
 #define MOST_PPC 512
-#define SAME 1e-12 /* growths that differ by less share the maximum */
-#define NEAR 10    /* tolerances within which what rounding may hide is looked for */
+#define SHARES_MAXIMUM 1e-12 /* growths that differ by less share the maximum */
+#define NEAR 10              /* tolerances within which what rounding may hide is looked for */
 
 /* noisy: room for a second matrix, where a period asks for it. */
 typedef struct {
@@ -72,10 +75,10 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 }
 
 /*
-   The largest abs without what no node sees, for each field ppc - 1 factors: that part rests, with the factor 1, or
-   with what the transfer leaves of it.
+   The largest abs of the amplification factors without the null space of P2G, the particle data that no node feels.
+   That has ppc - 1 factors for each field: 1, since it rests, or the transfer's null_factor.
 */
-static PetscReal LargestSeen(Reader *r)
+static PetscReal LargestWithoutNull(Reader *r)
 {
   const MpmScheme *scheme = r->bloch.scheme;
   const PetscInt   others = r->bloch.layout->ppc - 1, rest = scheme->table->unfiltered * others,
@@ -84,7 +87,7 @@ static PetscReal LargestSeen(Reader *r)
   PetscReal       largest = 0;
 
   Drop(value, r->eigen.n, rest, 1);
-  Drop(value, r->eigen.n - rest, all - rest, scheme->transfer->unseen(&scheme->numbers));
+  Drop(value, r->eigen.n - rest, all - rest, scheme->transfer->null_factor(&scheme->numbers));
   for (PetscInt i = 0; i < r->eigen.n - all; i++) largest = PetscMax(largest, cabs(value[i]));
   return largest;
 }
@@ -104,7 +107,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
     PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
     PetscCall(Factors(r, PETSC_FALSE, &largest));
     s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
-    if (s->seen) s->seen[i] = LargestSeen(r);
+    if (s->without_null) s->without_null[i] = LargestWithoutNull(r);
     if (!s->factors) continue;
     s->exponents[i] = exponent;
     for (PetscInt j = 0; j < s->size; j++) {
@@ -149,7 +152,7 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
   for (PetscInt i = s->count - 1; i >= 0; i--)
-    if (s->per_phase[i] >= s->growth * (1 - SAME)) m = s->first + i;
+    if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   s->beta_at_max = MpmSymbolPhase(m, s->phases);
   PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
@@ -239,7 +242,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   room = PetscMax(1, s->count); /* a rank without phases, of nothing, would not know what there is to gather */
   PetscCall(PetscMalloc1(room, &s->per_phase));
-  if (s->period == 1 && scheme->transfer->unseen) PetscCall(PetscMalloc1(room, &s->seen));
+  if (s->period == 1 && scheme->transfer->null_factor) PetscCall(PetscMalloc1(room, &s->without_null));
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
@@ -256,8 +259,106 @@ PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol)
   PetscFunctionBegin;
   if (!*symbol) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*symbol)->per_phase));
-  PetscCall(PetscFree((*symbol)->seen));
+  PetscCall(PetscFree((*symbol)->without_null));
   if ((*symbol)->factors) PetscCall(PetscFree2((*symbol)->factors, (*symbol)->exponents));
   PetscCall(PetscFree(*symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define AWAY 0.05      /* from 1 */
+#define EQUAL_ABS 1e-9 /* relative: abs that differ by less are the same */
+
+/* Counts and displacements of the ranks' parts, width numbers a phase. */
+static PetscErrorCode Parts(MPI_Comm comm, const MpmSymbol *s, PetscInt width, PetscMPIInt **counts,
+                            PetscMPIInt **begins)
+{
+  PetscMPIInt size, mine;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(PetscMPIIntCast((PetscInt64)width * s->count, &mine));
+  PetscCall(PetscMalloc2(size, counts, size, begins));
+  PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, *counts, 1, MPI_INT, comm));
+  (*begins)[0] = 0;
+  for (PetscMPIInt r = 1; r < size; r++) (*begins)[r] = (*begins)[r - 1] + (*counts)[r - 1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolGather(MPI_Comm comm, const MpmSymbol *s, const PetscReal curve[], PetscReal **all)
+{
+  PetscMPIInt *counts, *begins, rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(PetscMalloc1(rank ? 0 : s->half + 1, all));
+  PetscCall(Parts(comm, s, 1, &counts, &begins));
+  PetscCallMPI(MPI_Gatherv(curve, (PetscMPIInt)s->count, MPIU_REAL, *all, counts, begins, MPIU_REAL, 0, comm));
+  PetscCall(PetscFree2(counts, begins));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal **factors)
+{
+  const PetscInt width = 2 * s->size;
+  PetscMPIInt   *counts, *begins;
+  PetscReal     *scaled;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1((size_t)width * s->phases, factors));
+  PetscCall(PetscMalloc1((size_t)width * s->count, &scaled));
+  for (PetscInt i = 0; i < s->count; i++)
+    for (PetscInt j = 0; j < width; j++)
+      scaled[width * i + j] = scalbn(s->factors[width * i + j], (int)(s->exponents[i] - exponent));
+  PetscCall(Parts(comm, s, width, &counts, &begins));
+  PetscCallMPI(
+      MPI_Allgatherv(scaled, (PetscMPIInt)(width * s->count), MPIU_REAL, *factors, counts, begins, MPIU_REAL, comm));
+  /* the table is real: G(-beta) is the conjugate of G(beta) */
+  for (PetscInt m = s->half + 1; m < s->phases; m++)
+    for (PetscInt j = 0; j < width; j++)
+      (*factors)[width * m + j] = (*factors)[width * (s->phases - m) + j] * (j % 2 ? -1 : 1);
+  PetscCall(PetscFree2(counts, begins));
+  PetscCall(PetscFree(scaled));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+typedef struct {
+  PetscReal re, im, size, distance;
+} Candidate;
+
+static PetscBool IsBetter(const Candidate *a, const Candidate *b)
+{
+  const PetscBool away = a->distance > AWAY ? PETSC_TRUE : PETSC_FALSE;
+
+  if (away != (b->distance > AWAY ? PETSC_TRUE : PETSC_FALSE)) return away;
+  if (away && fabs(a->size - b->size) > EQUAL_ABS * b->size) return a->size > b->size ? PETSC_TRUE : PETSC_FALSE;
+  return a->distance > b->distance * (1 + EQUAL_ABS) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal target[2])
+{
+  Candidate   best = {.distance = -1}, *all;
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < s->count; i++) {
+    for (PetscInt j = 0; j < s->size; j++) {
+      const PetscReal *factor = s->factors + 2 * (s->size * i + j);
+      Candidate        c      = {.re = scalbn(factor[0], (int)(s->exponents[i] - exponent)),
+                                 .im = fabs(scalbn(factor[1], (int)(s->exponents[i] - exponent)))};
+
+      c.size     = hypot(c.re, c.im);
+      c.distance = hypot(c.re - scalbn(1, -(int)exponent), c.im);
+      if (IsBetter(&c, &best)) best = c;
+    }
+  }
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscMalloc1(ranks, &all));
+  PetscCallMPI(MPI_Allgather(&best, 4, MPIU_REAL, all, 4, MPIU_REAL, comm));
+  best = all[0];
+  for (PetscMPIInt r = 1; r < ranks; r++)
+    if (IsBetter(&all[r], &best)) best = all[r];
+  PetscCall(PetscFree(all));
+  target[0] = best.re;
+  target[1] = best.im;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

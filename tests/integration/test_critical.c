@@ -78,7 +78,7 @@ static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t,
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s", f->name, t->name,
                           b->name, rest));
   PetscCall(Find(options, &c));
-  CHECK(isnan(c.closed) == !t->retains, "%s: closed form %g", options, c.closed);
+  CHECK(isnan(c.closed) == !t->filter_symbol, "%s: closed form %g", options, c.closed);
   if (isnan(c.closed)) PetscFunctionReturn(PETSC_SUCCESS);
   CHECK(c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) &&
             c.stable_at >= c.closed * (1 - 1e-9),

@@ -12,11 +12,11 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det)
 
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal k)
 {
-  return MpmQuadraticRadius(1 + cell->retained - cell->alpha * k * k * cell->kappa, cell->retained);
+  return MpmQuadraticRadius(1 + cell->filter - cell->alpha * k * k * cell->kappa, cell->filter);
 }
 
 /* abs(det) <= 1 and abs(trace) <= 1 + det (Jury): alpha s <= 2 (1 + f). */
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell)
 {
-  return sqrt(2 * (1 + cell->retained) / (cell->alpha * cell->kappa));
+  return sqrt(2 * (1 + cell->filter) / (cell->alpha * cell->kappa));
 }

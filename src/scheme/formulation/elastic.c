@@ -38,7 +38,7 @@ static PetscReal Published(PetscReal k, PetscReal beta)
 /* P2G G2P is not the identity but has the symbol alpha, for the hat 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi). */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal s = 4 * PetscSqr(k * sin(cell->beta / 2)), alpha = cell->alpha, f = cell->retained;
+  const PetscReal s = 4 * PetscSqr(k * sin(cell->beta / 2)), alpha = cell->alpha, f = cell->filter;
 
   return MpmQuadraticRadius(1 + f - alpha * s, f * (1 - alpha * (1 - alpha) * s));
 }
@@ -46,7 +46,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 /* trace >= -(1 + det) (Jury). */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
-  const PetscReal alpha = cell->alpha, f = cell->retained;
+  const PetscReal alpha = cell->alpha, f = cell->filter;
 
   return sqrt(2 * (1 + f) / (alpha * (1 + f * (1 - alpha)))) / (2 * sin(cell->beta / 2));
 }

@@ -33,15 +33,15 @@ static PetscReal Published(PetscReal k, PetscReal beta)
 /* C1 + C2 = 1 halves the slides' stencil; G = f (1 +- k mu), for the hat mu = e (1 - cos beta) + i sin beta. */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  return cell->retained * fmax(cabs(1 + k * cell->mu), cabs(1 - k * cell->mu));
+  return cell->filter * fmax(cabs(1 + k * cell->mu), cabs(1 - k * cell->mu));
 }
 
 /* (1 + 2 k abs(Re mu) + k^2 abs(mu)^2) f^2 = 1. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
-  const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->retained) - 1;
+  const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->filter) - 1;
 
-  if (size < 1e-13 || cell->retained == 0) return INFINITY; /* mu is 0 but for rounding */
+  if (size < 1e-13 || cell->filter == 0) return INFINITY; /* mu is 0 but for rounding */
   return room / (re + sqrt(re * re + size * size * room));
 }
 

@@ -35,7 +35,7 @@ static PetscReal Published(PetscReal k, PetscReal beta)
 /* (gamma^2 + 2)^2 - 4 = gamma^4 + 4 gamma^2, and the lost half restored: G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0. */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  return cell->retained * MpmQuadraticRadius(2 + k * k * cell->mu * cell->mu, 1);
+  return cell->filter * MpmQuadraticRadius(2 + k * k * cell->mu * cell->mu, 1);
 }
 
 /*
@@ -46,7 +46,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const double complex square = cell->mu * cell->mu;
-  const PetscReal      size = cabs(square), f = cell->retained, a = 1 / f + f, b = 1 / f - f;
+  const PetscReal      size = cabs(square), f = cell->filter, a = 1 / f + f, b = 1 / f - f;
   PetscReal            c, p, q;
 
   if (size < PetscSqr(ROUNDING) || f == 0) return INFINITY;

@@ -27,7 +27,7 @@ static const MpmOp ops[] = {
 /* s = k^2 kappa: v' = f v + alpha a, a' = a - s (v + a) for the node's velocity v and increment a. */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal s = k * k * cell->kappa, f = cell->retained;
+  const PetscReal s = k * k * cell->kappa, f = cell->filter;
 
   return MpmQuadraticRadius(1 + f - s, f + (cell->alpha - f) * s);
 }
@@ -35,7 +35,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 /* trace >= -(1 + det) (Jury). */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
-  return sqrt(2 * (1 + cell->retained) / ((1 + cell->retained - cell->alpha) * cell->kappa));
+  return sqrt(2 * (1 + cell->filter) / ((1 + cell->filter - cell->alpha) * cell->kappa));
 }
 
 const MpmFormulation MpmUsl = {.name      = "usl",

@@ -13,12 +13,12 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   return numbers->ratio + (1 - numbers->ratio) * alpha;
 }
 
-static PetscReal Unseen(const MpmTransferNumbers *numbers)
+static PetscReal NullFactor(const MpmTransferNumbers *numbers)
 {
   return numbers->ratio;
 }
@@ -28,11 +28,11 @@ static PetscReal Number(const MpmTransferNumbers *numbers)
   return numbers->ratio;
 }
 
-const MpmTransfer MpmBlend = {.name      = "blend",
-                              .summary   = "blend_ratio of flip, the rest of pic",
-                              .reference = "Zhu and Bridson 2005",
-                              .option    = "blend_ratio",
-                              .number    = Number,
-                              .filter    = Filter,
-                              .retains   = Retains,
-                              .unseen    = Unseen};
+const MpmTransfer MpmBlend = {.name          = "blend",
+                              .summary       = "blend_ratio of flip, the rest of pic",
+                              .reference     = "Zhu and Bridson 2005",
+                              .option        = "blend_ratio",
+                              .number        = Number,
+                              .filter        = Filter,
+                              .filter_symbol = FilterSymbol,
+                              .null_factor   = NullFactor};

@@ -16,15 +16,15 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   return alpha > 0 ? 1 : 0;
 }
 
-const MpmTransfer MpmNullspace = {.name      = "nullspace",
-                                  .summary   = "flip without what no node can see",
-                                  .reference = "after Gritton and Berzins 2017",
-                                  .filter    = Filter,
-                                  .retains   = Retains,
-                                  .unseen    = MpmTransferForgets};
+const MpmTransfer MpmNullspace = {.name          = "nullspace",
+                                  .summary       = "flip without what no node can see",
+                                  .reference     = "after Gritton and Berzins 2017",
+                                  .filter        = Filter,
+                                  .filter_symbol = FilterSymbol,
+                                  .null_factor   = MpmTransferForgets};

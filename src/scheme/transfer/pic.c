@@ -16,15 +16,15 @@ PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers)
   return 0;
 }
 
-static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   return alpha;
 }
 
-const MpmTransfer MpmPic = {.name      = "pic",
-                            .summary   = "particles take values from the grid",
-                            .reference = "Harlow 1964",
-                            .filter    = MpmTransferFromGrid,
-                            .retains   = Retains,
-                            .unseen    = MpmTransferForgets};
+const MpmTransfer MpmPic = {.name          = "pic",
+                            .summary       = "particles take values from the grid",
+                            .reference     = "Harlow 1964",
+                            .filter        = MpmTransferFromGrid,
+                            .filter_symbol = FilterSymbol,
+                            .null_factor   = MpmTransferForgets};

@@ -37,7 +37,7 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal Retains(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   return 1 - pow(1 - alpha, (double)numbers->order);
 }
@@ -47,11 +47,11 @@ static PetscReal Number(const MpmTransferNumbers *numbers)
   return (PetscReal)numbers->order;
 }
 
-const MpmTransfer MpmXpic = {.name      = "xpic",
-                             .summary   = "pic with its smoothing taken back, to xpic_order terms",
-                             .reference = "Hammerquist and Nairn 2017",
-                             .option    = "xpic_order",
-                             .number    = Number,
-                             .filter    = Filter,
-                             .retains   = Retains,
-                             .unseen    = MpmTransferForgets};
+const MpmTransfer MpmXpic = {.name          = "xpic",
+                             .summary       = "pic with its smoothing taken back, to xpic_order terms",
+                             .reference     = "Hammerquist and Nairn 2017",
+                             .option        = "xpic_order",
+                             .number        = Number,
+                             .filter        = Filter,
+                             .filter_symbol = FilterSymbol,
+                             .null_factor   = MpmTransferForgets};
