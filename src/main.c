@@ -1,4 +1,4 @@
-/* Tasks by name. */
+/* Starts MPI and PETSc, finds the task by its name, and ends in one line whatever has gone wrong. */
 #include <mpmstab/errors.h>
 #include "base/launch.h"
 #include "scene/settings.h"
@@ -63,9 +63,9 @@ int main(int argc, char **argv)
   if (MpmErrorsOutside()) return MPM_EXIT_FAILED;
   ierr = PetscInitialize(&argc, &argv, NULL, NULL);
   if (ierr) return MPM_EXIT_REFUSED;
-  (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
+  (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work */
   (void)signal(SIGXFSZ, SIG_IGN); /* a file that grows beyond 'ulimit -f' is an error of writing like any other */
-  MpmStopClean();                 /* nor is there a trace at an end that was asked for */
+  MpmStopClean();                 /* PETSc would print a stack trace for signals that ask for an end */
   started = MPI_Wtime();
   ierr    = MpmErrorsInstall();
   if (!ierr) ierr = Dispatch(argc, argv, started, &status);

@@ -8,10 +8,10 @@
 /* Collective. Refuses a scene's mode_file unless it is of the same scheme, grid and particles and holds the mode. */
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene);
 
-/* Not collective. The group of the file that holds the scene's mode. */
+/* Not collective. Names the group of the file that holds the scene's mode. */
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
 
-/* Collective. Growth per step of the mode's eigenvalue. */
+/* Collective. Reads the growth per step of the mode's eigenvalue. */
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, PetscReal *growth);
 
 /*
