@@ -1,4 +1,4 @@
-/* Tasks by name. */
+/* Starts MPI and PETSc, finds the task by its name, and ends in one line whatever has gone wrong. */
 #include <mpmstab/errors.h>
 #include "base/launch.h"
 #include "scene/settings.h"

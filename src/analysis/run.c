@@ -70,7 +70,7 @@ static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
   return isnormal(value) || energy == 0 ? value : NAN;
 }
 
-/* Records norm and energy of a sampled step and rescales the state. follow: whether the run can go on. */
+/* Records norm and energy of a sampled step and rescales the state. follow: whether the run can follow its state. */
 static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 {
   MpmMarch       *march = loop->march;

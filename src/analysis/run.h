@@ -39,11 +39,10 @@ typedef struct {
 
    Each function is collective and gets context; one that is NULL is left out. begin: the march has the scene's initial
    data; it may replace them and the run's series by those of a checkpoint, and fills what an eigenmode starts from.
-   sample: a step whose norm and energy were recorded; log_norm is the logarithm of the state's norm, exchange NULL where
-   none was asked for. step: after begin, and after each step; run->lost says that the run cannot follow its state, and ends there; stop asks it
-   to end.
-   end: the march is at its end, or was stopped (run->stopped). The time of all but begin and end is taken out of
-   run->loop_s.
+   sample: norm and energy of a step were recorded; log_norm is the logarithm of the state's norm, and exchange is NULL
+   where the scene asks for none. step: after begin, and after each step; run->lost says that the run cannot follow its
+   state and ends there; stop asks it to end. end: the march is at its end, or was stopped (run->stopped). The time that
+   sample and step take is no part of run->loop_s.
 S*/
 typedef struct {
   void *context;

@@ -49,12 +49,13 @@ PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[])
 static PetscErrorCode explained; /* the error that was said in one line, though it is no refusal */
 
 /* One line for what is no fault of the program; whether there is one. */
-static PetscBool Explain(PetscErrorCode code, const char message[], size_t room, char why[])
+static PetscBool Explain(PetscErrorCode code, const char function[], const char message[], size_t room, char why[])
 {
   char given[512] = "";
 
-  if (code == PETSC_ERR_MEM) {
-    (void)snprintf(why, room, "memory ends: %s; allowed: fewer cells or particles, more ranks or more memory", message);
+  /* PetscMallocAlign gives its caller's name for a message, and another code in some versions */
+  if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign")) {
+    (void)snprintf(why, room, "memory ends; allowed: fewer cells or particles, more ranks or more memory");
     return PETSC_TRUE;
   }
   if (code == PETSC_ERR_PLIB || code == PETSC_ERR_SIG || MpmErrorsGivenOptions(sizeof given, given) || !given[0])
@@ -82,7 +83,7 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
   if (kind != PETSC_ERROR_INITIAL && (code == PETSC_ERR_USER_INPUT || code == explained)) return code;
   if (code == PETSC_ERR_USER_INPUT)
     (void)snprintf(why, sizeof why, "%s", message);
-  else if (kind == PETSC_ERROR_INITIAL && Explain(code, message, sizeof why, why))
+  else if (kind == PETSC_ERROR_INITIAL && Explain(code, function ? function : "", message, sizeof why, why))
     explained = code;
   else
     return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);

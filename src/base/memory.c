@@ -1,4 +1,4 @@
-/* What the machine has left, and what is asked of it. */
+/* Compares the memory that a task needs with the memory that the machine has left. */
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "base/memory.h"
 #include <mpmstab/errors.h>
@@ -11,7 +11,7 @@
 #define GB 1073741824.0
 #define LAPACK_BYTES 201326592 /* bytes: OpenBLAS asks for up to 128 MB at once */
 
-/* One number of a file, in bytes; INFINITY when the machine has none such. */
+/* Reads one number from a file of the system, in bytes; INFINITY when there is no such file or number. */
 static PetscReal Number(const char path[], const char format[], PetscReal unit)
 {
   FILE  *file = fopen(path, "r");
@@ -25,7 +25,7 @@ static PetscReal Number(const char path[], const char format[], PetscReal unit)
   return unit * value;
 }
 
-/* The least of what the machine has left, what a container may have, and what the shell grants. */
+/* The least of three: memory that the machine has left, that a container may use, and that the shell grants. */
 static PetscReal Available(PetscReal ranks)
 {
   PetscReal     available = Number("/proc/meminfo", "MemAvailable: %lf", 1024);

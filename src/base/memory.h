@@ -1,4 +1,4 @@
-/* Memory: what would not fit is refused before it is asked for, since Linux grants it first and kills later. */
+/* Memory: a task that would not fit is refused before it starts, since Linux grants memory first and kills later. */
 #pragma once
 #include <mpmstab/compat.h>
 
@@ -10,7 +10,10 @@
 */
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[]);
 
-/* Collective. The least that a rank may have, if those of a machine share it evenly; INFINITY: not known. */
+/*
+   Collective. Finds how many bytes a rank may use if the ranks of a machine share it evenly, the least of all ranks;
+   INFINITY: not known.
+*/
 PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
 
 /*

@@ -1,4 +1,4 @@
-/* Text files written aside, checked and renamed; the making and naming of any such file. */
+/* Text files that are written aside, checked and renamed; making and naming any file that the first rank writes. */
 #include <mpmstab/errors.h>
 #include "base/textfile.h"
 #include "base/unfinished.h"
@@ -15,7 +15,7 @@ static const char *Reason(int error)
   return error == NOT_A_FILE ? "not a regular file" : strerror(error);
 }
 
-/* Rank 0's errno on all ranks, so that they refuse together. */
+/* Gives all ranks the first rank's errno, so that they refuse together. */
 static PetscErrorCode ShareErrno(MPI_Comm comm, int *error)
 {
   PetscFunctionBegin;
@@ -106,7 +106,7 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
     fprintf(file->stream, ",");
 }
 
-/* On the rank that writes, from the open file itself; returns an errno. */
+/* Reads from the open file itself, whatever has become of its name; returns an errno. */
 static int ReadBack(const MpmTextFile *file, char **text)
 {
   const long end  = fflush(file->stream) ? -1 : ftell(file->stream);

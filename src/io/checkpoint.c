@@ -27,7 +27,7 @@ static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Lines 'name text'. */
+/* The scene is written as lines 'name text'. */
 static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 {
   MpmValue value[MPM_MAX_VALUES];
@@ -63,7 +63,7 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cells of the whole grid: local ones mean nothing on another number of ranks. */
+/* Cells are written as those of the whole grid: local ones mean nothing on another number of ranks. */
 static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march)
 {
   const PetscInt  n = march->particles->count;
@@ -183,7 +183,7 @@ static PetscErrorCode Require(MpmHdf5 *s, const char path[], const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All of an array on every rank, with a zero behind it. n: its length, to be found when it is ANY. */
+/* Reads all of an array on every rank, with a zero behind it. n: its length, which is set when it is ANY. */
 static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
                           void *values)
 {
@@ -228,7 +228,7 @@ static PetscErrorCode Free(MpmCheckpoint *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What HDF5 could not read has no value to be checked. */
+/* An array that HDF5 could not read is refused here, before its values are checked. */
 static PetscErrorCode CheckRead(MpmHdf5 *s, const char path[])
 {
   PetscBool failed;
@@ -292,7 +292,7 @@ static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Which of the file's particles and nodes this rank reads. same: those that it wrote itself. */
+/* The part of the file's particles and nodes that this rank reads. same: each rank reads what it wrote itself. */
 typedef struct {
   PetscBool  same;
   PetscInt64 begin, n, node, nodes;
@@ -346,7 +346,7 @@ static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *
   PetscCall(PetscCalloc1(share->n, &global));
   PetscCall(MpmHdf5Read(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
-  for (PetscInt64 p = 0; p < share->n; p++) /* what is off the grid stays so */
+  for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off the grid, and is refused later */
     cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
   PetscCall(PetscFree(global));

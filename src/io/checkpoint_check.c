@@ -1,4 +1,4 @@
-/* Whether a run can have written what was read from a checkpoint: whole files may be made by others, and by hand. */
+/* Checks that a run can have written what was read: a file with a right checksum may still be made by hand. */
 #include "io/checkpoint_file.h"
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
@@ -9,13 +9,13 @@
 #include <stdint.h>
 #include <string.h>
 
-/* A step moves the exponent by no more: doubles lie between 2^-1074 and 2^1024. */
+/* A step changes the exponent by at most this much, since doubles lie between 2^-1074 and 2^1024. */
 #define MOST_EXPONENT 1100
 
 #define Allow(condition, path, what)                                                                                   \
   MpmCheckInput(condition, "checkpoint %s: %s; allowed: one that 'mpmstab run' has written", path, what)
 
-/* Of lines 'name text' the text of one name, or NULL. */
+/* Finds the text of one name among lines 'name text'; NULL: there is no such line. */
 static char *FactIn(const char scene[], const char name[], size_t room, char text[])
 {
   const size_t length = strlen(name);
@@ -72,7 +72,7 @@ static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles run ahead of the cells they are kept in by fewer cells than there are. The step is known to be one. */
+/* Particles are ahead of the cells that they are kept in by less than the whole grid. The step has been checked. */
 static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
@@ -92,7 +92,7 @@ static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *fil
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A vanished state has the logarithm -inf, and no other is not finite. */
+/* The norm of a state that has vanished has the logarithm -inf; any other logarithm is finite. */
 static PetscBool IsLogarithm(PetscReal value, PetscReal most)
 {
   return value <= most && (value >= -most || isinf(value)) ? PETSC_TRUE : PETSC_FALSE;
@@ -158,7 +158,7 @@ static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each id once: of ids in range, the sums of a hash over those there and over all that there should be. */
+/* Each id must be there once: all are in range, and a hash has the same sum over them as over all that should be. */
 static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 {
   const PetscInt64  n   = march->particles->total;
@@ -215,7 +215,7 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A run follows a state as long as its squares are in range. */
+/* A run follows a state only while the squares of its numbers are in the range of doubles. */
 static PetscErrorCode CountLost(const MpmMarch *march, PetscInt64 *lost)
 {
   PetscFunctionBegin;
@@ -242,7 +242,7 @@ static PetscErrorCode CountNodesLost(Vec node, PetscBool is_mass, PetscInt64 *lo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Drift takes the particles' mass from node to node, and none away. */
+/* Drift takes the particles' mass from node to node; the sum over the nodes stays. */
 static PetscErrorCode CheckMass(const MpmMarch *march, PetscReal mass, const char path[])
 {
   MpmConserved now;

@@ -33,7 +33,7 @@ typedef struct {
 PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file);
 
 /*
-   MpmCheckpointCheckState - refuses particles and nodes that the march could not go on with.
+   MpmCheckpointCheckState - refuses particles and nodes from which the march could not resume.
 
    Collective. same: each rank has read what it wrote itself, particles in the order of their places, and nodes. mass:
    what the nodes had of the particles before.

@@ -19,7 +19,7 @@ typedef struct {
   char            why[1024]; /* "": nothing is wrong */
 } Check;
 
-/* The first thing that is wrong is what is said. */
+/* Keeps the first thing that is wrong: the refusal says that one alone. */
 __attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char format[], ...)
 {
   va_list arguments;

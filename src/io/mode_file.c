@@ -11,7 +11,7 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The file was whole when the program began. */
+/* The file was whole when the program began; somebody may have changed it since. */
 static PetscErrorCode CloseRead(const char path[], MpmHdf5 *file)
 {
   PetscBool failed;
@@ -35,7 +35,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The values of one field and part at this rank's particles. */
+/* Reads one field's real or imaginary part at this rank's particles: the file has it in the order of global ids. */
 static PetscErrorCode ReadField(const MpmScene *scene, MpmHdf5 *file, const char name[], const MpmParticles *particles,
                                 PetscReal values[])
 {
@@ -73,7 +73,7 @@ static PetscErrorCode ReadField(const MpmScene *scene, MpmHdf5 *file, const char
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All fields of one part ("re" or "im") into the particles, and the largest number among them. */
+/* Reads all fields of one part ("re" or "im") into the particles, and finds the largest number among them. */
 static PetscErrorCode ReadPart(const MpmScene *scene, MpmHdf5 *file, const char part[], MpmParticles *particles,
                                PetscReal *largest)
 {

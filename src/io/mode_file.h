@@ -8,10 +8,10 @@
 /* Collective. Refuses a mode file unless it is of the scene's scheme, grid and particles and holds its mode. */
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[]);
 
-/* Not collective. The group of the file that holds the scene's mode. */
+/* Not collective. Names the group of the file that holds the scene's mode. */
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
 
-/* Collective. Growth per step of the mode's eigenvalue. */
+/* Collective. Reads the growth per step of the mode's eigenvalue. */
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth);
 
 /*

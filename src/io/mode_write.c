@@ -18,7 +18,7 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the particles start: what belongs under a mode's values. */
+/* Writes where the particles start, over which a mode's values are plotted. */
 static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
 {
   PetscMPIInt rank;
@@ -39,7 +39,7 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One field of the real or the imaginary part of an eigenvector. */
+/* Writes one field of the real or the imaginary part of an eigenvector. */
 static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file)
 {
   const PetscReal *values;

@@ -1,4 +1,4 @@
-/* Dumps for reports: eigenvalues, modes and the symbol's curves, as HDF5 and CSV. */
+/* Eigenvalues, modes, the symbol's curves and transient growth, as HDF5 and CSV. */
 #include "base/textfile.h"
 #include "io/mode_file.h"
 #include "io/spectrum_files.h"

@@ -12,5 +12,8 @@
 */
 PetscErrorCode MpmSymbolWrite(const MpmSymbol *symbol, const MpmPredictor *predictor, MpmDataFile *file);
 
-/* Collective. beta, growth, growth without what no node sees (at rest), published, corrected for 0 <= beta <= pi. */
+/*
+   Collective. Writes rows of beta, growth, growth without the null space of P2G (at rest; particle data that no node
+   feels), published and corrected growth, for 0 <= beta <= pi.
+*/
 PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *symbol, const MpmPredictor *predictor, const char path[]);

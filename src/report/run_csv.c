@@ -6,7 +6,7 @@
 
 #define LONGEST_HEADER 1024
 
-/* A column for each field. */
+/* Appends a column for each field to the header. */
 static PetscErrorCode Columns(const MpmTable *table, PetscBool wanted, const char name[], char header[])
 {
   PetscFunctionBegin;

@@ -12,11 +12,16 @@ typedef struct {
 
 extern const MpmTask MpmTasks[];
 
-/* What a task does with its scene; counts the expectations it misses. */
+/* The work of a task on its scene and request. missed: how many expectations are not met. */
 typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                        PetscInt *missed);
 
-/* Collective. [SCENE.yaml] [-option value]... -> scene -> work -> exit status; refuses what nothing has read. */
+/*
+   MpmTaskOnScene - makes a scene from the words [SCENE.yaml] [-option value]..., does the task's work on it, and sets
+   the exit status.
+
+   Collective. Refuses options that nothing has read.
+*/
 PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
                               int *status);
 

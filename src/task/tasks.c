@@ -1,4 +1,4 @@
-/* The list of tasks and the program's ten lines about itself. */
+/* The list of tasks, what all tasks on a scene have in common, and the program's ten lines about itself. */
 #include <mpmstab/errors.h>
 #include "base/memory.h"
 #include "base/stop.h"

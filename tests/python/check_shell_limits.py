@@ -30,6 +30,11 @@ def check_memory():
                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
         check(done.returncode in (0, 2) and "PETSC ERROR" not in done.stderr,
               f"{megabytes} MB: status {done.returncode}: {done.stderr}")
+    size = 600 << 20
+    done = run("spectrum -cells 1000 -measure false".split(),
+               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+    check(done.returncode in (0, 2) and "PETSC ERROR" not in done.stderr,
+          f"memory that ends within a task: status {done.returncode}: {done.stderr}")
 
 
 def check_option_files():
