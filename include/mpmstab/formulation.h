@@ -1,42 +1,46 @@
 /*
-   A formulation is data: a table of linear operations, one per line of the algorithm as it is published.
+   A formulation is data: a table of linear operations, one for each line of the algorithm as it is published.
 
-   Readers of a table (march, assemble and symbol) know these operations and nothing of gas or bar; what they read is
-   the formulation's table with transfer and boundary worked into it (see table.h). Source of the maps: Berzins, Kirby
-   and Gritton, Stability Analysis of Material Point Method, 2013, and the papers named in each formulation's file.
+   March, operator and symbol each interpret such a table: one runs its operations, one assembles them to a matrix, one
+   applies them to a Fourier mode. They know the operations and nothing of gas or bar. What they read is the
+   formulation's table after transfer and boundary have been worked into it (see table.h).
+
+   Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and the papers
+   named in each formulation's file.
 */
 #pragma once
 #include <mpmstab/compat.h>
 #include <mpmstab/wave.h>
 #include <complex.h>
 
-#define MPM_MAX_FIELDS 8 /* particle fields, and node fields, scratch included */
+/* How many particle registers a table may have, and how many node registers: fields and scratch together. */
+#define MPM_MAX_FIELDS 64
 #define MPM_NONE -1
 
 /*E
-   MpmOpKind - the operations of a table. a is the operation's factor, times the Courant number where it says so.
+   MpmOpKind - the operations of a table. a is the operation's factor times a power of the Courant number (MpmOpValue),
+   and '=' becomes '+=' where the operation accumulates.
 
-   From particles to nodes, over the nodal mass sum_p phi_ip m_p (0 where there is none):
-   MPM_P2G        - node  = sum_p phi_ip m_p particle
-   MPM_P2G_AFFINE - node += sum_p phi_ip m_p particle (x_i - x_p) / h
-   MPM_DIV        - node  = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
+   From particles to nodes. The sum is divided by the nodal mass sum_p phi_ip m_p, and is 0 where there is no mass:
+   MPM_P2G        - node = a sum_p phi_ip m_p particle
+   MPM_P2G_AFFINE - node = a sum_p phi_ip m_p particle (x_i - x_p) / h
+   MPM_DIV        - node = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
 
-   From nodes to particles:
+   From nodes to particles. These always accumulate:
    MPM_G2P        - particle += a sum_i phi_ip node
    MPM_G2P_AFFINE - particle += a sum_i phi_ip node (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
-   MPM_GRAD       - particle += a E_p h sum_i dphi_ip/dx node (hat basis: the node to the right minus the one to the
-                    left; E_p: the particle's stiffness over the first material's, 1 unless a bar has two)
+   MPM_GRAD       - particle += a E_p h sum_i dphi_ip/dx node. For the hat basis that is the node to the right minus the
+                    one to the left. E_p is the particle's stiffness over the first material's: 1 unless a bar has two.
 
-   On particles, and on nodes:
+   On particles, and on nodes. f is another node field:
    MPM_SCALE      - particle *= a
-   MPM_LAP        - node      = a (f_{i+1} - 2 f_i + f_{i-1}) of another node field f
-   MPM_ADD        - node     += a f
-   MPM_COPY       - node      = a f
-   MPM_SOLVE      - node      = (P W)^+ f, P = P2G and W = G2P: the least y whose P2G G2P is f
-   MPM_WALL       - node      = a f, at the wall node of one end alone
-   MPM_DRIFT      - x_p      += U0 dt
+   MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
+   MPM_COPY       - node = a f; accumulating, it adds a f
+   MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
+   MPM_WALL       - node = a f at the wall node of one end (side) alone
+   MPM_DRIFT      - x_p += U0 dt
 
-   In the tables of formulations only; what they stand for depends on transfer and boundary (see table.h):
+   In the tables of formulations only. What they stand for depends on transfer and boundary (see table.h):
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - the increment of a node field at fixed ends
@@ -50,7 +54,6 @@ typedef enum {
   MPM_GRAD,
   MPM_SCALE,
   MPM_LAP,
-  MPM_ADD,
   MPM_COPY,
   MPM_SOLVE,
   MPM_WALL,
@@ -60,7 +63,7 @@ typedef enum {
   MPM_REACT
 } MpmOpKind;
 
-#define MPM_OP_KINDS (MPM_DRIFT + 1) /* that readers of a table meet */
+#define MPM_OP_KINDS (MPM_DRIFT + 1) /* the kinds that the interpreters of a table meet */
 
 /*E
    MpmProperty - what particles may differ in, in units of a particle of the first material that fills 1 / ppc of a
@@ -72,51 +75,71 @@ typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_PROPERT
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
 
 /*S
-   MpmOpTraits - what a reader may ask of an operation without naming it.
+   MpmOpTraits - what an interpreter may ask of a kind of operation without naming it.
 
-   accumulates: the operation adds to its operand instead of replacing it. weight: the particles' property that what
-   they give or get is multiplied with. Between nodes the operation is a stencil: what the nodes at -1, 0 and 1 are
-   multiplied with; halo is how far it reaches.
+   dst and src say where its operands live. weight is the property of particles that multiplies what they give or get.
+   An operation between nodes is a stencil: the numbers that multiply the nodes at -1, 0 and 1; halo is how far it
+   reaches.
 S*/
 typedef struct {
   MpmPlace    dst, src;
-  PetscBool   accumulates;
   MpmProperty weight;
   PetscInt    halo;
   PetscReal   stencil[3];
 } MpmOpTraits;
 
-/* Not collective. The traits of an operation. */
+/* Not collective. The traits of a kind that the interpreters meet. */
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind);
 
-/* Factors that an operation may carry: 1, or the Courant number k = c dt / h. */
-typedef enum { MPM_ONE, MPM_COURANT } MpmCoefficient;
+/* Names for the powers of the Courant number k = c dt / h that an operation carries; any other power may be given. */
+enum { MPM_ONE, MPM_COURANT, MPM_COURANT_SQUARED };
 
-/* One line of a table; dst and src index its particle or node fields. end: of MPM_WALL, 0 left, 1 right. */
+/*S
+   MpmOp - one line of a table.
+
+   dst and src are numbers of particle or node registers; traits of the kind say which. axis is the direction that an
+   operation acts along: DIV, GRAD, LAP, the affine maps and WALL have one, and in one dimension it is 0. accumulates
+   says that the operation adds to dst instead of replacing it. The operation is multiplied with factor times the
+   Courant number to the power coefficient. side is the end of the axis at which a WALL acts: 0 left, 1 right.
+S*/
 typedef struct {
-  MpmOpKind      kind;
-  PetscInt       dst, src;
-  MpmCoefficient coefficient;
-  PetscReal      factor;
-  PetscInt       end;
+  MpmOpKind kind;
+  PetscInt  axis, dst, src;
+  PetscBool accumulates;
+  PetscInt  coefficient;
+  PetscReal factor;
+  PetscInt  side;
 } MpmOp;
 
-/* Not collective. An operation's a at a Courant number. */
+/* Not collective. An operation's number a at a Courant number: factor x courant^coefficient. */
 PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 
-/* The vocabulary in which formulations are written. */
+/*
+   The vocabulary in which formulations and transfers are written. power is ONE, COURANT or COURANT_SQUARED.
+*/
 /* clang-format off */
-#define P2G(node, particle)                {MPM_P2G, node, particle, MPM_ONE, 1, 0}
-#define G2P(particle, node, coefficient)   {MPM_G2P, particle, node, MPM_##coefficient, 1, 0}
-#define GRAD(particle, node, coefficient)  {MPM_GRAD, particle, node, MPM_##coefficient, 1, 0}
-#define HALF_GRAD(particle, node, coefficient) {MPM_GRAD, particle, node, MPM_##coefficient, 0.5, 0}
-#define MINUS_DIV(node, particle, coefficient) {MPM_DIV, node, particle, MPM_##coefficient, -1, 0}
-#define LAP(node, other, coefficient)      {MPM_LAP, node, other, MPM_##coefficient, 1, 0}
-#define ADD(node, other)                   {MPM_ADD, node, other, MPM_ONE, 1, 0}
-#define DRIFT                              {MPM_DRIFT, MPM_NONE, MPM_NONE, MPM_ONE, 1, 0}
-#define FILTER(particle, node)             {MPM_FILTER, particle, node, MPM_ONE, 1, 0}
-#define IMPOSE(node)                       {MPM_IMPOSE, node, node, MPM_ONE, 0, 0}
-#define REACT(node, imposed)               {MPM_REACT, node, imposed, MPM_ONE, 0, 0}
+#define P2G(node, particle)            {.kind = MPM_P2G, .dst = node, .src = particle, .factor = 1}
+#define G2P(particle, node, power)     G2P_TIMES(particle, node, 1, power)
+#define G2P_TIMES(particle, node, number, power)                                                                       \
+  {.kind = MPM_G2P, .dst = particle, .src = node, .accumulates = PETSC_TRUE, .coefficient = MPM_##power,               \
+   .factor = number}
+#define GRAD(particle, node, power)    GRAD_TIMES(particle, node, 1, power)
+#define GRAD_TIMES(particle, node, number, power)                                                                      \
+  {.kind = MPM_GRAD, .dst = particle, .src = node, .accumulates = PETSC_TRUE, .coefficient = MPM_##power,              \
+   .factor = number}
+#define HALF_GRAD(particle, node, power) GRAD_TIMES(particle, node, 0.5, power)
+#define MINUS_DIV(node, particle, power)                                                                               \
+  {.kind = MPM_DIV, .dst = node, .src = particle, .coefficient = MPM_##power, .factor = -1}
+#define LAP(node, other, power)        {.kind = MPM_LAP, .dst = node, .src = other, .coefficient = MPM_##power, .factor = 1}
+#define SCALE(particle, number)        {.kind = MPM_SCALE, .dst = particle, .src = particle, .factor = number}
+#define COPY(node, other)              {.kind = MPM_COPY, .dst = node, .src = other, .factor = 1}
+#define ADD(node, other)               ADD_TIMES(node, other, 1)
+#define ADD_TIMES(node, other, number) {.kind = MPM_COPY, .dst = node, .src = other, .accumulates = PETSC_TRUE, .factor = number}
+#define SOLVE(node, other)             {.kind = MPM_SOLVE, .dst = node, .src = other, .factor = 1}
+#define DRIFT                          {.kind = MPM_DRIFT, .dst = MPM_NONE, .src = MPM_NONE, .factor = 1}
+#define FILTER(particle, node)         {.kind = MPM_FILTER, .dst = particle, .src = node, .factor = 1}
+#define IMPOSE(node)                   {.kind = MPM_IMPOSE, .dst = node, .src = node}
+#define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
 /* clang-format on */
 
 /*

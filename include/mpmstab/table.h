@@ -26,14 +26,17 @@ struct MpmTable_ {
 
    Not collective. FILTER becomes the transfer's operations (none for flip); IMPOSE and REACT become WALL at the ends
    that are fixed, nothing at others. With a transfer that has an affine part, what is done to the velocity is done to
-   that part too.
+   that part too. A combination that the interpreters do not support is an error of the program (PETSC_ERR_SUP): an
+   operation to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own result, an axis
+   that the table does not have, a sum that is continued after something else than sums, and a node field that is read
+   before the step has written to it.
 */
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
                               const MpmTransferNumbers *numbers, const MpmEnd ends[2], MpmTable **table);
 PetscErrorCode MpmTableDestroy(MpmTable **table);
 
 /* Not collective. For transfers: one more operation; one more node field like another; a scratch particle field. */
-PetscErrorCode MpmTableAppend(MpmTable *table, MpmOpKind kind, PetscInt dst, PetscInt src, PetscReal factor);
+PetscErrorCode MpmTableAppend(MpmTable *table, MpmOp op);
 PetscErrorCode MpmTableNode(MpmTable *table, PetscInt like, PetscInt *node);
 PetscErrorCode MpmTableScratch(MpmTable *table, PetscInt *particle);
 

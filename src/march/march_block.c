@@ -103,15 +103,15 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
   const MpmMarchArrays *a    = s->arrays;
   const PetscBool       more = begin + 2 * n <= a->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   const MpmBlock       *block;
-  PetscReal             scratch[MPM_MAX_FIELDS][MPM_BLOCK];
+  const PetscInt        nstate = a->march->scheme->table->nstate;
   PetscInt              shift;
   MpmPlaced             room;
 
   block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    const PetscBool own  = a->particle[op->particle] ? PETSC_TRUE : PETSC_FALSE;
-    PetscReal      *q    = own ? a->particle[op->particle] + begin : scratch[op->particle];
-    PetscReal      *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
+    const PetscBool own = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
+    PetscReal *q    = own ? a->particle[op->particle] + begin : a->march->scratch + (op->particle - nstate) * MPM_BLOCK;
+    PetscReal *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
 
     if (more && own) Prefetch(q, n, n);
     if (more && (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS))

@@ -83,6 +83,7 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscCall(MpmGridCreate(comm, layout->grid.cells, ghost, MpmLayoutIsPeriodic(layout), &m->grid));
   PetscCall(MpmParticlesCreate(layout, scheme->table, &step->drift, m->grid, &m->particles));
   PetscCall(CreateVectors(m));
+  PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
   PetscCall(RegisterEvents(m));
   if (MpmTableHas(scheme->table, MPM_SOLVE))
     PetscCall(MpmNodalSolveCreate(layout, scheme->basis, m->grid, &m->nodal_solve));
@@ -128,6 +129,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
     PetscCall(VecDestroy(&(*march)->spare[f]));
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
+  PetscCall(PetscFree((*march)->scratch));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));

@@ -28,7 +28,7 @@ void MpmMarchReflect(const MpmMarch *march, const PetscBool antisymmetric[], con
 /* Sets the wall node of one end, wherever it is among this rank's nodes and ghosts. */
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
-  const PetscInt wall = (op->end ? grid->cells : 0) - grid->first;
+  const PetscInt wall = (op->side ? grid->cells : 0) - grid->first;
 
   if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }
@@ -36,9 +36,11 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
 /* One of those that are local, on the nodes [lo, hi). */
 static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
 {
-  if (op->kind == MPM_LAP)
+  if (op->kind == MPM_LAP && op->accumulates)
+    MpmNodeAddLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
+  else if (op->kind == MPM_LAP)
     MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
-  else if (op->kind == MPM_ADD)
+  else if (op->accumulates)
     MpmNodeAdd(lo, hi, op->a, field[op->src], field[op->dst]);
   else
     MpmNodeCopy(lo, hi, op->a, field[op->src], field[op->dst]);

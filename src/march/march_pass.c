@@ -186,15 +186,16 @@ static PetscErrorCode FinishStage(MpmStage *s)
 PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
                                    const MpmPass passes[], PetscBool sample)
 {
-  const PetscInt count                     = march->particles->count;
-  MpmMarchArrays arrays                    = {0};
-  MpmStage       stage[MPM_MAX_JOINED + 1] = {0};
+  const PetscInt count  = march->particles->count;
+  MpmMarchArrays arrays = {0};
+  MpmStage       stage[MPM_MAX_JOINED + 1];
   MpmPlaced      placed[MPM_MAX_JOINED + 1][2];
   MpmPlaces      places;
 
   PetscFunctionBegin;
   PetscCall(GetArrays(march, nodes, &arrays));
   for (PetscInt g = 0; g < n; g++) {
+    PetscCall(PetscMemzero(&stage[g], sizeof stage[g]));
     stage[g].sample  = sample;
     stage[g].squares = march->squares;
     stage[g].placed  = placed[g];

@@ -26,6 +26,7 @@ struct MpmMarch_ {
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
   PetscInt64       step, migrations;
   PetscInt         exponent;
+  PetscReal       *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscReal        squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
   PetscLogEvent    pass_event, sum_event, migrate_event;
   MpmFloatCheck    float_check;

@@ -64,18 +64,19 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const PetscInt    reads  = op->kind == MPM_SOLVE ? 0 : c->depth[op->src] + traits.halo;
-  const PetscBool   keeps  = traits.accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   keeps  = op->accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
   c->depth[op->dst]                = keeps ? PetscMax(reads, c->depth[op->dst]) : reads;
   c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
-  pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind  = op->kind,
-                                                 .a     = MpmOpValue(op, c->courant),
-                                                 .dst   = op->dst,
-                                                 .src   = op->src,
-                                                 .end   = op->end,
-                                                 .depth = c->depth[op->dst]};
+  pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind        = op->kind,
+                                                 .a           = MpmOpValue(op, c->courant),
+                                                 .dst         = op->dst,
+                                                 .src         = op->src,
+                                                 .side        = op->side,
+                                                 .accumulates = op->accumulates,
+                                                 .depth       = c->depth[op->dst]};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,7 +88,7 @@ static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
   if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
   if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
-  if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && traits.accumulates)) return PETSC_FALSE;
+  if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && op->accumulates)) return PETSC_FALSE;
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
 }
 
@@ -273,7 +274,7 @@ PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal c
     if (op->kind == MPM_WALL)
       *dst = PetscMax(*dst, from);
     else
-      *dst = from + (traits.accumulates ? *dst : 0);
+      *dst = from + (op->accumulates ? *dst : 0);
   }
   for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
   return bound;

@@ -11,8 +11,8 @@
 #include "scene/layout.h"
 #include <mpmstab/table.h>
 
-#define MPM_MAX_PASS_OPS 24
-#define MPM_MAX_JOINED 8 /* passes that follow one another through the particles */
+#define MPM_MAX_PASS_OPS 128 /* operations on particles in one pass, and on nodes after it */
+#define MPM_MAX_JOINED 8     /* passes that follow one another through the particles */
 
 /*E
    MpmPassOpKind - what a pass does to a block of particles.
@@ -37,19 +37,20 @@ typedef struct {
 } MpmPassOp;
 
 /*
-   A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. end: of
-   a wall's.
+   A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. side: the
+   end at which a WALL acts.
 */
 typedef struct {
   MpmOpKind kind;
   PetscReal a;
-  PetscInt  dst, src, depth, end;
+  PetscInt  dst, src, depth, side;
+  PetscBool accumulates;
 } MpmNodeOp;
 
 /* Not collective. Whether a node's new value depends on it and its neighbours alone, of any rank and of no wall. */
 static inline PetscBool MpmNodeOpIsLocal(MpmOpKind kind)
 {
-  return kind == MPM_LAP || kind == MPM_ADD || kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+  return kind == MPM_LAP || kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then migrate. */

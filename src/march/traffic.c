@@ -8,12 +8,20 @@
 */
 #include "march/traffic.h"
 #include <math.h>
+#include <stdint.h>
 
 typedef struct {
-  PetscInt reads, writes; /* masks over fields */
+  uint64_t reads, writes; /* masks over fields */
 } Touched;
 
-static PetscReal Bytes(PetscInt mask)
+_Static_assert(MPM_MAX_FIELDS <= 64, "a mask has 64 bits");
+
+static uint64_t Bit(PetscInt field)
+{
+  return (uint64_t)1 << field;
+}
+
+static PetscReal Bytes(uint64_t mask)
 {
   PetscReal bytes = 0;
 
@@ -21,18 +29,18 @@ static PetscReal Bytes(PetscInt mask)
   return bytes;
 }
 
-static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, PetscInt *weights)
+static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uint64_t *weights)
 {
   for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
     if (op->kind == MPM_PASS_DRIFT || op->kind == MPM_PASS_SAMPLE) continue;
-    particle->reads |= 1 << op->particle;
-    if (!op->to_nodes) particle->writes |= 1 << op->particle;
+    particle->reads |= Bit(op->particle);
+    if (!op->to_nodes) particle->writes |= Bit(op->particle);
     if (op->kind == MPM_PASS_SCALE) continue;
     if (op->to_nodes)
-      node->writes |= 1 << op->node;
+      node->writes |= Bit(op->node);
     else
-      node->reads |= 1 << op->node;
-    if (op->weight) *weights |= 1 << op->weight;
+      node->reads |= Bit(op->node);
+    if (op->weight) *weights |= Bit(op->weight);
   }
 }
 
@@ -42,8 +50,8 @@ static PetscInt TouchNodes(const MpmPass *pass, Touched *node)
   PetscInt o = 0;
 
   for (; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
-    node->reads |= 1 << pass->node_op[o].src;
-    node->writes |= 1 << pass->node_op[o].dst;
+    node->reads |= Bit(pass->node_op[o].src);
+    node->writes |= Bit(pass->node_op[o].dst);
   }
   return o;
 }
@@ -53,7 +61,8 @@ static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, P
                       PetscReal *of_node)
 {
   Touched        particle = {0}, node = {0};
-  PetscInt       weights = 0, n = 0;
+  uint64_t       weights = 0;
+  PetscInt       n       = 0;
   PetscBool      sums = PETSC_FALSE, sums_mass = PETSC_FALSE;
   const MpmPass *last;
 
@@ -67,13 +76,13 @@ static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, P
   } while (first + n < s->npasses && s->pass[first + n].joined);
   last = &s->pass[first + n - 1];
   for (PetscInt o = TouchNodes(last, &node); o < last->nnode_ops; o++)
-    if (last->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal); /* reads one, changes another */
-  particle.reads &= (1 << t->nstate) - 1;                                     /* scratch fields stay in the cache */
+    if (last->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal);     /* reads one, changes another */
+  for (PetscInt f = t->nstate; f < t->nparticles; f++) particle.reads &= ~Bit(f); /* scratch stays in the cache */
   particle.writes &= particle.reads;
   *of_particle += Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
   *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);
   for (PetscInt f = 0; f < t->nnodes; f++)
-    if (s->spare[f] && node.writes & 1 << f) *of_node += Bytes(node.reads & 1 << f); /* into another array */
+    if (s->spare[f] && node.writes & Bit(f)) *of_node += Bytes(node.reads & Bit(f)); /* into another array */
   if (sums) *of_node += sizeof(PetscReal) * (sums_mass ? 2 : 1);
   return n;
 }

@@ -98,7 +98,7 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool 
 /* The row of one wall node becomes a times that of another register. */
 static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
 {
-  const PetscInt  wall = op->end ? r->layout->grid.nodes - 1 : 0;
+  const PetscInt  wall = op->side ? r->layout->grid.nodes - 1 : 0;
   const PetscBool mine = wall >= r->first && wall < r->first + r->nodes ? PETSC_TRUE : PETSC_FALSE;
   Mat             only, row;
   Vec             keep;
@@ -181,7 +181,7 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
     PetscCall(MatScale(r->particle[op->dst], a));
   else {
     PetscCall(MapOf(r, op, step, maps, &map));
-    PetscCall(Apply(map, a, sides[traits.src == MPM_ON_NODES][op->src], traits.accumulates,
+    PetscCall(Apply(map, a, sides[traits.src == MPM_ON_NODES][op->src], op->accumulates,
                     &sides[traits.dst == MPM_ON_NODES][op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

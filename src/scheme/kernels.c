@@ -70,6 +70,11 @@ void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *re
   for (PetscInt i = lo; i < hi; i++) out[i] = a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
 }
 
+void MpmNodeAddLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
+{
+  for (PetscInt i = lo; i < hi; i++) out[i] += a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
+}
+
 void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
 {
   for (PetscInt i = lo; i < hi; i++) out[i] += a * f[i];

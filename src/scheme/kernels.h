@@ -29,8 +29,9 @@ void MpmPlaceBlock(PetscInt n, const PetscInt cell0[], const PetscReal xi0[], Pe
 /* Returns the sum of squares of q[0..n). */
 PetscReal MpmSumSquares(PetscInt n, const PetscReal q[]);
 
-/* out[i] = a (f[i+1] - 2 f[i] + f[i-1]) for i in [lo, hi). */
+/* out[i] = a (f[i+1] - 2 f[i] + f[i-1]) for i in [lo, hi), and the same added to out[i]. */
 void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
+void MpmNodeAddLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
 
 /* out[i] += a f[i], and out[i] = a f[i], for i in [lo, hi). */
 void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);

@@ -26,8 +26,9 @@ static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
 {
   PetscFunctionBegin;
   if (op.kind == MPM_P2G && op.src == t->affine) {
-    op.kind = MPM_P2G_AFFINE;
-    op.src  = t->affine_part;
+    op.kind        = MPM_P2G_AFFINE;
+    op.src         = t->affine_part;
+    op.accumulates = PETSC_TRUE;
   } else if (op.kind == MPM_G2P && op.dst == t->affine) {
     op.kind = MPM_G2P_AFFINE;
     op.dst  = t->affine_part;
@@ -47,10 +48,10 @@ static PetscErrorCode AppendBoth(MpmTable *t, MpmOp op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTableAppend(MpmTable *t, MpmOpKind kind, PetscInt dst, PetscInt src, PetscReal factor)
+PetscErrorCode MpmTableAppend(MpmTable *t, MpmOp op)
 {
   PetscFunctionBegin;
-  PetscCall(AppendBoth(t, (MpmOp){.kind = kind, .dst = dst, .src = src, .coefficient = MPM_ONE, .factor = factor}));
+  PetscCall(AppendBoth(t, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,7 +75,7 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
 static PetscErrorCode Wall(MpmTable *t, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
 {
   PetscFunctionBegin;
-  PetscCall(AppendOp(t, (MpmOp){.kind = MPM_WALL, .dst = dst, .src = src, .factor = factor, .end = end}));
+  PetscCall(AppendOp(t, (MpmOp){.kind = MPM_WALL, .dst = dst, .src = src, .factor = factor, .side = end}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -130,7 +131,7 @@ static PetscErrorCode Filter(Builder *b, const MpmOp *op)
   for (PetscInt o = 0; o < t->nops; o++)
     if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == op->src) taken = PETSC_TRUE;
   if (!taken) {
-    PetscCall(MpmTableAppend(t, MPM_P2G, op->src, op->dst, 1));
+    PetscCall(MpmTableAppend(t, (MpmOp)P2G(op->src, op->dst)));
     PetscCall(MpmTableImpose(t, op->src));
   }
   PetscCall(b->transfer->filter(t, b->numbers, op->dst, op->src));
@@ -161,6 +162,61 @@ static PetscErrorCode Translate(Builder *b)
     else
       PetscCall(AppendBoth(b->table, *op));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define SUPPORTED(condition, o, why)                                                                                   \
+  PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)
+
+/* Whether operation o, which goes on with a sum over particles, comes after nothing but sums since that was begun. */
+static PetscBool ContinuesSum(const MpmTable *t, PetscInt o)
+{
+  for (PetscInt before = o - 1; before >= 0; before--) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[before].kind);
+
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) return PETSC_FALSE;
+    if (t->ops[before].dst == t->ops[o].dst) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Refuses what an interpreter would get wrong; written[n] says whether the step has written to node field n so far. */
+static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[])
+{
+  const MpmOp      *op     = &t->ops[o];
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    nodes = t->nnodes, particles = t->nparticles;
+  const PetscBool   stencil  = op->kind == MPM_LAP || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   sum      = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   to_nodes = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  SUPPORTED(op->axis == 0, o, "there is one axis, 0");
+  SUPPORTED(op->side == 0 || op->side == 1, o, "an axis has the sides 0 and 1");
+  SUPPORTED(op->coefficient >= 0, o, "powers of the Courant number are 0, 1, 2 and so on");
+  if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
+  SUPPORTED(op->dst >= 0 && op->dst < (to_nodes ? nodes : particles), o, "it writes to no register that there is");
+  SUPPORTED(op->src >= 0 && op->src < (traits.src == MPM_ON_NODES ? nodes : particles), o,
+            "it reads no register that there is");
+  if (traits.dst == MPM_ON_PARTICLES && traits.src == MPM_ON_NODES)
+    SUPPORTED(op->accumulates, o, "what goes to particles is added to what they have");
+  else if (!stencil && !sum)
+    SUPPORTED(!op->accumulates, o, "this kind does not accumulate");
+  SUPPORTED(!stencil || op->dst != op->src, o, "it would read the nodes that it writes");
+  SUPPORTED(!sum || !op->accumulates || ContinuesSum(t, o), o, "a sum is continued after something else than sums");
+  SUPPORTED(traits.src != MPM_ON_NODES || written[op->src] || op->kind == MPM_WALL, o,
+            "it reads a node field that the step has not written to");
+  SUPPORTED(!to_nodes || !op->accumulates || written[op->dst], o, "it adds to a node field that nothing is in yet");
+  if (to_nodes) written[op->dst] = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckOps(const MpmTable *t)
+{
+  PetscBool written[MPM_MAX_FIELDS] = {PETSC_FALSE};
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < t->nops; o++) PetscCall(CheckOp(t, o, written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -202,6 +258,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
     if (formulation->ops[o].kind == MPM_IMPOSE || formulation->ops[o].kind == MPM_REACT)
       t->antisymmetric[formulation->ops[o].dst] = PETSC_TRUE;
   PetscCall(Translate(&b));
+  PetscCall(CheckOps(t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

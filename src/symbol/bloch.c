@@ -39,8 +39,8 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
   *b      = (MpmBloch){.layout = layout, .scheme = scheme, .fields = scheme->table->nstate, .period = period};
   b->size = b->fields * ppc;
   PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
-  PetscCall(PetscMalloc3(scheme->table->nparticles * ppc * b->size, &b->particle, MPM_MAX_FIELDS * b->size, &b->nodes,
-                         KINDS * ppc, &b->tie));
+  PetscCall(PetscMalloc3(scheme->table->nparticles * ppc * b->size, &b->particle, scheme->table->nnodes * b->size,
+                         &b->nodes, KINDS * ppc, &b->tie));
   PetscCall(PetscMalloc2(scheme->table->nops, &b->traits, scheme->table->nops, &b->values));
   for (PetscInt o = 0; o < scheme->table->nops; o++) b->traits[o] = MpmOpTraitsOf(scheme->table->ops[o].kind);
   for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scheme, (MpmOpKind)kind);
@@ -157,7 +157,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
     return;
   }
   dst = b->nodes + op->dst * n;
-  if (!traits.accumulates)
+  if (!op->accumulates)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
     const PetscReal share = a / b->masses[step];

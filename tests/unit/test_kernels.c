@@ -254,6 +254,8 @@ static void CheckNodes(void)
   CHECK(out[0] == 9 && out[1] == 9 && out[2] == 1, "%g %g %g", out[0], out[1], out[2]);
   MpmNodeCopy(1, 3, -1, f, out);
   CHECK(out[0] == 9 && out[1] == -4 && out[2] == -9, "%g %g %g", out[0], out[1], out[2]);
+  MpmNodeAddLaplacian(1, 3, 2, f, out);
+  CHECK(out[0] == 9 && out[1] == 0 && out[2] == -5 && out[3] == 1.5, "%g %g %g", out[1], out[2], out[3]);
   CHECK_NEAR(MpmSumSquares(4, f), 1 + 16 + 81 + 256, 0);
 }
 

@@ -53,13 +53,15 @@ static PetscErrorCode Follows(const MpmPass *pass)
 static PetscErrorCode Test(int argc, char **argv)
 {
   /* as elastic's; an ADD to what LAP looked at; a LAP of what another has changed, a COPY over what it looked at */
-  const MpmPass elastic = {.nnode_ops = 2, .node_op = {{MPM_LAP, 0.3, 2, 0, 1, 0}, {MPM_ADD, 1, 1, 2, 1, 0}}};
-  const MpmPass behind  = {.nnode_ops = 2, .node_op = {{MPM_LAP, 0.3, 2, 0, 1, 0}, {MPM_ADD, 0.7, 0, 2, 1, 0}}};
+  const MpmPass elastic = {.nnode_ops = 2,
+                           .node_op   = {{MPM_LAP, 0.3, 2, 0, 1, 0}, {MPM_COPY, 1, 1, 2, 1, 0, PETSC_TRUE}}};
+  const MpmPass behind  = {.nnode_ops = 2,
+                           .node_op   = {{MPM_LAP, 0.3, 2, 0, 1, 0}, {MPM_COPY, 0.7, 0, 2, 1, 0, PETSC_TRUE}}};
   const MpmPass chain   = {.nnode_ops = 4,
                            .node_op   = {{MPM_LAP, 0.3, 1, 0, 1, 0},
                                          {MPM_LAP, 0.2, 2, 1, 2, 0},
                                          {MPM_COPY, 0.5, 0, 2, 2, 0},
-                                         {MPM_ADD, 2, 1, 0, 2, 0}}};
+                                         {MPM_COPY, 2, 1, 0, 2, 0, PETSC_TRUE}}};
 
   PetscFunctionBegin;
   (void)argc;

@@ -25,23 +25,25 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
 {
   static const MpmOpTraits traits[] = {
       [MPM_P2G]        = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_MASS},
-      [MPM_P2G_AFFINE] = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .accumulates = PETSC_TRUE, .weight = MPM_MASS},
+      [MPM_P2G_AFFINE] = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_MASS},
       [MPM_DIV]        = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
-      [MPM_G2P]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE},
-      [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE},
-      [MPM_GRAD]  = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE, .weight = MPM_STIFFNESS},
-      [MPM_SCALE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
-      [MPM_LAP]   = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
-      [MPM_ADD]   = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .accumulates = PETSC_TRUE, .stencil = {0, 1, 0}},
-      [MPM_COPY]  = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
-      [MPM_SOLVE] = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
-      [MPM_WALL]  = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
-      [MPM_DRIFT] = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},
+      [MPM_G2P]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
+      [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
+      [MPM_GRAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
+      [MPM_SCALE]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_LAP]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
+      [MPM_COPY]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
+      [MPM_SOLVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_WALL]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_DRIFT]      = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},
   };
   return traits[kind];
 }
 
 PetscReal MpmOpValue(const MpmOp *op, PetscReal courant)
 {
-  return op->factor * (op->coefficient == MPM_COURANT ? courant : 1);
+  PetscReal value = op->factor;
+
+  for (PetscInt power = 0; power < op->coefficient; power++) value *= courant;
+  return value;
 }

@@ -8,8 +8,8 @@
 static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableAppend(table, MPM_SCALE, particle, particle, numbers->ratio));
-  PetscCall(MpmTableAppend(table, MPM_G2P, particle, node, 1 - numbers->ratio));
+  PetscCall(MpmTableAppend(table, (MpmOp)SCALE(particle, numbers->ratio)));
+  PetscCall(MpmTableAppend(table, (MpmOp)G2P_TIMES(particle, node, 1 - numbers->ratio, ONE)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

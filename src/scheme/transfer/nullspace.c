@@ -11,7 +11,7 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
 
   PetscFunctionBegin;
   PetscCall(MpmTableNode(table, node, &solution));
-  PetscCall(MpmTableAppend(table, MPM_SOLVE, solution, node, 1));
+  PetscCall(MpmTableAppend(table, (MpmOp)SOLVE(solution, node)));
   PetscCall(MpmTransferFromGrid(table, numbers, particle, solution));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

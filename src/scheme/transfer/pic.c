@@ -5,8 +5,8 @@ PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *nu
 {
   PetscFunctionBegin;
   (void)numbers;
-  PetscCall(MpmTableAppend(table, MPM_SCALE, particle, particle, 0));
-  PetscCall(MpmTableAppend(table, MPM_G2P, particle, node, 1));
+  PetscCall(MpmTableAppend(table, (MpmOp)SCALE(particle, 0)));
+  PetscCall(MpmTableAppend(table, (MpmOp)G2P(particle, node, ONE)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,12 +10,12 @@
 static PetscErrorCode NextTerm(MpmTable *table, PetscInt scratch, PetscInt smoothed, PetscInt term, PetscInt sum)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableAppend(table, MPM_SCALE, scratch, scratch, 0));
-  PetscCall(MpmTableAppend(table, MPM_G2P, scratch, term, 1));
-  PetscCall(MpmTableAppend(table, MPM_P2G, smoothed, scratch, 1));
+  PetscCall(MpmTableAppend(table, (MpmOp)SCALE(scratch, 0)));
+  PetscCall(MpmTableAppend(table, (MpmOp)G2P(scratch, term, ONE)));
+  PetscCall(MpmTableAppend(table, (MpmOp)P2G(smoothed, scratch)));
   PetscCall(MpmTableImpose(table, smoothed));
-  PetscCall(MpmTableAppend(table, MPM_ADD, term, smoothed, -1));
-  PetscCall(MpmTableAppend(table, MPM_ADD, sum, term, 1));
+  PetscCall(MpmTableAppend(table, (MpmOp)ADD_TIMES(term, smoothed, -1)));
+  PetscCall(MpmTableAppend(table, (MpmOp)ADD(sum, term)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -29,8 +29,8 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
     PetscCall(MpmTableNode(table, node, &smoothed));
     PetscCall(MpmTableNode(table, node, &term));
     PetscCall(MpmTableNode(table, node, &sum));
-    PetscCall(MpmTableAppend(table, MPM_COPY, term, node, 1));
-    PetscCall(MpmTableAppend(table, MPM_COPY, sum, node, 1));
+    PetscCall(MpmTableAppend(table, (MpmOp)COPY(term, node)));
+    PetscCall(MpmTableAppend(table, (MpmOp)COPY(sum, node)));
     for (PetscInt r = 1; r < numbers->order; r++) PetscCall(NextTerm(table, scratch, smoothed, term, sum));
   }
   PetscCall(MpmTransferFromGrid(table, numbers, particle, sum));

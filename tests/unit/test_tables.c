@@ -1,0 +1,171 @@
+/*
+   Tables that no built-in formulation has: a higher power of the Courant number, operations that accumulate, more
+   registers than any built-in table. March, operator and symbol must agree on them; what they do not support is
+   refused when the table is made.
+*/
+#include "check.h"
+#include "linalg/dense.h"
+#include <mpmstab/operator.h>
+#include <mpmstab/symbol.h>
+
+/*
+   The elastic bar in w' = k w: u_tt = k^2 LAP u, so that only LAP carries the Courant number, squared. It has the
+   eigenvalues of the formulation elastic. LAP comes in two halves, of which the second accumulates. So many COPIES of
+   the two fields side by side have the same growth.
+*/
+enum { COPIES = 6, OPS = 8 };
+
+#define HALF_LAP(node, other, adds)                                                                                    \
+  {                                                                                                                    \
+    .kind = MPM_LAP, .dst = node, .src = other, .accumulates = adds, .coefficient = MPM_COURANT_SQUARED, .factor = 0.5 \
+  }
+
+static const MpmOp bar[OPS] = {
+    P2G(0, 0),      P2G(1, 1), HALF_LAP(2, 0, PETSC_FALSE), HALF_LAP(2, 0, PETSC_TRUE), ADD(1, 2), G2P(1, 2, ONE),
+    G2P(0, 1, ONE), DRIFT};
+
+static MpmFormulation SideBySide(PetscInt copies, MpmOp ops[])
+{
+  static const char *const names[] = {"u0", "w0", "u1", "w1", "u2", "w2", "u3", "w3", "u4", "w4", "u5", "w5"};
+  MpmFormulation           f       = {.name      = "test",
+                                      .nops      = (OPS - 1) * copies + 1,
+                                      .ops       = ops,
+                                      .staggered = MPM_NONE,
+                                      .affine    = MPM_NONE,
+                                      .conserved = MPM_NONE};
+
+  for (PetscInt c = 0; c < copies; c++) {
+    for (PetscInt field = 0; field < 2; field++) f.particle_fields[2 * c + field] = names[2 * c + field];
+    for (PetscInt node = 0; node < 3; node++) f.node_fields[3 * c + node] = "node";
+    for (PetscInt o = 0; o < OPS - 1; o++) {
+      const PetscBool gathers = bar[o].kind == MPM_G2P ? PETSC_TRUE : PETSC_FALSE;
+      MpmOp          *op      = &ops[o * copies + c];
+
+      *op = bar[o];
+      op->dst += gathers ? 2 * c : 3 * c;
+      op->src += bar[o].kind == MPM_P2G ? 2 * c : 3 * c;
+    }
+  }
+  ops[(OPS - 1) * copies] = bar[OPS - 1];
+  return f;
+}
+
+static PetscErrorCode GrowthOf(const MpmOperator *op, PetscReal *growth)
+{
+  PetscReal value[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmDenseLargest(op->A, value));
+  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Agrees(const char options[], PetscInt copies)
+{
+  MpmOp                ops[OPS * COPIES];
+  const MpmFormulation test = SideBySide(copies, ops);
+  MpmSymbolWish        wish = {.tolerance = 1e-6, .progress = MPM_PROGRESS_NEVER};
+  MpmScene            *scene;
+  MpmScheme            scheme;
+  MpmOperator         *op, *elastic;
+  MpmSymbol           *symbol;
+  PetscReal            mismatch, growth = NAN, expected = NAN;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  scheme             = scene->scheme;
+  scheme.formulation = &test;
+  PetscCall(MpmTableCreate(&test, scheme.transfer, &scheme.numbers, scene->layout.grid.ends, &scheme.table));
+  CHECK(scheme.table->nstate == 2 * copies && scheme.table->nnodes >= 3 * copies, "%s: %d particle fields", options,
+        (int)scheme.table->nstate);
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &op));
+  PetscCall(MpmOperatorMismatch(op, &mismatch));
+  CHECK(mismatch <= 1e-14 * op->period, "%s, %d copies: march and operator differ by %.3g", options, (int)copies,
+        mismatch);
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &elastic));
+  PetscCall(GrowthOf(op, &growth));
+  PetscCall(GrowthOf(elastic, &expected));
+  CHECK(expected > 1.01, "%s: growth %g says nothing", options, expected);
+  CHECK_NEAR(growth, expected, 1e-8);
+  wish.phases = scene->layout.grid.cells;
+  if (!MpmSymbolWhyNot(&scene->layout)) {
+    PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &wish, &symbol));
+    CHECK_NEAR(symbol->growth, expected, 1e-8);
+    PetscCall(MpmSymbolDestroy(&symbol));
+  }
+  PetscCall(MpmOperatorDestroy(&elastic));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscCall(MpmTableDestroy(&scheme.table));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Refuses(const char what[], PetscInt nops, const MpmOp ops[])
+{
+  const MpmFormulation test    = {.name            = "test",
+                                  .particle_fields = {"u", "w"},
+                                  .node_fields     = {"u_i", "w_i"},
+                                  .nops            = nops,
+                                  .ops             = ops,
+                                  .staggered       = MPM_NONE,
+                                  .affine          = MPM_NONE,
+                                  .conserved       = MPM_NONE};
+  const MpmEnd         ends[2] = {MPM_PERIODIC, MPM_PERIODIC};
+  MpmTable            *table;
+  PetscErrorCode       error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, ends, &table);
+  PetscCall(PetscPopErrorHandler());
+  CHECK(error == PETSC_ERR_SUP, "%s: error %d", what, (int)error);
+  PetscCall(MpmTableDestroy(&table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define REFUSES(what, ...)                                                                                             \
+  do {                                                                                                                 \
+    const MpmOp ops[] = {__VA_ARGS__};                                                                                 \
+    PetscCall(Refuses(what, PETSC_STATIC_ARRAY_LENGTH(ops), ops));                                                     \
+  } while (0)
+
+static PetscErrorCode RefusesUnsupported(void)
+{
+  PetscFunctionBegin;
+  REFUSES("a second axis", P2G(0, 0), {.kind = MPM_GRAD, .axis = 1, .accumulates = PETSC_TRUE, .factor = 1});
+  REFUSES("a third side", P2G(0, 0), {.kind = MPM_WALL, .side = 2});
+  REFUSES("a negative power", P2G(0, 0), {.kind = MPM_G2P, .accumulates = PETSC_TRUE, .coefficient = -1});
+  REFUSES("particles that are replaced", P2G(0, 0), {.kind = MPM_G2P, .factor = 1});
+  REFUSES("a scale that accumulates", {.kind = MPM_SCALE, .accumulates = PETSC_TRUE, .factor = 2});
+  REFUSES("a stencil on itself", P2G(0, 0), LAP(0, 0, ONE));
+  REFUSES("a register too far", P2G(2, 0));
+  REFUSES("a node field before it is written", G2P(0, 1, ONE), P2G(1, 1));
+  REFUSES("a sum into nothing", P2G(0, 0), ADD(1, 0));
+  REFUSES("a sum that goes on after a stencil", P2G(0, 0), P2G(1, 1), ADD(0, 1),
+          {.kind = MPM_DIV, .dst = 0, .src = 0, .accumulates = PETSC_TRUE, .factor = 1});
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  static const char *const rests[] = {
+      "-cells 12 -ppc 1 -courant 3",
+      "-cells 13 -ppc 3 -offset 0.3 -courant 1.9 -basis quadratic",
+      "-cells 14 -jitter 0.6 -courant 1.8",
+      "-cells 12 -drift 1/3 -courant 1.5",
+  };
+  char options[256];
+
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
+    PetscCall(PetscSNPrintf(options, sizeof options, "-formulation elastic %s", rests[r]));
+    PetscCall(Agrees(options, 1));
+    PetscCall(Agrees(options, COPIES));
+  }
+  PetscCall(RefusesUnsupported());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
