@@ -24,8 +24,7 @@ def main():
                            text=True).stdout.split()
     for name in installed:
         command = [compiler, "-std=c11", "-O1", "-Wall", "-Wextra", "-Werror", *flags, "-fsyntax-only", "-xc", "-"]
-        done = subprocess.run(command, f"#include <mpmstab/{name}>\n",
-                              capture_output=True, text=True)
+        done = subprocess.run(command, input=f"#include <mpmstab/{name}>\n", capture_output=True, text=True)
         if done.returncode:
             faults.append(f"{name} does not compile alone:\n{done.stderr}")
     for fault in faults:
