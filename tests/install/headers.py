@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Compiles each public header alone, against an installed tree, so that none needs another one before it or one of src/.
+"""Compiles each public header alone, against an installed tree: none may need another one before it, or one of src/.
 
 headers.py PREFIX COMPILER INCLUDE: INCLUDE is the source tree's folder of public headers. The installed headers must be
 these, and mpmstab.h must include every other one.
@@ -23,8 +23,8 @@ def main():
     flags = subprocess.run(["pkg-config", "--cflags", "mpmstab"], env=environment, check=True, capture_output=True,
                            text=True).stdout.split()
     for name in installed:
-        done = subprocess.run([compiler, "-std=c11", "-O1", "-Wall", "-Wextra", "-Werror", *flags, "-fsyntax-only", "-xc", "-"],
-                              input=f"#include <mpmstab/{name}>\n", capture_output=True, text=True)
+        command = [compiler, "-std=c11", "-O1", "-Wall", "-Wextra", "-Werror", *flags, "-fsyntax-only", "-xc", "-"]
+        done = subprocess.run(command, input=f"#include <mpmstab/{name}>\n", capture_output=True, text=True)
         if done.returncode:
             faults.append(f"{name} does not compile alone:\n{done.stderr}")
     for fault in faults:

@@ -2,8 +2,8 @@
 """Follows the README of examples/library: installs into a new prefix, compiles its program there, and runs it.
 
 library.py README.md BUILD PREFIX: BUILD is a build folder of this project. PREFIX is emptied first, and stays for the
-tests that need an installed tree. What the program prints, on one rank and on two, must be what the README says and what
-the installed program mpmstab finds; bad input must end it with status 2 and one line.
+tests that need an installed tree. What the program prints, on one rank and on two, must be what the README says and
+what the installed program mpmstab finds; bad input must end it with status 2 and one line.
 """
 import json
 import os

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Compares CONTRIBUTING.md with the tree: every path that the page names exists, and it names every layer.
 
-names.py ROOT. A path is a word of the page that ends with a slash or as a file does, outside of code. It starts at ROOT, or
-at a folder of HERE. Files that the page itself adds, whose text follows as a block of C, need not exist.
+names.py ROOT. A path is a word of the page, outside of code, that ends with a slash or as a file does. It starts at
+ROOT, or at a folder of HERE. Files that the page itself adds, whose text follows as a block of C, need not exist.
 """
 import pathlib
 import re

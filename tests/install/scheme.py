@@ -45,8 +45,8 @@ def build(folder, sources, prefix, compiler):
     environment = os.environ | {"PKG_CONFIG_PATH": f"{prefix}/lib/pkgconfig:{os.environ.get('PKG_CONFIG_PATH', '')}"}
     flags = subprocess.run(["pkg-config", "--cflags", "--libs", "mpmstab"], env=environment, check=True,
                            capture_output=True, text=True).stdout.split()
-    command = [compiler, "-std=c11", "-D_XOPEN_SOURCE=700", "-O2", "-Wall", "-Wextra", "-Werror", "-Isrc", "-Iinclude", *sources,
-               "-o", "mpmstab", *flags]
+    command = [compiler, "-std=c11", "-D_XOPEN_SOURCE=700", "-O2", "-Wall", "-Wextra", "-Werror", "-Isrc", "-Iinclude",
+               *sources, "-o", "mpmstab", *flags]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
         fail(f"the code of CONTRIBUTING.md does not build:\n{done.stderr}")
