@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Times the march and the spectrum over sizes and fits how the cost grows: seconds = constant x size^exponent.
 
-gas2 on hats, two particles a cell, at rest. The exponent is that of least squares in logarithms over the sizes that
---from names: smaller ones fit caches, or end before they have begun. March: seconds of a step; spectrum: seconds of
-assembly and of eigenvalues near a target (all of them up to order 4096, not fitted). Best of the repeats.
+The scene is gas2 on hats with two particles a cell, at rest. The exponent comes from least squares in logarithms over
+the sizes from --from on, since smaller ones fit into caches or are over too soon. For the march the script times a
+step; for the spectrum it times assembly and the eigenvalues near a target. Up to order 4096 the program takes all
+eigenvalues, and these times are not fitted. Each time is the best of the repeats.
 """
 import math
 
@@ -38,7 +39,7 @@ def arguments():
 
 
 def exponent(sizes, seconds, least):
-    """Slope of the line through (log size, log seconds) of the sizes from least on; None: fewer than two of them."""
+    """Returns the slope of log seconds over log size, for the sizes from least on; None for fewer than two of them."""
     points = [(math.log(n), math.log(s)) for n, s in zip(sizes, seconds) if n >= least]
     if len(points) < 2:
         return None
@@ -47,7 +48,7 @@ def exponent(sizes, seconds, least):
 
 
 def fitted(what, sizes, seconds, least):
-    """Says the exponent, and returns it."""
+    """Prints the exponent and returns it."""
     slope = exponent(sizes, seconds, least)
     used = [size for size in sizes if size >= least]
     said = "not fitted, it takes two sizes" if slope is None else f"exponent {slope:.3f}"
@@ -67,7 +68,7 @@ def seconds_of_step(particles, ranks=1):
 
 
 def march(args):
-    """Seconds of a step for each size, sizes in turn."""
+    """Times a step for each size, with the sizes in turn."""
     print(f"\n{'particles':>10}  seconds of a step, 1 rank; a particle's")
     lacking = {n: lack_of_memory(OF_PARTICLE * n) for n in args.particles}
     times = {n: [] for n in args.particles if not lacking[n]}
@@ -84,7 +85,7 @@ def march(args):
 
 
 def weak(args):
-    """Two ranks with twice the particles beside one rank, in turn."""
+    """Times two ranks with twice the particles beside one rank, in turn."""
     n = args.per_rank
     why = lack_of_memory(2 * OF_PARTICLE * n)
     if why:

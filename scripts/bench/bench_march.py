@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Marches schemes beside plain C loops that do the same, interleaved, and prints best times and their ratios.
 
-The machine's speed drifts by tens of per cent within minutes: only ratios of runs that alternate mean anything. All
-programs end with the same energy (checked to 1e-9), so they do the same work. A line of scripts/bench/history.jsonl
-keeps what came out.
+The speed of a machine drifts by tens of per cent within minutes, so only ratios of runs that alternate mean anything.
+All programs end with the same energy, which is checked to 1e-9, so they do the same work. The script adds a line with
+the results to scripts/bench/history.jsonl.
 """
 import itertools
 import statistics
@@ -14,7 +14,7 @@ from bench_runs import listed
 
 PARTICLES, DRIFTS = (10_000, 1_000_000, 8_000_000), ("0", "0.01", "0.3")
 WORK, MOST_STEPS, LEAST_STEPS = 4e7, 1000, 20  # particles x steps of a run
-MIGRATES = 250  # steps: particles that move 75 cells leave the ghost layer, which is 64 cells wide
+MIGRATES = 250  # steps, in which particles move 75 cells and leave the ghost layer of 64 cells
 SAME = 1e-9
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
           f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
@@ -42,7 +42,7 @@ def steps_for(particles):
 
 
 def measure(row, repeats, python):
-    """Fills a row: best and median times, ratios and bytes."""
+    """Fills a row with best and median times, ratios and bytes."""
     programs = {"plain": bench_runs.run_plain, "1": lambda r: bench_runs.run_mpmstab(r, 1),
                 "2": lambda r: bench_runs.run_mpmstab(r, 2)}
     if python and row["scheme"] == "gas2":
@@ -68,7 +68,7 @@ def measure(row, repeats, python):
 
 
 def show(row, triad):
-    """Cells a row of the table; the share of the memory's bandwidth only where the arrays fit no cache."""
+    """Prints a row of the table. The share of the memory's bandwidth is there when the arrays fit into no cache."""
     best, median = row["best"], row["median"]
     cells = " ".join(f"{best[name]:6.2f} ({median[name]:4.1f})" for name in ("plain", "1", "2"))
     rate = row["bytes"] / best["1"]
@@ -80,7 +80,7 @@ def show(row, triad):
 
 
 def memory(ranks):
-    """Bytes a particle, in all and beyond what a march of few particles takes; with a migration, which takes most."""
+    """Measures bytes per particle, in all and beyond a march of few particles. Both marches migrate."""
     many, few = ({"scheme": "gas2", "basis": "linear", "particles": n, "drift": "0.3", "steps": MIGRATES}
                  for n in (8_000_000, 1000))
     peak, least = bench_runs.peak_bytes(many, ranks), bench_runs.peak_bytes(few, ranks)

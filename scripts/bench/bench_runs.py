@@ -1,4 +1,4 @@
-"""What the parts of the benchmark share: programs that they run, options, the machine, the history."""
+"""The parts of the benchmark share this: programs that they run, options, the machine, the history."""
 import argparse
 import concurrent.futures
 import datetime
@@ -28,12 +28,12 @@ def listed(allowed, kind=str):
         if allowed and set(values) - set(allowed):
             raise argparse.ArgumentTypeError(f"{text} is not some of {','.join(allowed)}")
         return values
-    parse.__name__ = f"list of {kind.__name__}"  # argparse names it when it refuses
+    parse.__name__ = f"list of {kind.__name__}"  # argparse shows this name when it refuses
     return parse
 
 
 def parser(description, repeats):
-    """The options that every part has."""
+    """Returns a parser with the options that every part has."""
     result = program.Parser(description)
     result.add_argument("--repeats", type=at_least(1), default=repeats, help=f"runs of each row ({repeats})")
     result.add_argument("--history", default=HISTORY, metavar="FILE", help="where a line of JSON is added")
@@ -52,7 +52,7 @@ def at_least(least, kind=int):
 
 
 def begin(part, args):
-    """What a run of the benchmark keeps, to which its part adds; says on what machine it is."""
+    """Prints the machine and returns what every run of the benchmark keeps; its part adds the rest."""
     program.require_program()
     if not args.no_history:
         program.require_outputs([args.history])
@@ -76,7 +76,7 @@ def best_and_median(seconds):
 
 
 def told(seconds):
-    """Best (median), in units that fit."""
+    """Returns best (median), in units that fit."""
     units = ((1, "s"), (1e-3, "ms"), (1e-6, "us"))
     unit, name = next((one for one in units if seconds["best"] >= one[0]), (1e-9, "ns"))
     return f"{seconds['best'] / unit:.3g} ({seconds['median'] / unit:.3g}) {name}"
@@ -87,7 +87,7 @@ def met(is_met):
 
 
 def compiled(name):
-    """A program that the build has made for the benchmark."""
+    """Returns the path of a program that the build has made for the benchmark."""
     path = os.path.join(FOLDER, name)
     if not os.path.exists(path):
         program.refuse(f"there is no {path}; ./scripts/setup.sh builds it beside mpmstab (MPMSTAB names that)")
@@ -100,7 +100,7 @@ def memory_available():
 
 
 def result_of_run(task, options, ranks=1):
-    """The JSON of a run of mpmstab that was done."""
+    """Runs mpmstab and returns its JSON."""
     status, found, error = program.launch(task, options=options, ranks=ranks)
     if status:
         program.refuse(f"mpmstab {task} ended with status {status}: {error}")
@@ -129,7 +129,7 @@ def compile_all():
 
 
 def numba_python():
-    """The Python of an environment that has numba, made when it is not there; (None, why) when it cannot be."""
+    """Returns the Python of an environment with numba, which it makes when needed; (None, why) when it cannot."""
     folder = os.path.join(FOLDER, "venv")
     python = os.path.join(folder, "bin", "python")
     for command in ([sys.executable, "-m", "venv", folder], [python, "-m", "pip", "install", "-q", "numba"]):
@@ -143,21 +143,23 @@ def numba_python():
 
 
 def options(row):
-    """One wave in 32 cells. At drifts 0.01 and 0.3 no particle meets a node, where rounding would decide."""
+    """Returns the options of a run: one wave in 32 cells. At drifts 0.01 and 0.3 no particle meets a node."""
     cells = row["particles"] // PPC
     return {"formulation": row["scheme"], "basis": row["basis"], "ppc": PPC, "offset": 0.51, "courant": 0.01,
             "cells": cells, "mode": cells // 32, "steps": row["steps"], "drift": row["drift"]}
 
 
 def run_mpmstab(row, ranks):
-    """ns per particle and step, the energy at the end, bytes moved per particle and step."""
+    """Returns ns per particle and step, the energy at the end, and bytes moved per particle and step."""
     run = result_of_run("run", options(row), ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"], run["bytes_per_particle_step"]
 
 
 def run_pair(row):
-    """ns per particle and step of two programs of one rank, side by side, that know nothing of each other: each has
-    half the particles. So much faster than one is what two cores of this machine can be without a message."""
+    """Returns ns per particle and step of two independent programs side by side, each with half the particles.
+
+    This is how much faster two cores of this machine can be when they send no messages.
+    """
     half = row | {"particles": row["particles"] // 2}
     with concurrent.futures.ThreadPoolExecutor(2) as threads:
         return max(found[0] for found in threads.map(run_mpmstab, (half, half), (1, 1))) / 2
@@ -176,14 +178,14 @@ def run_numba(python, row):
 
 
 def triad(processes):
-    """GB/s that so many processes draw together."""
+    """Returns the GB/s that so many processes move together."""
     running = [subprocess.Popen([os.path.join(FOLDER, "triad")], stdout=subprocess.PIPE, text=True)
                for _ in range(processes)]
     return sum(float(one.communicate()[0].split()[0]) for one in running)
 
 
 def peak_bytes(row, ranks):
-    """Of each rank the largest resident size it ever had, added up."""
+    """Returns the largest resident sizes of the ranks, added up."""
     words = [word for name, value in options(row).items() for word in (f"-{name}", str(value))]
     with tempfile.TemporaryDirectory() as folder:
         said(["mpirun", "-q", "-n", str(ranks), sys.executable, os.path.join(SOURCES, "peak.py"), folder,

@@ -1,16 +1,17 @@
 #!/usr/bin/python3
-"""Step time on ranks that are not here: a model from counted messages and measured work, checked on 1 and 2 ranks.
+"""Models the step time on many ranks from counted messages and measured work, and checks it on 1 and 2 ranks.
 
   T(P) = t0 + tp N / P + messages (latency + bytes / bandwidth) + reductions log2(P) latency
          + migrations (as the two terms before, with what one migration sends)
 
-N particles on P ranks. tp is measured on one rank with so many particles that they fit no cache, though a rank's part
-may: then it is faster. t0 is what a step of no particles takes, from two small runs. A migration's own work is in tp.
-Messages that a rank sends, bytes of one, reductions: of a step, counted by PETSc (-log_view) on 3 ranks, and on 2,
-where both neighbours are one and the messages fewer; of every rank the most, as if sent one after the other. Latency
-and bandwidth are assumptions about a network, so options; for the check they are those of this machine between two
-ranks. Runs longer than the counted ones look at the state's size (a reduction) in fewer of their steps; under drift
-a rank with fewer cells than its ghost layer (bytes / 8) migrates more often than counted.
+There are N particles on P ranks. tp is measured on one rank with so many particles that they fit into no cache. A
+rank's part may fit, and then it is faster. t0 is the time of a step without particles, from two small runs. The work of
+a migration is part of tp. PETSc (-log_view) counts the messages of a step, their bytes and the reductions on 3 ranks,
+and on 2, where both neighbours are the same rank and the messages fewer. The model takes the rank that sends most, as
+if it sent one message after the other. Latency and bandwidth are assumptions about a network, so they are options. For
+the check they are those of this machine between two ranks. Two things differ in long runs: they look at the size of the
+state (a reduction) in fewer of their steps, and under drift a rank with fewer cells than its ghost layer (bytes / 8)
+migrates more often than counted.
 """
 import csv
 import json
@@ -42,7 +43,7 @@ def arguments():
 
 
 def read_counts(lines):
-    """From PETSc's ascii_csv: an event's count, messages, bytes and reductions, of all ranks the most; one stage."""
+    """Reads an event's count, messages, bytes and reductions from PETSc's ascii_csv, the most of all ranks."""
     found = {}
     for row in csv.DictReader(lines):
         now = [float(row[name]) for name in ("Count", "Num Messages", "Message Length", "Num Reductions")]
@@ -56,7 +57,7 @@ def difference(few, many, event):
 
 
 def per_step(few, many, steps):
-    """What a step sends, from runs that differ by so many steps. PETSc counts messages at both ends, this but one."""
+    """Returns what a step sends, from two runs. PETSc counts a message at both its ends; this counts it once."""
     migrations, moved, moved_length, moved_reductions = difference(few, many, "MpmMigrate")
     _, messages, length, reductions = difference(few, many, "summary")
     messages, length, reductions = messages - moved, length - moved_length, reductions - moved_reductions
@@ -68,7 +69,7 @@ def per_step(few, many, steps):
 
 
 def sending(counts, ranks, network):
-    """Seconds of messages and reductions, on at least two ranks."""
+    """Returns the seconds of messages and reductions on two or more ranks."""
     return (counts["messages"] * (network["latency"] + counts["bytes"] / network["bandwidth"])
             + counts["reductions"] * math.log2(ranks) * network["latency"])
 
@@ -85,12 +86,12 @@ def step_time(model, particles, ranks, network):
 
 
 def efficiency(model, particles, ranks, network):
-    """Strong: one rank's time over that of all ranks together."""
+    """Returns the strong efficiency: the time of one rank over that of all ranks together."""
     return step_time(model, particles, 1, network) / ranks / step_time(model, particles, ranks, network)
 
 
 def first_ranks(holds):
-    """The least number of ranks, from 3 on, where what then goes on holding holds; None: never."""
+    """Returns the least number of ranks, from 3 on, from which a condition holds, or None when it never does."""
     low, high = 2, 3
     while not holds(high):
         low, high = high, 2 * high
@@ -115,7 +116,7 @@ def row_of(scheme, basis, drift, particles, steps):
 
 
 def counted(row, ranks):
-    """Counts of a run. Its wave must fit the cells, of which there are enough for every rank's ghost layer."""
+    """Returns the counts of a run, whose cells fit its wave and are enough for the ghost layer of every rank."""
     words = [word for name, value in bench_runs.options(row).items() for word in (f"-{name}", str(value))]
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "log.csv")
@@ -125,7 +126,7 @@ def counted(row, ranks):
 
 
 def cells_needed(scheme, basis):
-    """Cells that a rank must have at least: what the program says when it refuses one for each, else one."""
+    """Returns how many cells a rank needs, which the program says when it refuses one cell for each rank."""
     status, _, error = program.launch("run", options={"formulation": scheme, "basis": basis, "cells": 3}, ranks=3)
     said = re.search(r"a rank needs (\d+) cells|allowed: at least (\d+) with formulation", error)
     if status and not said:
@@ -134,7 +135,7 @@ def cells_needed(scheme, basis):
 
 
 def measured_step(scheme, basis, drift, particles, ranks, repeats):
-    """Seconds of a step, the best."""
+    """Returns the seconds of a step, the best of the repeats."""
     steps = int(min(4000, max(20, 4e7 // particles)))
     row = row_of(scheme, basis, drift, particles, steps)
     return 1e-9 * particles * min(bench_runs.run_mpmstab(row, ranks)[0] for _ in range(repeats))
@@ -153,7 +154,7 @@ def make_model(scheme, basis, drift, args):
 
 
 def check(model, args, here):
-    """The model beside measured steps on 1 and 2 ranks."""
+    """Compares the model with measured steps on 1 and 2 ranks."""
     rows = []
     for particles in (args.particles // 10, args.particles):
         for ranks in (1, 2):
@@ -177,7 +178,7 @@ def show(model):
 
 
 def extrapolate(model, network):
-    """Strong and weak scaling; a rank with fewer cells than it needs is refused by the program."""
+    """Prints strong and weak scaling, without ranks that would have fewer cells than the program allows."""
     rows = []
     for kind, sizes in (("strong", TOTALS), ("weak", PER_RANK)):
         for size in sizes:

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Times assembly, eigenvalues, symbol, critical and map; eigenvalues beside ARPACK (scipy) and LAPACK (numpy).
 
-The matrices are gas2's on hats, two particles a cell, as mpmstab assembles them, and all solvers of a row run in turn.
-Seconds are those of the solvers alone, best (median). Both must have found the same: else the row says so instead of a
-ratio, and the status is 1. A target is met by the ratio of the best.
+The matrices are those of gas2 on hats with two particles a cell, as mpmstab assembles them. All solvers of a row run in
+turn. The seconds are those of the solvers alone, best (median). When two solvers have not found the same, the row says
+so in place of a ratio, and the status is 1. The ratio of the best times is compared with the target.
 """
 import csv
 import json
@@ -18,10 +18,10 @@ import bench_runs
 import program
 from bench_runs import at_least, best_and_median, listed, met, told
 
-OF_UNKNOWN = 2400               # bytes of memory near a target
-DENSE_ORDER = 4096               # up to it mpmstab takes all eigenvalues
-BESIDE = 1e-10                   # a shift is no eigenvalue: relative, as mpmstab's
-SAME, SAME_GROWTH = 1e-8, 1e-6   # a pair at 1 that is defective splits by 1e-8 or more
+OF_UNKNOWN = 2400               # bytes of memory for eigenvalues near a target
+DENSE_ORDER = 4096               # up to this order mpmstab takes all eigenvalues
+BESIDE = 1e-10                   # how far a shift is from the eigenvalue, relatively, as in mpmstab
+SAME, SAME_GROWTH = 1e-8, 1e-6   # a defective pair at 1 splits by 1e-8 or more
 TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 30
 SCHEMES, BASES, DRIFTS = ("gas2", "usl", "musl"), ("linear", "quadratic"), ("0", "1/8")
 
@@ -54,7 +54,7 @@ def write_matrix(order, path):
 
 
 def python_solver(*words):
-    """What it found; or {"why"}, why it gave no answer."""
+    """Returns what the solver found, or {"why"} when it gave no answer."""
     script = os.path.join(bench_runs.SOURCES, "scipy_spectrum.py")
     done = subprocess.run([sys.executable, script, *map(str, words)], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -63,7 +63,7 @@ def python_solver(*words):
 
 
 def own_spectrum(order, folder):
-    """The spectrum's JSON, with the target and the eigenvalue found nearest to it where there was one."""
+    """Returns the JSON of spectrum, with the target, if there was one, and the eigenvalue nearest to it."""
     path = os.path.join(folder, "eigenvalues.csv")
     found = bench_runs.result_of_run("spectrum", scene(order) | {"measure": "false", "csv": path})["spectrum"]
     target = re.search(r"near (\S+) ([+-]) (\S+)i", found["solver"])
@@ -77,7 +77,7 @@ def own_spectrum(order, folder):
 
 
 def compare_near(order, args, folder):
-    """A row: assembly, and the eigenvalue nearest to the symbol's target beside ARPACK's."""
+    """Measures a row: assembly, and the eigenvalue nearest to the symbol's target beside ARPACK's."""
     need, free = OF_UNKNOWN * order, bench_runs.memory_available()
     if need > free:
         return {"order": order, "why": f"it takes {need / 1e9:.1f} GB, {free / 1e9:.1f} are free"}
@@ -129,7 +129,7 @@ def show_near(row):
 
 
 def compare_all(order, args, folder):
-    """A row: all eigenvalues beside numpy's; the largest abs must agree (most of the rest splits by rounding)."""
+    """Measures a row: all eigenvalues beside numpy's. The largest abs must agree; rounding splits most others."""
     matrix = os.path.join(folder, "A")
     write_matrix(order, matrix)
     times = {"mpmstab": [], "eig": [], "eigvals": []}
@@ -163,12 +163,12 @@ def show_all(row):
 
 
 def time_task(task, options, repeats, ranks=1):
-    """Seconds that the task says it took."""
+    """Returns the seconds that the task says it took."""
     return best_and_median([bench_runs.result_of_run(task, options, ranks)[task]["seconds"] for _ in range(repeats)])
 
 
 def small_tasks(args):
-    """Rows of symbol, critical and map, shown as they come."""
+    """Measures the rows of symbol, critical and map and prints each at once."""
     for ppc in (1, 2, 4):
         row = {"task": "symbol", "cells": args.symbol, "ppc": ppc}
         row["seconds"] = time_task("symbol", {"cells": args.symbol, "ppc": ppc}, args.repeats)
@@ -189,7 +189,7 @@ def small_tasks(args):
 
 
 def blas():
-    """The BLAS of this machine as mpmstab loads it, and the threads that it may take."""
+    """Returns the BLAS that mpmstab loads, and the number of threads that it may take."""
     found = re.findall(r"=> (\S*blas\S*)", bench_runs.said(["ldd", program.PROGRAM]))
     names = sorted({os.path.realpath(path) for path in found})
     return {"library": " ".join(names) or "not known", "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "not set")}

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Times mpmstab's start and end beside those of a program that only initialises and finalises SLEPc, in turn.
 
-Wall time from the outside, best (median), without mpirun and under it. A target is met by the difference of the best.
+The script takes wall time from the outside, best (median), without mpirun and under it. The difference of the best is
+compared with the target.
 """
 import subprocess
 import time
@@ -24,7 +25,7 @@ def seconds_of(command):
 
 
 def measure(launcher, repeats):
-    """Best and median of each program."""
+    """Returns best and median of each program."""
     programs = {"SLEPc alone": [bench_runs.compiled("startup")], "list": [program.PROGRAM, "list"],
                 "symbol": [program.PROGRAM, "symbol", "-cells", "8"]}
     times = {name: [] for name in programs}

@@ -1,4 +1,7 @@
-"""Formulation 2 as a Python user would write it: PARTICLES STEPS DRIFT BASIS; prints what plain_gas2.c prints."""
+"""Marches gas2 as a Python user would write it, and prints what plain_gas2.c prints.
+
+numba_gas2.py PARTICLES STEPS DRIFT BASIS
+"""
 import json
 import sys
 import time
@@ -11,7 +14,7 @@ COURANT, PPC = 0.01, 2
 
 @numba.njit(inline="always")
 def first_node(x, quadratic):
-    """Node arrays have one node more before the first cell."""
+    """Returns the first node of a particle. Node arrays have one more node before the first cell."""
     return int(x + 0.5) if quadratic else int(x) + 1
 
 
@@ -112,7 +115,7 @@ def main():
     u = numpy.sin(2 * numpy.pi * (cells // 32) * x / cells)
     r = numpy.zeros(particles)
     ui, ri, mass = (numpy.zeros(cells + 3) for _ in range(3))
-    march(x, u, r, ui, ri, mass, cells, 0, drift, quadratic)  # compiles
+    march(x, u, r, ui, ri, mass, cells, 0, drift, quadratic)  # this call compiles
     start = time.perf_counter()
     march(x, u, r, ui, ri, mass, cells, steps, drift, quadratic)
     seconds = time.perf_counter() - start

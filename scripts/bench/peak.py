@@ -1,4 +1,7 @@
-"""Runs a rank and writes the largest resident size that it had, in kB: FOLDER PROGRAM ARGUMENT..."""
+"""Runs a rank and writes the largest resident size that it had, in kB, to FOLDER.
+
+peak.py FOLDER PROGRAM ARGUMENT...
+"""
 import os
 import resource
 import subprocess

@@ -1,6 +1,8 @@
-"""What a Python user would take for eigenvalues: near FILE RE IM | largest FILE RESTARTS | all FILE; prints JSON.
+"""Finds eigenvalues as a Python user would, and prints them as JSON.
 
-FILE is a matrix in PETSc's binary format. Times are those of the solver, without reading.
+scipy_spectrum.py near FILE RE IM | largest FILE RESTARTS | all FILE
+
+FILE is a matrix in PETSc's binary format. The times are those of the solver, without reading.
 """
 import json
 import resource
@@ -11,7 +13,7 @@ import numpy
 import scipy.sparse
 import scipy.sparse.linalg
 
-MATRIX = 1211216  # PETSc's number for one, before rows, columns and nonzeros; bytes are big-endian
+MATRIX = 1211216  # PETSc marks a matrix by this number; rows, columns and nonzeros follow, big-endian
 
 
 def read(path):
@@ -32,14 +34,14 @@ def timed(work, *args, **options):
 
 
 def near(matrix, re, im):
-    """ARPACK with shift-invert: complex, SuperLU."""
+    """Solves by ARPACK with shift-invert, by a complex SuperLU."""
     seconds, (values, vectors) = timed(scipy.sparse.linalg.eigs, matrix.astype(complex), k=1, sigma=complex(re, im))
     residual = numpy.linalg.norm(matrix @ vectors[:, 0] - values[0] * vectors[:, 0])
     return {"seconds": seconds, "re": values[0].real, "im": values[0].imag, "residual": residual}
 
 
 def largest(matrix, restarts):
-    """ARPACK alone, which may give no answer."""
+    """Solves by ARPACK alone, which may give no answer."""
     start = time.perf_counter()
     try:
         values = scipy.sparse.linalg.eigs(matrix, k=1, which="LM", maxiter=restarts, return_eigenvectors=False)
@@ -50,7 +52,7 @@ def largest(matrix, restarts):
 
 
 def everything(matrix):
-    """numpy's dense solver, with vectors and without."""
+    """Solves by numpy's dense solver, with vectors and without."""
     dense = matrix.toarray()
     eig_s, (values, _) = timed(numpy.linalg.eig, dense)
     eigvals_s, alone = timed(numpy.linalg.eigvals, dense)
@@ -59,7 +61,7 @@ def everything(matrix):
 
 
 def memory_limit():
-    """Beyond what is there the solver is refused memory, which is an answer; the machine's would end other programs."""
+    """Limits memory to what is free. The solver then fails by itself, and the machine ends no other program."""
     with open("/proc/meminfo", encoding="utf-8") as file:
         free = next(1024 * int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
     resource.setrlimit(resource.RLIMIT_AS, (free, free))

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Checks a part of the benchmark on tiny sizes: spectrum, startup, growth or scaling (MPMSTAB names the program).
+"""Checks a part of the benchmark on tiny sizes, by what it finds and by its formulas, never by how long it takes.
 
-What the parts find and their formulas, never how long something takes. Silent when all is well.
+check_bench.py spectrum|startup|growth|scaling. MPMSTAB names the program. Silent when all is well.
 """
 import contextlib
 import io
@@ -33,7 +33,7 @@ def near(a, b, within=1e-12):
 
 
 def run(part, *options):
-    """The line of JSON that a part adds to a history of its own."""
+    """Runs a part and returns the line of JSON that it adds to a history of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "history.jsonl")
         done = run_script(f"bench/bench_{part}.py", "--history", path, *options)
@@ -48,7 +48,7 @@ def run(part, *options):
 
 
 def check_matrix():
-    """The matrix that others are given is gas2's operator: G + 1/G = 2 - k^2 sin^2 beta, particles centred."""
+    """The matrix for other solvers must be the operator of gas2: G + 1/G = 2 - k^2 sin^2 beta, particles centred."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "A")
         bench_spectrum.write_matrix(96, path)
@@ -115,7 +115,7 @@ def check_growth():
 
 
 def check_formulas():
-    """Counts and the model from made-up numbers."""
+    """Checks the counts and the model on made-up numbers."""
     few, many = (bench_scaling.read_counts(CSV.format(*counts).splitlines()) for counts in
                  ((30, 1000, 22, 0, 0, 0, 0), (30 + 1600 + 24, 1000 + 192_000 + 5760, 22 + 50 + 24, 2, 24, 5760, 24)))
     counts = bench_scaling.per_step(few, many, 100)
@@ -146,7 +146,7 @@ def check_scaling():
     for model in (rest, drifting):
         two, three = model["counts"]["2"], model["counts"]["3"]
         check(three["messages"] == 2 * two["messages"] >= 4, f"both neighbours are one on 2 ranks: {model['counts']}")
-        both = [counts["messages"] * counts["bytes"] for counts in (two, three)]  # migrations tell apart to 1e-5
+        both = [counts["messages"] * counts["bytes"] for counts in (two, three)]  # but for migrations, to 1e-5
         check(abs(both[0] - both[1]) <= 1e-4 * both[0], f"bytes: {model['counts']}")
         check(0 <= three["reductions"] <= 1 and model["tp"] > 0, f"model: {model}")
         check([(row["particles"], row["ranks"]) for row in model["check"]] ==

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Kills runs at random moments and goes on from their checkpoints; offers them files that are no checkpoints.
+"""Kills runs at random moments and resumes them from their checkpoints; then offers files that are no checkpoints.
 
 check_checkpoint.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -47,7 +47,7 @@ def remove(*names):
 
 
 def ranks_of(process):
-    """The program's own processes: children of mpirun, or the process itself."""
+    """Returns the processes of the program: the children of mpirun, or the process itself."""
     with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as children:
         return [int(pid) for pid in children.read().split()] or [process.pid]
 
@@ -57,17 +57,17 @@ def stamp(path):
 
 
 def wait_for_another(path, process):
-    """Until there is a checkpoint newer than the one there is, or the run is over."""
+    """Waits until there is a newer checkpoint, or the run is over."""
     before = stamp(path)
     while stamp(path) == before and process.poll() is None:
         time.sleep(0.001)
 
 
 def result(name):
-    """What a run has found, without its times."""
+    """Returns what a run has found, without its times."""
     with open(name + ".json", encoding="ascii") as file:
         found = json.load(file)
-    # changes of mass are counted from where a run went on
+    # A resumed run counts changes of mass from where it resumed.
     run = {key: value for key, value in found["run"].items() if not key.endswith(("_s", "_step", "_change"))}
     with open(name + ".csv", encoding="ascii") as file:
         return run, found["verdict"], file.read()
@@ -78,12 +78,12 @@ def files(name):
 
 
 def kill(ranks, how, seconds):
-    """Ends a run of about so many seconds with a signal, again and again; at last it has found what a whole one has.
+    """Ends a run of about so many seconds by a signal, again and again. At last it must find what a whole run finds.
 
-    Returns how often it was ended.
+    Returns how often the run was ended.
     """
     SCENE["-steps"] = str(TRIAL)
-    for trial in (True, False): # to see how fast this machine is now, and so that the second takes some seconds
+    for trial in (True, False): # the first shows how many steps take so many seconds
         status, said, errors = finish(start(ranks, *files("whole")))
         check(status == 0, f"the uninterrupted run: {said}{errors}")
         with open("whole.json", encoding="ascii") as file:
@@ -108,9 +108,9 @@ def kill(ranks, how, seconds):
                 pass
         status, said, errors = finish(process)
         check("PETSC ERROR" not in errors, f"a stack trace: {errors}")
-        if os.path.exists("parts.json"): # it may be killed when all is done
+        if os.path.exists("parts.json"): # it was killed when all was done
             break
-        if how == signal.SIGTERM and ranks == 1 and status != -how: # before it is marching it just ends
+        if how == signal.SIGTERM and ranks == 1 and status != -how: # before the march it ends without a word
             check(status == 143 and "to go on: the same command with -restart c.h5" in said,
                   f"SIGTERM: {status} {said}")
         kills += 1
@@ -123,7 +123,7 @@ def kill(ranks, how, seconds):
 
 
 def check_killed(ranks, how):
-    """A run may be over before it is killed, on a machine whose speed changes: then a longer one."""
+    """Tries longer runs when one is over before it is killed, as on a machine whose speed changes."""
     check(any(kill(ranks, how, seconds) for seconds in (2, 4, 8)), f"no run on {ranks} ranks could be killed")
 
 
@@ -175,7 +175,7 @@ def check_refusals():
 
 
 def sum_up(path):
-    """Makes the checksum of a file right again (src/base/checksum.c)."""
+    """Writes the right checksum into a changed file (src/base/checksum.c)."""
     with open(path, "rb") as file:
         content = file.read()
     word = np.frombuffer(content[512:] + bytes(-len(content) % 8), dtype="<u8")
@@ -189,7 +189,7 @@ def sum_up(path):
 
 
 def check_made():
-    """Files that are whole, and that no run has written: offered to the one rank that wrote, and to two. More: tests/fuzz."""
+    """Offers whole files that no run has written, to one rank and to two; tests/fuzz has more of them."""
     shutil.copy("good.h5", "other.h5")
     sum_up("other.h5")
     with open("good.h5", "rb") as good, open("other.h5", "rb") as other:
@@ -210,9 +210,9 @@ def check_made():
 
 
 def check_full_disk():
-    """A limit on the size of files does what a full disk does; the checkpoint before it stays.
+    """Checks that the earlier checkpoint stays when the disk is full. A limit on the size of files acts like one.
 
-    On one rank, and no smaller: MPI itself needs such files to start.
+    It runs on one rank, and the limit is no smaller, since MPI needs such files to start.
     """
     shutil.copy("good.h5", "kept.h5")
 

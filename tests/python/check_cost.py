@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""Counts instructions of small marches with callgrind, compares them with recorded ones: PROGRAM RECORDED COMPILER.
+"""Counts the instructions of small marches with callgrind and compares them with recorded ones.
 
-Counted is what runs inside MpmMarchStep, per particle and step. Another compiler makes other code: then there is
-nothing to compare with (status 77). --record writes new numbers; say in the commit what changed them.
+check_cost.py PROGRAM RECORDED COMPILER [--record]
+
+It counts what runs inside MpmMarchStep, per particle and step. Another compiler makes other code, with which nothing is
+compared (status 77). --record writes new numbers; say in the commit what changed them.
 """
 import argparse
 import json

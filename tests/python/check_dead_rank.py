@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A rank that dies ends the job, at once and with a message; SIGTERM ends the program without a stack trace.
+"""Checks that a dead rank ends the job soon and with a message, and SIGTERM the program without a stack trace.
 
 check_dead_rank.py MPIEXEC MPMSTAB. Silent when all is well.
 """
@@ -14,11 +14,11 @@ import time
 from checks import check
 
 OPTIONS = "run -cells 3000 -steps 1000000000000 -output out.h5 -csv out.csv -json out.json".split()
-WITHIN = 20  # seconds; it takes one or two, more on a busy machine
+WITHIN = 20  # seconds; it usually takes one or two, on a busy machine more
 
 
 def parent_of(pid):
-    """None: there is no such process, or it has ended and nobody has asked for its status yet."""
+    """Returns the parent of a process, or None when the process does not exist or has ended."""
     try:
         with open(f"/proc/{pid}/stat") as file:
             state, parent = file.read().rpartition(")")[2].split()[:2]
@@ -39,7 +39,7 @@ def wait_for(condition, message):
 
 
 def end_one(command, ranks, number, folder):
-    """Sends a signal to the last of the processes that march; returns the status and what was said on stderr."""
+    """Sends a signal to the last of the processes that march; returns the status and the standard error."""
     with open(os.path.join(folder, "said"), "w+") as said:
         job = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=said)
         started = []

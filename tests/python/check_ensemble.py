@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks what ensemble writes (JSON, CSV): the same on 1, 2 and 3 ranks, and growth as numpy finds it.
+"""Checks the JSON and CSV of ensemble: they are the same on 1, 2 and 3 ranks, and growth is what numpy finds.
 
 check_ensemble.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -25,7 +25,7 @@ WORD = 2**64 - 1
 
 
 def uniform(seed, particle):
-    """splitmix64, as THEORY.md says."""
+    """Returns the random number of a particle by splitmix64, as in THEORY.md."""
     z = (seed + (particle + 1) * 0x9E3779B97F4A7C15) & WORD
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & WORD
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & WORD
@@ -33,7 +33,7 @@ def uniform(seed, particle):
 
 
 def growth(seed):
-    """elastic: a = k LAP P u, v = P w + a, then w += S a and u += k S v; the largest abs of all eigenvalues."""
+    """Returns the largest abs eigenvalue of elastic: a = k LAP P u, v = P w + a, then w += S a and u += k S v."""
     n = CELLS * PPC
     shape = numpy.zeros((n, CELLS))
     for p in range(n):

@@ -14,7 +14,7 @@ import numpy
 from checks import check
 
 CELLS, STEPS = 12, 9
-# scene, fields, drift, basis, ranks
+# Each line has a scene, its fields, drift and basis, and the ranks that run it.
 SCENES = [
     ("-drift 2/7 -courant 0.4 -initial random", "ur", 2 / 7, "linear", (1, 2, 3)),
     ("-jitter 0.7 -drift -0.3 -courant 0.4 -ppc 3 -initial random", "ur", -0.3, "linear", (1, 2, 3)),
@@ -26,7 +26,7 @@ SCENES = [
 
 
 def shapes(x, basis):
-    """phi_ip: a row for each particle at x (in cells); between walls the nodes 0..CELLS, else nodes that wrap."""
+    """Returns phi_ip, a row for each particle at x (in cells). Between walls the nodes are 0..CELLS, else they wrap."""
     nodes = CELLS + 1 if basis == "walls" else CELLS
     phi = numpy.zeros((len(x), nodes))
     for p, place in enumerate(x):
@@ -46,7 +46,7 @@ def project(phi, q):
 
 
 def ringing(phi, q, fixed):
-    """What least squares over the nodes leave of q; a fixed wall node is 0."""
+    """Returns what a least-squares fit by nodes leaves of q. A node at a fixed wall is 0."""
     inside = phi[:, 1:] if fixed else phi
     rest = q - inside @ numpy.linalg.lstsq(inside, q, rcond=None)[0]
     return numpy.linalg.norm(rest) / numpy.linalg.norm(q)
@@ -113,7 +113,7 @@ def main(mpiexec, mpmstab):
     for number, (scene, fields, _, _, all_ranks) in enumerate(SCENES):
         for ranks in all_ranks:
             rows = run(mpiexec, mpmstab, number, ranks)
-        if "nullspace" in scene:  # the filter takes it away at each step; what is left comes from one step alone
+        if "nullspace" in scene:  # each step filters it; one step makes the rest
             check(max(float(row["ringing_w"]) for row in rows[1:]) < 0.2, f"{scene}: the filter leaves ringing")
 
 

@@ -79,7 +79,7 @@ def p2g(x, q):
 
 
 def check_xdmf(name):
-    """Every dataset that the XDMF names is there, with the shape it says."""
+    """Checks that every dataset that the XDMF names is there, with the shape that it says."""
     root = ElementTree.parse(name + ".xmf").getroot()
     times = [float(t.get("Value")) for t in root.iter("Time")]
     check(len(times) == STEPS // EVERY + 1 and times == sorted(times), f"times {times}")
@@ -94,7 +94,7 @@ def check_xdmf(name):
 
 
 def check_vtk(name):
-    """ParaView's own reader, where it is installed."""
+    """Reads the files by ParaView's own reader, where it is installed."""
     try:
         from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
     except ImportError:
@@ -135,7 +135,7 @@ def check_csv(name, result):
 
 
 def check_scripts(name):
-    """The picture and the summary of this run, by what they say."""
+    """Checks the words on the picture and in the summary of this run."""
     with open(name + "-spectrum.json", "w") as file:  # what summary.py takes from the task spectrum
         json.dump({"formulation": "gas2", "courant": 0.2, "drift": DRIFT, "verdict": "unstable", "spectrum": {},
                    "predicted": {"published": None, "corrected": None, "symbol": 1.25}}, file)

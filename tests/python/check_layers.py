@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that layers.py reports what it is for, on small trees that are made here.
+"""Checks that layers.py reports includes that run up, circles and unknown folders, in small trees made here.
 
 check_layers.py. Silent when all is well.
 """
@@ -16,7 +16,7 @@ GOOD = {"src/base/errors.h": "", "src/base/errors.c": '#include "base/errors.h"\
         "src/march/grid.h": '#include "base/errors.h"\n', "src/march/grid.c": '#include <mpmstab/grid.h>\n',
         "src/scheme/basis/hdf5_2.h": "#include <mpmstab/basis.h>\n", "include/mpmstab/basis.h": "",
         "include/mpmstab/grid.h": '#include "base/errors.h"\n'}
-FAULTS = {  # what is added to the good tree, and what is said of it
+FAULTS = {  # what is added to the good tree, and what layers.py must say
     "an upward include": ({"src/base/memory.c": '#include "march/grid.h"\n'},
                           ["base/memory.c (base) includes march/grid.h (march), which is of a later layer"]),
     "an upward include with a digit in its name": (
@@ -37,7 +37,7 @@ FAULTS = {  # what is added to the good tree, and what is said of it
 
 
 def said_of(tree):
-    """Status and lines of layers.py on a tree of files, which are given as texts by path."""
+    """Runs layers.py on a tree of files, which are texts by path. Returns its status and its lines."""
     with tempfile.TemporaryDirectory() as folder:
         for path, text in tree.items():
             file = pathlib.Path(folder, path)

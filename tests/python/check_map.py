@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks what map writes (JSON, CSV, HDF5): one and the same on 1, 2 and 3 ranks, and growth as numpy finds it.
+"""Checks the JSON, CSV and HDF5 of map: they are the same on 1, 2 and 3 ranks, and growth is what numpy finds.
 
 check_map.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -21,7 +21,7 @@ MAP = {"axes", "shape", "courant", "drift", "phases", "unstable", "undecided", "
 
 
 def growth(courant, drift):
-    """gas2 with one particle a cell, marched over a period on unit vectors: u += k grad P r, r += k grad P u."""
+    """Returns the growth of gas2, from unit vectors marched over a period: u += k grad P r, r += k grad P u."""
     whole = numpy.eye(2 * CELLS)
     for step in range(drift.denominator):
         shape, grad = numpy.zeros((CELLS, CELLS)), numpy.zeros((CELLS, CELLS))
@@ -61,7 +61,7 @@ def run(mpiexec, mpmstab, ranks):
 
 
 def check_letters(mpmstab):
-    """The terminal's picture has every third row and every second column of a large map, from its corner on."""
+    """Checks that the terminal shows every third row and every second column of a large map, from its corner on."""
     done = subprocess.run([mpmstab, "map", "-cells", "8", "-map_points", "60,70", "-csv", "large.csv"],
                           capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()

@@ -21,7 +21,7 @@ MPMSTAB = sys.argv[1]
 
 
 def damaged():
-    """Files that are HDF5 but not whole."""
+    """Makes files that are HDF5 but not whole."""
     for name, values in (("flat", [1.0, 0, 0, 1]), ("empty", numpy.zeros((0, 2))), ("lost", None)):
         shutil.copy("gas2.h5", f"{name}.h5")
         with h5py.File(f"{name}.h5", "r+") as file:
@@ -56,7 +56,7 @@ def check_refusals():
 
 
 def check_full_disk():
-    """A picture that does not fit leaves nothing behind, and no file of the user's is taken for a part of it."""
+    """A picture that does not fit on the disk must leave nothing behind, and no file of the user may be overwritten."""
     with open("full.png.part", "w", encoding="utf-8") as file:
         file.write("mine")
     limit = (5000, resource.getrlimit(resource.RLIMIT_FSIZE)[1])
@@ -69,7 +69,7 @@ def check_full_disk():
 
 
 def check_not_regular():
-    """A pipe that nobody writes to and a device without an end are refused, not waited for."""
+    """A pipe without a writer and a device without an end must be refused, not read for ever."""
     for name in ("pipe.h5", "pipe.json", "pipe.csv"):
         if not os.path.exists(name):
             os.mkfifo(name)
@@ -86,7 +86,7 @@ def check_not_regular():
 
 
 def check_wrong_types():
-    """JSON of any form is a result of mpmstab or refused."""
+    """JSON that is not a result of mpmstab must be refused, whatever its form."""
     run, powers = loaded("gas1-run.json"), {**loaded("gas2.json"), "transient": {"steps": 5}}
     shutil.copy("gas1-run.csv", "wrong.csv")
     for kind, content, says in (
@@ -107,7 +107,7 @@ def check_wrong_types():
 
 
 def check_outputs():
-    """What is read is not written, under no name; what is written is a regular file."""
+    """An output must be refused when it is an input, by any name or link, or when it is no regular file."""
     os.makedirs("kept", exist_ok=True)
     for source, target in (("gas2.json", "kept/in.png"), ("drift-run.h5", "kept/movie.gif"),
                            ("gas2.h5", "kept/gas2.h5"), ("gas1-run.json", "kept/run.json"),
@@ -134,7 +134,7 @@ def check_outputs():
 
 
 def check_scenes():
-    """Files of other scenes and other tasks do not lend one another numbers; drift 1/8 and 0.125 are the same."""
+    """Files of different scenes or tasks must not be combined. Drift 1/8 and 0.125 are the same."""
     with open("map.json", "w", encoding="utf-8") as file:
         json.dump({**loaded("gas2.json"), "task": "map"}, file)
     for arguments, says in (

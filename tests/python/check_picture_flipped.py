@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that pictures.py draws or refuses HDF5 files with flipped bits, and that a signal is said in one line.
+"""Checks that pictures.py draws or refuses HDF5 files with flipped bits, and reports a signal in one line.
 
 check_picture_flipped.py MPMSTAB [TRIALS [SEED]], in a folder that may be filled. Silent when all is well.
 
@@ -59,7 +59,7 @@ def drawn(*words):
 
 
 def flip(source, target, chance):
-    """Bits of bytes that are not zero: most others only fill up."""
+    """Writes a copy with flipped bits, in bytes that are not zero; most zeros only fill space."""
     with open(source, "rb") as file:
         content = bytearray(file.read())
     used = [place for place, byte in enumerate(content) if byte]
@@ -89,7 +89,7 @@ def check_trial(number):
 
 
 def check_signals():
-    """A signal in the library is one line that names the file, also when the C library says something too."""
+    """A signal must become one line that names the file, even when the C library prints something before."""
     real = pictures.draw
     for end, name in ((os.abort, "SIGABRT"), (lambda: os.kill(os.getpid(), 11), "SIGSEGV")):
         def dies(_, end=end):

@@ -18,7 +18,7 @@ MPMSTAB = sys.argv[1]
 
 
 def made_up(name, source="gas2"):
-    """A file of the same scene as source's, to be filled by hand."""
+    """Returns a new HDF5 file with the scene of source, to be filled with made-up data."""
     file = h5py.File(name, "w")
     with h5py.File(f"{source}.h5") as other:
         for key, value in other.attrs.items():
@@ -27,7 +27,7 @@ def made_up(name, source="gas2"):
 
 
 def check_map():
-    """Growth made up as 1 + k drift - 0.2: unstable where it should be, and limits where they belong."""
+    """Checks a map whose growth is 1 + k drift - 0.2: its unstable points and its limits."""
     k, drift = numpy.linspace(0, 2, 9), numpy.linspace(0, 1, 5)
     growth = numpy.maximum(1, 1 + numpy.multiply.outer(k, drift) - 0.2)
     growth[8, 4] = numpy.inf
@@ -62,14 +62,14 @@ def check_map():
 
 
 def smallest_singular(z):
-    """Of z - J, J the Jordan block of size 2 at 1/2."""
+    """Returns the smallest singular value of z - J, where J is the Jordan block of size 2 at 1/2."""
     size = abs(z - 0.5) ** 2
     return numpy.sqrt((1 + 2 * size - numpy.sqrt(1 + 4 * size)) / 2)
 
 
 def check_real_map():
-    """A map that the program has made: what its CSV calls undecided is marked, and colours are its growth."""
-    SCENES["map"] = "-formulation gas2"  # its axes take the place of the others' Courant number
+    """Checks a map of the program: its undecided points must be marked, and its colours must be its growth."""
+    SCENES["map"] = "-formulation gas2"  # the axes of a map take the place of the Courant number
     mpmstab(MPMSTAB, "map", "map", "-map_courant", "0.4,1.6", "-map_points", "7,33", "-output", "real.h5", "-json",
             "real.json", "-csv", "real.csv")
     rows = numpy.genfromtxt("real.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
@@ -85,7 +85,7 @@ def check_real_map():
 
 
 def check_jordan():
-    """Powers and pseudospectrum of the Jordan block of size 2 at 1/2."""
+    """Checks powers and pseudospectrum of the Jordan block of size 2 at 1/2."""
     block = numpy.array([[0.5, 1], [0, 0.5]])
     with open("gas2.json", encoding="utf-8") as file:
         result = json.load(file)
@@ -113,7 +113,7 @@ def check_jordan():
     checked = 0
     for level in figure.axes[0].collections:
         lines = [path.vertices @ [1, 1j] for path in level.get_paths() if not level.get_facecolor().size]
-        for z in [z for z in lines if len(z) and abs(z - 0.5).min() > 0.25]:  # nearer, the logarithm is steep
+        for z in [z for z in lines if len(z) and abs(z - 0.5).min() > 0.25]:  # nearer to it the logarithm is steep
             values = numpy.log10(smallest_singular(z))
             check(numpy.ptp(values) < 0.01, f"a contour runs from {values.min()} to {values.max()}")
             checked += 1
@@ -122,7 +122,7 @@ def check_jordan():
 
 
 def check_real_powers():
-    """Powers and pseudospectrum as the program writes them; of a scheme that grows the Kreiss constant is infinite."""
+    """Checks powers and pseudospectrum of the program. The Kreiss constant of a scheme that grows is infinite."""
     for name, grows in (("gas2", False), ("gas1", True)):
         mpmstab(MPMSTAB, "spectrum", name, "-powers", "60", "-pseudospectrum", "12", "-output",
                 "powers.h5", "-json", "powers.json")

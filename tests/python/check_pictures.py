@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that pictures show what the files hold: drawn data against closed forms and files, and what SVGs say.
+"""Checks that pictures show what the files hold: drawn data against closed forms and files, and the words of SVGs.
 
 check_pictures.py MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -40,7 +40,7 @@ def mpmstab(program, task, name, *options):
 
 
 def line(figure, gid):
-    """The points of the line that is so named."""
+    """Returns the points of all lines with this name."""
     found = [drawn for axes in figure.axes for drawn in axes.lines if drawn.get_gid() == gid]
     check(len(found) > 0, f"nothing is drawn as {gid}")
     return [numpy.asarray(numpy.concatenate([drawn.get_data()[part] for drawn in found]), float) for part in (0, 1)]
@@ -57,7 +57,7 @@ def make(program):
 
 
 def check_spectrum():
-    """Eigenvalues are the file's, on the unit circle where stable; symbol and published factors where they belong."""
+    """Checks that eigenvalues, symbol and published factors are drawn where file and formula say."""
     for name in SCENES:
         figure = pictures.spectrum(f"{name}.h5", f"{name}.json")
         real, imaginary = line(figure, "eigenvalues")
@@ -103,7 +103,7 @@ def check_symbol():
 
 
 def hashed(seed, particle):
-    """splitmix64, as THEORY.md says."""
+    """Returns the random number of a particle by splitmix64, as in THEORY.md."""
     word = 2**64 - 1
     z = (seed + (particle + 1) * 0x9E3779B97F4A7C15) & word
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & word
@@ -112,7 +112,7 @@ def hashed(seed, particle):
 
 
 def check_modes():
-    """Places by the formula of the layout, values those of the file, growth in the title."""
+    """Checks places by the formula of the layout, values by the file, and the growth in the title."""
     places = [(g // 2 + (g % 2 + 0.5 + 0.4 * (hashed(3, g) - 0.5)) / 2) / 16 for g in range(32)]
     figure = pictures.modes("jitter.h5", 2)
     with h5py.File("jitter.h5") as file:
@@ -130,7 +130,7 @@ def check_modes():
 
 
 def check_room():
-    """Four modes: titles do not meet, columns are as wide as one another and as far apart."""
+    """The titles of four modes must not overlap, and their columns must stand at equal distances."""
     figure = pictures.modes("drift.h5", 4)
     renderer = FigureCanvasAgg(figure).get_renderer()
     figure.draw(renderer)
@@ -142,7 +142,7 @@ def check_room():
 
 
 def check_growth():
-    """Sizes are those of the CSV; the predicted slope is the corrected growth, under drift that of the spectrum."""
+    """Sizes must be those of the CSV. The predicted slope is the corrected growth, under drift that of the spectrum."""
     figure = pictures.growth(["gas1-run.json", "drift-run.json", "drift.json"])
     for number, growth in ((0, math.sqrt(1.25)), (1, None)):
         if growth is None:
@@ -163,7 +163,7 @@ def check_growth():
 
 
 def check_spacetime():
-    """Every particle's value is drawn over an interval that it lies in, also when it drifts."""
+    """The value of each particle must be drawn over an interval that it lies in, also when it drifts."""
     figure = pictures.spacetime("drift-run.h5", "u")
     picture = figure.axes[0].collections[0]
     boxes = numpy.array([path.vertices[:4] for path in picture.get_paths()])
@@ -180,7 +180,7 @@ def check_spacetime():
 
 
 def check_own_scale():
-    """What grows by orders of magnitude is drawn relative to each step's largest, and so it says."""
+    """A run that grows by orders of magnitude must be drawn relative to the largest value of each step."""
     figure = pictures.spacetime("gas1-run.h5", "u")
     values = numpy.reshape(figure.axes[0].collections[0].get_array(), (4, 32))
     close(abs(values).max(axis=1), numpy.ones(4), "steps have one scale")
@@ -210,7 +210,7 @@ def check_frames():
 
 
 def check_written(kind, says, *paths):
-    """Both files are written whole, with these texts."""
+    """Draws a picture and checks that both files are whole and have these texts."""
     done = run_script("pictures.py", kind, *paths, "-o", f"out-{kind}")
     check(done.returncode == 0 and not done.stderr, f"{kind}: {done.stderr}")
     for text in says:
@@ -221,14 +221,14 @@ def check_written(kind, says, *paths):
 
 
 def check_refused(arguments, says, **how):
-    """In one line, with status 2."""
+    """Runs pictures.py, which must refuse in one line with status 2."""
     done = run_script("pictures.py", *arguments, **how)
     check_one_line(done, arguments, says)
     check(done.stderr.startswith("pictures.py: ") and " allowed: " in done.stderr, f"{arguments}: {done.stderr}")
 
 
 def check_command():
-    """Both files of each kind are written, and say their scene in text."""
+    """Both files of each kind must be written and name their scene."""
     footer = ("gas2, linear basis, flip, k = 0.1, drift 1/8 (cells per step)",
               "16 cells, 2 particles a cell, offset 0.5, ends periodic")
     for kind, says, *paths in (("spectrum", footer, "drift.h5", "drift.json"), ("modes", footer, "drift.h5"),

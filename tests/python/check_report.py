@@ -71,7 +71,7 @@ def value_of(cell):
 
 
 def check_columns(page, name):
-    """The five columns, of the scene and of the overview, are those of the JSON, to the last digit."""
+    """The five columns of the scene and of the overview must be those of the JSON, to the last digit."""
     spectrum = result(name, "spectrum")
     wanted = {key: spectrum["predicted"][key] for key in ("published", "corrected", "symbol")}
     wanted["spectrum"] = spectrum["spectrum"]["growth"]
@@ -128,7 +128,7 @@ def check_text(page):
 
 
 def check_overview(page):
-    """What was refused is not undecided; a tolerance is not a limit."""
+    """A refused scene must not count as undecided, and growth below the tolerance must not look like a limit."""
     check("4 scenes: " in page and "1 not examined. Growth" in page, "scenes are not counted")
     line = {name: cells_of(re.search(rf'<tr>(<td><a href="#{name}".*?)</tr>', page).group(1))
             for name in ("rings", "rests", "wrong-one-s")}
@@ -140,7 +140,7 @@ def check_overview(page):
 
 
 def check_second_line():
-    """What a line on the Kreiss constant goes on with is kept, what stands beside it is not."""
+    """A continued line on the Kreiss constant must be quoted whole, without the lines around it."""
     table = "transient: norm(A^n)\n  largest 5\nKreiss constant: at least 3;\n  it is higher nearer\n\nverdict: x\n"
     answer = types.SimpleNamespace(done=True, table=table, result={"verdict": "stable", "transient": {
         "largest": 1.5, "at_step": 3}})
@@ -149,7 +149,7 @@ def check_second_line():
 
 
 def check_transient(page):
-    """Where the program has powers: the largest norm, and that a stable scheme may still grow."""
+    """The page must have the largest norm of powers, and say that a stable scheme may still grow for a while."""
     if "powers" not in report_runs.options_known():
         return
     found = result("rests", "transient")["transient"]
@@ -158,7 +158,7 @@ def check_transient(page):
 
 
 def check_browser(path, screenshots=""):
-    """No complaint, no request, no page that scrolls sideways; every picture is there and the verdict is seen."""
+    """In a browser the page must not complain, ask the network or scroll sideways, and must show every picture."""
     options = webdriver.ChromeOptions()
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     with tempfile.TemporaryDirectory() as profile:
@@ -214,7 +214,7 @@ def check_refusals():
 
 
 def check_places():
-    """From another folder by a relative path of the program; in a repository of others; ended by Ctrl-C."""
+    """Runs a report from another folder with a relative MPMSTAB, inside another repository, and ended by Ctrl-C."""
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(os.environ["MPMSTAB"], os.path.join(folder, "mpm"))
         shutil.copy("rests.yaml", folder)

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Checks that scripts refuse, before any work, to read what has no end and to write over what they read.
+"""Checks that scripts refuse, before any work, to read pipes and devices and to write over their inputs.
 
 check_script_files.py, in a folder that may be filled. Silent when all is well.
 
-mpmstab is not run: in its place stands a program that leaves a file behind when a script runs it.
+MPMSTAB names a program that only leaves a file behind, which shows that a script has run it.
 """
 import os
 import shutil
@@ -40,7 +40,7 @@ def make():
 
 
 def check_refused(arguments, says):
-    """In one line, without a run of the program, and with every file as it was."""
+    """Runs a script, which must refuse in one line, run no program, and leave every file as it was."""
     before = {name: (os.lstat(name).st_ino, os.lstat(name).st_mtime_ns) for name in os.listdir(".")}
     done = run_script(*arguments, env={**os.environ, "MPMSTAB": os.path.abspath("program")}, timeout=60)
     check_one_line(done, arguments, says)
@@ -91,7 +91,7 @@ def check_others():
 
 
 def check_whole_files():
-    """Two that write the same file do not meet, and what stands beside it is nobody's."""
+    """Several writers of one file must not disturb one another, nor any file beside it."""
     for name in ("whole.txt.part", f"{os.getpid()}.part"):
         with open(name, "w", encoding="ascii") as file:
             file.write("mine")

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks what spectrum and symbol write (HDF5, CSV, JSON) against the same operator put together in numpy.
+"""Checks the HDF5, CSV and JSON of spectrum and symbol against the same operator assembled in numpy.
 
 check_spectrum_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -42,7 +42,7 @@ def run(mpiexec, mpmstab, ranks, task, *options):
 
 
 def maps():
-    """P2G (nodes x particles) and GRAD (particles x nodes) of the hat basis."""
+    """Returns P2G (nodes x particles) and GRAD (particles x nodes) of the hat basis."""
     n = CELLS * PPC
     shape, grad = numpy.zeros((n, CELLS)), numpy.zeros((n, CELLS))
     for p in range(n):
@@ -54,7 +54,7 @@ def maps():
 
 
 def operator():
-    """gas2: u += k D P r, then r += k D P u; the state particle by particle."""
+    """Returns the operator of gas2: u += k D P r, then r += k D P u. The state is ordered particle by particle."""
     p2g, grad = maps()
     n, step = CELLS * PPC, COURANT * grad @ p2g
     whole = numpy.block([[numpy.eye(n), step], [step, numpy.eye(n) + step @ step]])
@@ -67,7 +67,7 @@ def distance(one, other):
 
 
 def check_modes(file, values, matrix):
-    """Eigenvectors are eigenvectors, in the order of the eigenvalues."""
+    """Checks that the stored modes are eigenvectors, in the order of the eigenvalues."""
     check(sorted(file["modes"]) == [f"{j + 1:04d}" for j in range(MODES)] + ["coordinates"], f"modes {sorted(file['modes'])}")
     places = [(p // PPC + (p % PPC + 0.3) / PPC) / CELLS for p in range(CELLS * PPC)]
     check(numpy.allclose(file["modes/coordinates"][:], places, rtol=0, atol=1e-15), "places of the modes' particles")
@@ -148,7 +148,7 @@ def check_symbol(name, phases):
 
 
 def check_turned(mpmstab):
-    """An eigenvector times i is one too: a run must then start from its imaginary part."""
+    """Multiplies an eigenvector by i, which keeps it one. A run must then start from its imaginary part."""
     scene = "-formulation gas2 -cells 8 -courant 2.05".split()
     for command in (["spectrum", *scene, "-modes", "1", "-output", "turned.h5"], None,
                     ["run", *scene, "-initial", "eigenmode", "-mode_file", "turned.h5", "-json", "turned.json"]):
@@ -167,7 +167,7 @@ def check_turned(mpmstab):
 
 
 def check_tampered(mpmstab):
-    """A file that is not quite what spectrum has written is refused as a starting point, in a line that says why."""
+    """A mode file that was changed must be refused as the start of a run, in a line that says why."""
     def array(file):
         del file.attrs["cells"]
         file.attrs["cells"] = [8] * 1000
@@ -211,9 +211,9 @@ def check_tampered(mpmstab):
 
 
 def check_balanced(mpmstab):
-    """An eigenvector of a bar of two materials, solved for in other variables, grows as it should in the scene's own.
+    """An eigenvector of a bar of two materials must grow as predicted, though it was solved for in other variables.
 
-    And belongs to the bar it was taken from: with the second material elsewhere it is refused.
+    It must be refused for a bar whose second material lies elsewhere.
     """
     bar = ["-formulation", "musl", "-cells", "8", "-material", "two", "-density_ratio", "1e3", "-stiffness_ratio", "1e6",
            "-courant", "0.07", "-boundary", "fixed,free"]
@@ -232,7 +232,7 @@ def check_balanced(mpmstab):
 
 
 def check_critical(mpmstab):
-    """The object and the rows of critical: a limit with its reason; none; and a survey of all schemes."""
+    """Checks the JSON and CSV of critical: a limit with its reason, no limit, and a survey of all schemes."""
     def ask(*options):
         done = subprocess.run([mpmstab, "critical", *options], capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"critical {options}: {done.stderr}")

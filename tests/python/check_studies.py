@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Runs the quick form of a study of examples/ and checks what it finds, and that its page quotes what it prints.
+"""Runs a study of examples/ with --quick, checks what it finds, and that its page quotes what it prints.
 
-check_studies.py formulation-matters|source-term|ringing, MPMSTAB set. Silent when all is well.
+check_studies.py formulation-matters|source-term|ringing. MPMSTAB names the program. Silent when all is well.
 """
 import csv
 import math
@@ -17,7 +17,7 @@ EXAMPLES = os.path.join(ROOT, "examples")
 
 
 def rows(text, *begin):
-    """Numbers of the lines that begin with these words."""
+    """Returns the numbers of the lines that begin with these words."""
     found = []
     for line in text.splitlines():
         words = line.split()
@@ -28,7 +28,7 @@ def rows(text, *begin):
 
 
 def quoted(text, page):
-    """Every line of a table stands in the page, but run times and what has grown out of rounding."""
+    """Every line of a table must stand in the page, except run times and growth out of rounding errors."""
     text = re.split("^-{30}|^a smooth wave", text, maxsplit=1, flags=re.MULTILINE)[0]
     with open(page, encoding="utf-8") as file:
         lines = set(file.read().splitlines())
@@ -39,7 +39,7 @@ def quoted(text, page):
 
 
 def check_formulations(text, folder):
-    """gas1 grows at rest, gas2 and musl at drift 1/8, usl in slower flow, pic not; what grows is never the cheapest."""
+    """gas1 grows at rest, gas2 and musl at drift 1/8, usl in slower flow, pic never. What grows is not the cheapest."""
     for begin, at_rest, drifting, at_any in ((("gas1", "flip"), math.sqrt(1.25), 1.186564, 1.279477),
                                              (("gas2", "flip"), 1, 1.155498, 1.291231),
                                              (("usl", "flip"), 1, 1, 1.001524), (("usl", "pic"), 1, 1, 1),
@@ -59,8 +59,11 @@ def check_formulations(text, folder):
 
 
 def check_source_term(text, _):
-    """With the term it is mpmstab's scheme; without it hardly anything grows in slow flow, if places have no time to
-    (k = 0.1), and at drift 1/3 gas2 grows in the slides' split, hardly with weights and gradients at the same place."""
+    """With the source term, numpy must give the growth of mpmstab.
+
+    Without it hardly anything grows in slow flow at k = 0.1. At drift 1/3 gas2 grows in the slides' split, and hardly
+    with weights and gradients at the same place.
+    """
     check("differ by less than 1e-9" in text, "numpy and mpmstab differ")
     for begin in (("gas1", "0.1", "1/100", "2"), ("gas2", "0.1", "1/100", "2"), ("gas2", "0.1", "1/3", "2")):
         program, with_it, without, same_place, _ = rows(text, *begin)[0]
@@ -74,8 +77,11 @@ def check_source_term(text, _):
 
 
 def check_ringing(text, _):
-    """The closed form holds with e = C1 - C2; at rest gas1's rate goes with k; in slow flow that of both is 1/2 with two
-    particles a cell, with one it goes with k and is that of the places alone."""
+    """The closed form must hold with e = C1 - C2, and the rate of gas1 at rest must be proportional to k.
+
+    In slow flow both rates are 1/2 with two particles a cell. With one particle they are proportional to k and equal to
+    those of the particle places alone.
+    """
     check("closed form differ by less than 1e-7" in text, "the closed form does not hold")
     for formulation in ("gas1", "gas2"):
         scheme = rows(text, formulation, "2", "1/10")[0]
@@ -93,7 +99,7 @@ STUDIES = {"formulation-matters": check_formulations, "source-term": check_sourc
 
 
 def check_ends(command):
-    """A standard output that is full is said in one line, a closed pipe is not; bad options are refused in one."""
+    """A full standard output and a bad option must each be one line; a closed pipe must end silently."""
     reading, closed = os.pipe()
     os.close(reading)
     with open("/dev/full", "w", encoding="utf-8") as full, os.fdopen(closed, "w") as pipe:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks what spectrum -powers and -pseudospectrum write (HDF5, JSON) against the same operator put together in numpy.
+"""Checks the HDF5 and JSON of spectrum -powers and -pseudospectrum against the same operator assembled in numpy.
 
 check_transient.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -20,7 +20,7 @@ PSEUDOSPECTRUM = {"points", "kreiss", "kreiss_at", "seconds"}
 
 
 def run(command, name, *options):
-    """Runs a command; the object of its JSON file and its HDF5 file, open."""
+    """Runs a command. Returns its JSON and its HDF5 file, open."""
     command = [*command, "spectrum", "-measure", "false", *options, "-json", name + ".json", "-output", name + ".h5"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
@@ -29,7 +29,7 @@ def run(command, name, *options):
 
 
 def operator(ppc, offset):
-    """gas2 with the hat: u += k D P r, then r += k D P u; all u, then all r, which no norm minds."""
+    """Returns the operator of gas2 on hats: u += k D P r, then r += k D P u. All u come before all r."""
     n = CELLS * ppc
     shape, grad = numpy.zeros((n, CELLS)), numpy.zeros((n, CELLS))
     for p in range(n):
@@ -73,7 +73,7 @@ def check_sigma(result, file, matrix):
 
 
 def check_stable(command, ranks):
-    """One particle a cell in its middle: powers are bounded, and the Kreiss constant is what numpy finds."""
+    """With one particle in the middle of each cell powers are bounded; numpy must find the same Kreiss constant."""
     matrix = operator(1, 0.5)
     result, file, text = run(command, f"stable_{ranks}", "-cells", str(CELLS), "-ppc", "1", "-courant", str(COURANT),
                              "-powers", str(LAST), "-pseudospectrum", str(POINTS))
@@ -92,7 +92,7 @@ def check_stable(command, ranks):
 
 
 def check_unstable(command):
-    """Places off the middle: eigenvalues outside the circle, where there is no Kreiss constant."""
+    """With particles off the middle eigenvalues lie outside the unit circle, and there is no Kreiss constant."""
     matrix = operator(2, 0.3)
     result, file, text = run(command, "unstable", "-cells", str(CELLS), "-courant", str(COURANT), "-offset", "0.3",
                              "-powers", str(LAST), "-pseudospectrum", str(POINTS))
@@ -105,7 +105,7 @@ def check_unstable(command):
 
 
 def check_range(command):
-    """Norms that no double holds are null and NaN; what was not asked for is not there."""
+    """Norms beyond the range of doubles must be null in JSON and NaN in HDF5. What was not asked for must be absent."""
     result, file, _ = run(command, "range", "-formulation", "gas1", "-cells", "4", "-courant", "1e100", "-powers", "4")
     with file:
         check("pseudospectrum" not in result and "pseudospectrum" not in file, "a pseudospectrum that nobody asked for")

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, and that it goes on when killed.
+"""Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, and resuming when killed.
 
 check_work_precision.py, in a folder that may be filled, MPMSTAB set. Silent when all is well.
 """
@@ -74,7 +74,7 @@ def check_content():
 
 
 def check_frontier(rows):
-    """Pareto by brute force, where errors within 1% are as good as one another."""
+    """Checks the frontier by brute force. Errors within 1% count as equal."""
     points = [(float(row["best_s"]), float(row["error_l2"]), row) for row in rows if row["status"] == "ok"]
     best = [(seconds, error) for seconds, error, row in points if row["frontier"] == "1"]
     for seconds, error, row in points:
@@ -96,7 +96,7 @@ def runs_of(path):
 
 
 def stop_after(count, how, command, path):
-    """Starts the script and ends it once it has done that many runs more."""
+    """Starts the script and ends it after so many more runs."""
     before = len(lines_of(path)) if os.path.exists(path) else 1
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen([sys.executable, SCRIPT, *command], **quiet) as process:
@@ -131,13 +131,13 @@ def check_resume():
 
 
 def one_line(done, status, words):
-    """Refused or ended in one line, with nothing half written."""
+    """The script must have ended in one line and left nothing half written."""
     check_one_line(done, words, words, status)
     check(not glob.glob("*.part"), "a .part is left")
 
 
 def disturbed(name, text):
-    """A program that does what text says before it is mpmstab."""
+    """Makes a program that runs the shell commands of text and then mpmstab. Returns an environment that names it."""
     with open(name, "w", encoding="ascii") as file:
         file.write(f'#!/bin/sh\n{text}\nexec {PROGRAM} "$@"\n')
     os.chmod(name, 0o755)
@@ -145,7 +145,7 @@ def disturbed(name, text):
 
 
 def check_failed():
-    """What was killed from outside is run again by the same command, what the program refuses is not."""
+    """The same command must repeat runs that were killed, but not runs that the program refused."""
     environment = disturbed("killed.sh", 'case "$*" in *"-time "*) if [ -e kill ]; then kill -9 $$; fi;; esac')
     command = ["scene.yaml", "--cells", "8", "--transfer", "flip,apic", "--repeats", "2", "-o", "failed"]
     open("kill", "w", encoding="ascii").close()
@@ -162,7 +162,7 @@ def check_failed():
 
 
 def check_disturbances():
-    """Ctrl-C while the scene is looked at, a disk that is full, and two at once."""
+    """Checks Ctrl-C while the scene is read, a full disk, and two scripts at once."""
     environment = disturbed("slow.sh", "touch begun; exec sleep 60")
     with subprocess.Popen([sys.executable, SCRIPT, "scene.yaml", "-o", "slow"], env=environment, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -212,7 +212,7 @@ def synthetic(formulation, cells, error, loops, **more):
 
 
 def check_words():
-    """Times 1e-5 n^2 and errors n^-2, so an error of 1e-3 takes 1e-2 s; what is close is said to be."""
+    """Times are 1e-5 n^2 and errors n^-2, so an error of 1e-3 takes 1e-2 s. Close competitors must be named as such."""
     records = []
     for cells in (16, 64):
         records += synthetic("a", cells, cells**-2.0, [1e-5 * cells**2, 1.2e-5 * cells**2, 1.3e-5 * cells**2])
@@ -236,7 +236,7 @@ def check_words():
 
 
 def check_gaps():
-    """Errors and times that do not fall and rise with cells: nothing across what is unstable, no measured one left out."""
+    """Checks errors and times that are not monotonic: nothing is interpolated across unstable rows."""
     def said(wanted, *families):
         records = [record for name, points in families for cells, error, loop, status in points
                    for record in synthetic(name, cells, error, [loop], status=status)]
@@ -253,14 +253,14 @@ def check_gaps():
 
 
 def check_ties():
-    """A winner whose times scatter does not tie with one that is slower each time."""
+    """A winner whose times scatter must not tie with a family that is slower each time."""
     records = synthetic("a", 16, 1e-3, [1e-2, 9e-2, 9e-2]) + synthetic("b", 16, 1e-3, [5e-2] * 3)
     said = answer(make_rows(records, [record for record in records if record["round"] == 1]), 1e-3, 3)
     check("next b" in said and "5 times as long" in said, f"a tie in\n{said}")
 
 
 def check_remarks():
-    """Errors that fall by less than the order 0.5, medians more than a quarter above the best; no others."""
+    """Remarks must name errors that fall with an order below 0.5, and medians over 1.25 times the best, no others."""
     records = []
     for cells in (16, 32):
         records += synthetic("slow", cells, cells**-0.45, [1e-2, 1.3e-2, 1.3e-2])
@@ -271,7 +271,7 @@ def check_remarks():
 
 
 def check_crosses():
-    """An unstable run stands at its error, beyond the others' at the top."""
+    """An unstable run must be drawn at its error, or at the top when it is far beyond the others."""
     records = synthetic("a", 16, 1e-2, [1e-2]) + synthetic("b", 16, 1e-3, [1e-2], status="unstable")
     records += synthetic("c", 16, 5.0, [2e-2], status="unstable") + synthetic("a", 32, 1e-3, [2e-2])
     crosses, = [line for line in draw(make_rows(records, records), "made up").axes[0].lines if line.get_marker() == "X"]
@@ -279,7 +279,7 @@ def check_crosses():
 
 
 def check_all_waves():
-    """A smooth run of musl that drifts shows nothing; its symbol does."""
+    """A smooth run of musl that drifts shows no growth, but its symbol does."""
     with open("drift.yaml", "w", encoding="ascii") as file:
         file.write("formulation: musl\ncells: 16\ndrift: 1/8\ntime: 1\n")
     start("drift.yaml", "--repeats", "1", "-o", "drift")

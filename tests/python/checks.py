@@ -1,4 +1,4 @@
-"""What the checks of this folder share: how a check fails, how it runs a script, and what it reads.
+"""The checks of this folder share this module: how a check fails, how it runs a script, and what it reads.
 
 A check imports this module before the modules of scripts/, which are found by their names from then on.
 """

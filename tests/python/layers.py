@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def read(root):
-    """Each file by its name (its path within src/, or mpmstab/NAME.h): its layer, and the names that it includes."""
+    """Returns layer and included names of each file, by its name: its path within src/, or mpmstab/NAME.h."""
     texts = {str(path.relative_to(root / "src")): path for path in root.glob("src/*/**/*.[ch]")}
     public = {f"mpmstab/{path.name}": path for path in root.glob("include/mpmstab/*.h")}
     owners = {}
@@ -37,7 +37,7 @@ def read(root):
 
 
 def find_faults(files):
-    """What is wrong, a line each."""
+    """Returns a line for each fault."""
     faults = [f"{name}: belongs to no layer; allowed: a folder of {', '.join(LAYERS)}, or a line in PUBLIC of layers.py"
               for name, (layer, _) in files.items() if layer not in LAYERS]
     for name, (layer, includes) in files.items():
@@ -50,7 +50,7 @@ def find_faults(files):
 
 
 def find_circles(files):
-    """Circles of #include lines, each as the files along it."""
+    """Returns the circles of #include lines, each as the files along it."""
     circles, done = [], set()
 
     def follow(name, way):
