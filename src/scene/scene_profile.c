@@ -1,4 +1,4 @@
-/* What follows from a scene: its exact solution, which and how large; its numbers as text. */
+/* What follows from a scene: its exact solution, the size of its fields, and its numbers of particles as text. */
 #include <mpmstab/scene.h>
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,7 @@ PetscBool MpmSceneHasExact(const MpmScene *scene)
                                                                                                        : PETSC_FALSE;
 }
 
-/* Of the material: a bar may end before its domain does. */
+/* The length of the material, since a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene)
 {
   return MpmSceneIsPeriodic(scene) || scene->layout.particles == scene->layout.sites
@@ -19,7 +19,7 @@ static PetscReal LengthOf(const MpmScene *scene)
              : scene->cell_width * (PetscReal)scene->layout.particles / scene->layout.ppc;
 }
 
-/* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
+/* Wave number K and phase of a mode in a periodic domain, between two ends alike, or between a fixed and a free end. */
 static void SetWave(const MpmScene *scene, MpmProfile *p)
 {
   const PetscBool fixed[2] = {MpmEndIsFixed(scene->layout.grid.ends[0]), MpmEndIsFixed(scene->layout.grid.ends[1])};

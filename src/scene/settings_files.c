@@ -1,4 +1,7 @@
-/* Names of files, refused before any work is done when they cannot be written or would overwrite one another. */
+/*
+   Names of files. They are refused before any work is done when they cannot be written, or would overwrite one
+   another.
+*/
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
@@ -78,7 +81,7 @@ static PetscBool IsSameName(const char a[], const char b[])
              : PETSC_FALSE;
 }
 
-/* Whether a file that would be written is one that is read, through whatever links. */
+/* Whether a file that would be written is one that is read, under this name or another. */
 static PetscBool IsInput(const char written[], const char read[])
 {
   struct stat a, b;
@@ -91,7 +94,7 @@ static PetscBool IsInput(const char written[], const char read[])
 enum { CHECKPOINT = 4, FILES = 5 }; /* of those written */
 enum { RESTART = 2 };               /* of those read */
 
-/* Rank 0 looks, so that all ranks refuse the same. */
+/* The first rank alone looks at the files, so that all ranks refuse the same. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
   static const char *const names[] = {"output", "output", "json", "csv", "checkpoint"};
