@@ -8,7 +8,7 @@
 
 /* ---- time ---- */
 
-/* Refuses a run whose end is out of the range of doubles; the option to blame is the one farthest from 1. */
+/* Refuses a run whose end is at a time out of the range of doubles, and blames the option that is farthest from 1. */
 static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   static const char *const given[] = {"length", "courant", "dt", "wave_speed", "steps", "time"};
@@ -170,7 +170,7 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Steps between two outputs or checkpoints of a run: all of them when nothing is said. */
+/* Steps between two outputs or checkpoints of a run: as many as the run has when the option is not given. */
 static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
                                  const MpmRequest *request, PetscInt64 *every)
 {
@@ -261,7 +261,7 @@ static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene *scene, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A refusal frees what there is: the fuzzer reads one scene after another. */
+/* A refusal frees what there is, since a program such as the fuzzer reads one scene after another. */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
 {
   MpmSettings   *settings = NULL;

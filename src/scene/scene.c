@@ -43,7 +43,7 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One of time step and Courant number was given, the other follows. */
+/* Of time step and Courant number one was given; the other follows. */
 static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
 {
   static const char *const with_dt[] = {"dt", "wave_speed", "length"}, *const with_courant[] = {"courant", "wave_speed",
@@ -102,7 +102,7 @@ void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc)
   scene->sites = scene->particles = (PetscInt64)scene->cells * ppc;
 }
 
-/* With counts, ppc is the number of particles in the fullest cell. */
+/* Reads counts or ppc. With counts, ppc is the number of particles in the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
 {
   MpmCounts *c = &scene->counts;
@@ -148,7 +148,7 @@ static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- scheme ---- */
 
-/* The names of all formulations that can do something, for messages. */
+/* The names of all formulations that can do something, to be told in a message. */
 static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
 {
   PetscFunctionBegin;
@@ -191,7 +191,7 @@ static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number that only one transfer reads. */
+/* Refuses a number that only one transfer reads, when the scene has another transfer. */
 static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
   char message[128];
@@ -278,7 +278,7 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- material ---- */
 
-/* A number of a material that there is not. */
+/* Refuses a number of a material when the scene has no such material. */
 static PetscErrorCode CheckMaterialReads(const MpmSettings *settings, const char option[], const char why[])
 {
   PetscFunctionBegin;
@@ -369,7 +369,7 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses units in which the exact solution itself has no size. */
+/* Refuses units in which the amplitude of a field is out of the range of doubles. */
 static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *scene)
 {
   static const char *const given[] = {"wave_speed", "amplitude", "length"};
@@ -387,7 +387,7 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What comes later needs what came before. */
+/* The order matters: what is read later needs what was read before. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
@@ -407,7 +407,7 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From a file or from text; a refusal frees what there is, so that the caller can go on. */
+/* Makes a scene from a file or from text. A refusal frees what there is, so that the caller can go on. */
 static PetscErrorCode FromYaml(const char path[], const char yaml[], MpmScene **scene)
 {
   MpmSettings   *settings = NULL;

@@ -1,4 +1,4 @@
-/* What follows from a scene: its exact solution, which and how large; its numbers as text. */
+/* What follows from a scene: its exact solution, the size of its fields, and its numbers of particles as text. */
 #include <mpmstab/scene.h>
 #include <math.h>
 #include <string.h>
@@ -9,7 +9,7 @@ PetscBool MpmSceneHasExact(const MpmScene *scene)
   return MpmSceneIsFull(scene) || (scene->first == 0 && scene->ends[1] == MPM_FREE) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Of the material: a bar may end before its domain does. */
+/* The length of the material, since a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene)
 {
   return MpmSceneIsPeriodic(scene) || scene->particles == scene->sites
@@ -17,7 +17,7 @@ static PetscReal LengthOf(const MpmScene *scene)
              : scene->cell_width * (PetscReal)scene->particles / scene->ppc;
 }
 
-/* K and phase of a mode: periodic, between like ends, between a fixed and a free one. */
+/* Wave number K and phase of a mode in a periodic domain, between two ends alike, or between a fixed and a free end. */
 static void SetWave(const MpmScene *scene, MpmProfile *p)
 {
   const PetscBool fixed[2] = {MpmEndIsFixed(scene->ends[0]), MpmEndIsFixed(scene->ends[1])};

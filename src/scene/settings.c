@@ -1,4 +1,4 @@
-/* Gathers what the user said: scene, then command line; refuses what nothing knows. */
+/* Gathers what the user said, first in the scene file, then on the command line, and refuses options that do not exist. */
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include <string.h>
@@ -60,8 +60,8 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
 }
 
 /*
-   Options of the libraries below us: they read theirs while the task runs, so only the family can be known before, and
-   that only some tasks call SLEPc.
+   Whether an option is one of PETSc's or SLEPc's. These libraries read their options while the task runs, so beforehand
+   only the families are known, and which tasks call SLEPc.
 */
 static PetscErrorCode CheckLibrary(const char task[], const char name[], PetscBool *is_theirs)
 {
@@ -104,7 +104,7 @@ static PetscBool IsKey(const char word[])
   return word[0] == '-' && (word[1] == '-' || (word[1] | 32) >= 'a') ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A scene may hold what other tasks read; on the command line it is a mistake. */
+/* A scene file may hold options that other tasks read; on the command line such an option is a mistake. */
 static PetscErrorCode CheckTask(const char task[], const MpmField *option)
 {
   PetscFunctionBegin;

@@ -1,4 +1,4 @@
-/* Names of files, refused before any work is done when they cannot be written or would overwrite one another. */
+/* Names of files. They are refused before any work is done when they cannot be written, or would overwrite one another. */
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
@@ -20,7 +20,7 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* XDMF names its datasets as FILE:PATH inside XML. */
+/* The name of the XDMF file beside an output. XDMF names datasets as FILE:PATH inside XML, so some characters are out. */
 static PetscErrorCode NameXmf(const MpmSettings *settings, MpmRequest *request)
 {
   size_t length = strlen(request->output);
@@ -54,7 +54,7 @@ static PetscBool IsSameName(const char a[], const char b[])
              : PETSC_FALSE;
 }
 
-/* Whether a file that would be written is one that is read, through whatever links. */
+/* Whether a file that would be written is one that is read, under this name or another. */
 static PetscBool IsInput(const char written[], const char read[])
 {
   struct stat a, b;
@@ -64,7 +64,7 @@ static PetscBool IsInput(const char written[], const char read[])
              : PETSC_FALSE;
 }
 
-/* The file that the second of two would overwrite, finished or not; "": none. */
+/* The file that both of two would write, under its own name or under the one that it has until it is whole; "": none. */
 static PetscErrorCode FindShared(const char a[], const char b[], char shared[], size_t room)
 {
   char part[2][PETSC_MAX_PATH_LEN];
@@ -84,7 +84,7 @@ static PetscErrorCode FindShared(const char a[], const char b[], char shared[], 
 enum { CHECKPOINT = 4, FILES = 5 }; /* of those written */
 enum { RESTART = 2 };               /* of those read */
 
-/* Rank 0 looks, so that all ranks refuse the same. */
+/* The first rank alone looks at the files, so that all ranks refuse the same. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
   static const char *const names[] = {"output", "output", "json", "csv", "checkpoint"};

@@ -1,4 +1,4 @@
-/* Typed settings: each is checked once, here, and refused with what is allowed. */
+/* Readers for each kind of value. A value is checked once, here, and refused with what is allowed. */
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include <errno.h>
@@ -65,7 +65,7 @@ static PetscBool InRange(const MpmField *option, PetscReal value)
   return option->lo_open ? value > option->lo : value >= option->lo;
 }
 
-/* As integers: 2^53 + 1 is beyond 2^53, but the same double. */
+/* Compared as integers, since 2^53 and 2^53 + 1 are the same double. */
 static PetscBool InWholeRange(const MpmField *option, PetscInt64 value)
 {
   return value >= (PetscInt64)option->lo && value <= (PetscInt64)option->hi ? PETSC_TRUE : PETSC_FALSE;
@@ -89,7 +89,7 @@ const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const c
   return farthest;
 }
 
-/* strtod takes blanks, hexadecimals, 'inf' and 'nan'; a setting does not. */
+/* Reads a decimal number. Blanks, hexadecimals, 'inf' and 'nan', which strtod accepts, are none. */
 static PetscBool ParseReal(const char text[], PetscReal *value)
 {
   char *end;
@@ -160,7 +160,7 @@ PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[],
 
 #define SEPARATORS ", -" /* between two words: fixed,free or fixed-free */
 
-/* Refuses a word that is not one of an option's. */
+/* Refuses a word that the option does not have, and names those it has. */
 static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[], const char text[])
 {
   const PetscInt option = MpmOptionIndex(name);
@@ -284,7 +284,7 @@ PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One field, into the place where it is kept. */
+/* Reads one field into the place where it is kept. */
 static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, void *place)
 {
   PetscInt64 whole;

@@ -11,7 +11,7 @@
 #define LARGEST_SCENE (1 << 14) /* bytes; libyaml's time goes with the square of the brackets that stay open */
 #define PATIENCE 2000           /* ms for someone to open the other end of a pipe */
 
-/* Opening a pipe waits for its writer; this one finds it empty when none comes. */
+/* To open a pipe waits for the program that writes it. This function finds the pipe empty when no such program comes. */
 static FILE *Open(const char path[])
 {
   struct pollfd file = {.fd = open(path, O_RDONLY | O_NONBLOCK), .events = POLLIN};
@@ -56,7 +56,7 @@ static int Line(const yaml_node_t *node)
   return (int)node->start_mark.line + 1;
 }
 
-/* NULL: not a scalar, or one that ends inside: C's strings would hide the rest. */
+/* The text of a scalar. NULL: the node is none, or has a zero byte inside, where a C string would end. */
 static const char *Scalar(const yaml_node_t *node)
 {
   const char *text = node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : NULL;
@@ -114,7 +114,7 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], PetscInt 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A scalar is itself; a sequence is 'a,b' where an option takes two values, 'a,b,c' where it takes a list. */
+/* A value as text: that of a scalar, or 'a,b,c' for a sequence where the option takes two values or a list. */
 static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document, PetscInt option,
                                 const yaml_node_t *value, char text[], size_t size)
 {
@@ -157,7 +157,7 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
 static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *mapping,
                                   PetscBool inside_expect);
 
-/* An 'expect' block; SetOnce sees its keys, but not a second block or a verdict beside it. */
+/* Reads an 'expect' block. SetOnce refuses a key that is there twice; here a second block, or a verdict beside it, is. */
 static PetscErrorCode ReadExpect(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *mapping,
                                  const yaml_node_pair_t *pair)
 {
@@ -225,7 +225,7 @@ static PetscErrorCode ReadRoot(MpmSettings *settings, yaml_document_t *document)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* libyaml says where in the text a byte is wrong that is no character, but not in which line. */
+/* The line of an error. Of a byte that is no character libyaml tells the offset, but not the line. */
 static int ProblemLine(const yaml_parser_t *parser)
 {
   const unsigned char *text = parser->input.string.start;
@@ -254,7 +254,7 @@ static PetscErrorCode ReadDocument(MpmSettings *settings, yaml_parser_t *parser)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Text in memory, as a scene of that name. */
+/* Reads YAML text; settings->scene is the name that messages have for it. */
 static PetscErrorCode ReadYaml(MpmSettings *settings, const char yaml[], size_t size)
 {
   yaml_parser_t  parser;
