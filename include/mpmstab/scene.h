@@ -80,8 +80,9 @@ typedef struct {
    MpmSceneFromText - makes a scene from YAML text: the keys that 'mpmstab list options' prints, one 'key: value' a line
    or all in braces, such as "{formulation: usl, cells: 16, ppc: 2}".
 
-   Collective on PETSC_COMM_WORLD: every rank gives the same text. What is not given has its default. The command line is
-   not read. Keys that say what a task is to do (steps, output, tolerance) are checked and have no effect.
+   Collective on PETSC_COMM_WORLD: every rank gives the same text. What is not given has its default. The command line
+   is not read. Keys that say what a task is to do (steps, output, tolerance) must exist, and their values are not
+   looked at.
 
    Errors: PETSC_ERR_USER_INPUT, with a message that names the key, its value and what is allowed; *scene is then NULL.
 */
@@ -97,7 +98,7 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene);
 /* Not collective. Frees a scene and sets the pointer to NULL. */
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 
-/* Not collective. Puts as many particles into every cell. */
+/* Not collective. Gives every cell ppc particles; what follows from that is set anew. */
 void MpmSceneSetPpc(MpmScene *scene, PetscInt ppc);
 
 /* Not collective. Whether particles move against the grid. */

@@ -37,8 +37,8 @@ const char *MpmSymbolWhyNot(const MpmScene *scene);
 PetscErrorCode MpmSymbolCheck(const MpmScene *scene);
 
 /*
-   MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth. tolerance is that on growth per
-   step, which decides whether blur matters.
+   MpmSymbolCreate - the symbol of a scene; keep asks for the factors, not only the growth. tolerance is that on growth
+   per step, which decides whether blur matters.
 
    Collective. Refuses layouts that are not uniform and drifts without a short period.
 */

@@ -1,11 +1,11 @@
 /*
    The table of fields: a line or two for each.
 
-   A field is an option with its default, meaning and range, then where its value is kept: KEPT in the scene, or ASKED for
-   in the request, as it is given; MADE in the scene by scene.c; TEXT(f) is what the function f says. IN(a, b, c, d) is
-   its place among the attributes of HDF5 files, in JSON, in checkpoints and among what mode files are compared by (0:
-   not there). The next free places are one more than the largest. A field that decides what a run computes is to be in
-   checkpoints.
+   A line has the option with its default, meaning and range, and then says where its value is. KEPT: in the scene, as it
+   is given. ASKED: in the request, as it is given. MADE: in the scene, formed by scene.c. TEXT(f): the function f says
+   it. IN(a, b, c, d) are its places among the attributes of HDF5 files, in JSON, in checkpoints, and among what mode
+   files are compared by; 0: it is not there. A new field takes the first free place, one more than the largest. A field
+   that decides what a run computes has a place in checkpoints.
 */
 #include "scene/fields.h"
 #include "scene/material.h"

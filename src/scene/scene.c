@@ -1,6 +1,6 @@
 /*
-   From settings to a scene: reads the fields in the order in which one needs another, forms the numbers that follow from
-   them, and refuses what does not exist or does not go together.
+   From settings to a scene: reads the fields in the order in which one needs another, forms the numbers that follow
+   from them, and refuses what does not exist or does not go together.
 */
 #include "base/memory.h"
 #include "scene/layout.h"

@@ -1,4 +1,7 @@
-/* Gathers what the user said, first in the scene file, then on the command line, and refuses options that do not exist. */
+/*
+   Gathers what the user said, first in the scene file, then on the command line, and refuses options that do not
+   exist.
+*/
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include <string.h>

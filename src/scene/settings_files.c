@@ -1,4 +1,7 @@
-/* Names of files. They are refused before any work is done when they cannot be written, or would overwrite one another. */
+/*
+   Names of files. They are refused before any work is done when they cannot be written, or would overwrite one
+   another.
+*/
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
@@ -20,7 +23,9 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of the XDMF file beside an output. XDMF names datasets as FILE:PATH inside XML, so some characters are out. */
+/*
+   The name of the XDMF file beside an output. XDMF names datasets as FILE:PATH inside XML, so some characters are out.
+*/
 static PetscErrorCode NameXmf(const MpmSettings *settings, MpmRequest *request)
 {
   size_t length = strlen(request->output);
@@ -64,7 +69,9 @@ static PetscBool IsInput(const char written[], const char read[])
              : PETSC_FALSE;
 }
 
-/* The file that both of two would write, under its own name or under the one that it has until it is whole; "": none. */
+/*
+   The file that both of two would write, under its own name or under the one that it has until it is whole; "": none.
+*/
 static PetscErrorCode FindShared(const char a[], const char b[], char shared[], size_t room)
 {
   char part[2][PETSC_MAX_PATH_LEN];

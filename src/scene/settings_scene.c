@@ -11,7 +11,9 @@
 #define LARGEST_SCENE (1 << 14) /* bytes; libyaml's time goes with the square of the brackets that stay open */
 #define PATIENCE 2000           /* ms for someone to open the other end of a pipe */
 
-/* To open a pipe waits for the program that writes it. This function finds the pipe empty when no such program comes. */
+/*
+   To open a pipe waits for the program that writes it. This function finds the pipe empty when no such program comes.
+*/
 static FILE *Open(const char path[])
 {
   struct pollfd file = {.fd = open(path, O_RDONLY | O_NONBLOCK), .events = POLLIN};
@@ -157,7 +159,9 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
 static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *mapping,
                                   PetscBool inside_expect);
 
-/* Reads an 'expect' block. SetOnce refuses a key that is there twice; here a second block, or a verdict beside it, is. */
+/*
+   Reads an 'expect' block. SetOnce refuses a key that is there twice; here a second block, or a verdict beside it, is.
+*/
 static PetscErrorCode ReadExpect(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *mapping,
                                  const yaml_node_pair_t *pair)
 {
