@@ -2,6 +2,7 @@
 #include "analysis/critical_parts.h"
 #include "linalg/dense.h"
 #include "analysis/modes.h"
+#include "march/march_private.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
@@ -112,6 +113,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
 {
   const PetscInt64 unknowns = of->scheme->table->nstate * of->layout->particles;
   Probe            probe    = {.of = of};
+  MpmMarch        *march;
 
   PetscFunctionBegin;
   c->assembled = PETSC_TRUE;
@@ -120,6 +122,9 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
                 of->layout->grid.cells, of->layout->ppc, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
+  PetscCall(MpmMarchCreateRandom(PETSC_COMM_SELF, of->layout, of->scheme, &of->step, 1,
+                                 &march)); /* refuses a grid that no run could have */
+  PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmProgressBegin("", &probe.progress));
   PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;

@@ -47,6 +47,34 @@ static PetscErrorCode Between(const char from[], const char to[], PetscInt j, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The product of three numbers as num/den; den 0: as a double. */
+static PetscErrorCode Product(const char a[], const char b[], const char c[], PetscInt64 num, PetscInt64 den,
+                              PetscReal value)
+{
+  MpmFraction factors[3], f;
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFractionParse(a, &factors[0], &ok));
+  PetscCall(MpmFractionParse(b, &factors[1], &ok));
+  PetscCall(MpmFractionParse(c, &factors[2], &ok));
+  f = MpmFractionProduct(3, factors);
+  CHECK(f.num == num && f.den == den, "%s * %s * %s: %lld/%lld", a, b, c, (long long)f.num, (long long)f.den);
+  CHECK_NEAR(f.value, value, den ? 0 : 1e-15 * fabs(value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A double as a fraction of a denominator up to most; den 0: there is none. */
+static PetscErrorCode Near(PetscReal value, PetscInt64 most, PetscInt64 num, PetscInt64 den)
+{
+  const MpmFraction f = MpmFractionNear(value, most);
+
+  PetscFunctionBegin;
+  CHECK(f.num == num && f.den == den && f.value == value, "%.17g: %lld/%lld", value, (long long)f.num,
+        (long long)f.den);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   const char *const bad[] = {"",    "a",     "1/",   "/8", "1/0", "1/-8",  "1//8", "nan",
@@ -83,6 +111,19 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Between("1/7", "5", 4, 5, 5, 1, 5));
   PetscCall(Between("1e-300", "1", 1, 3, 0, 0, 0.5));
   PetscCall(Between("1/999999999999999", "1/999999999999998", 1, 3, 0, 0, 1e-15));
+  PetscCall(Product("0.25", "0.5", "1", 1, 8, 0.125));
+  PetscCall(Product("-1/3", "3/1000000000", "1000000000", -1, 1, -1)); /* terms cancel before they become large */
+  PetscCall(Product("0", "1e-9", "7", 0, 1, 0));
+  PetscCall(Product("1e-300", "0.5", "2", 0, 0, 1e-300));
+  PetscCall(Product("1/99999999977", "1/99999999947", "1", 0, 0, 1.0 / 99999999977.0 / 99999999947.0));
+  PetscCall(Near(0.125, 10000, 1, 8));
+  PetscCall(Near(-1.0 / 7, 10000, -1, 7));
+  PetscCall(Near(3, 10000, 3, 1));
+  PetscCall(Near(0, 10000, 0, 1));
+  PetscCall(Near(4999.0 / 10000, 10000, 4999, 10000));
+  PetscCall(Near(0.16666500000000001, 10000, 0, 0));
+  PetscCall(Near(nextafter(0.125, 1), 10000, 0, 0));
+  PetscCall(Near(1e300, 10000, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,0 +1,201 @@
+/* The table of fields: every line of it does what it says, whatever lines there are. */
+#include "check.h"
+#include "scene/fields.h"
+#include "scene/settings.h"
+#include "task/task.h"
+
+/* A word of an option that is not its default, or a value that is not: every field of a checkpoint needs one here. */
+static const char *const other[][2] = {
+    {"formulation", "-formulation musl"},
+    {"basis", "-basis quadratic"},
+    {"transfer", "-transfer pic"},
+    {"xpic_order", "-transfer xpic -xpic_order 3"},
+    {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
+    {"boundary", "-boundary fixed,free"},
+    {"cells", "-cells 9"},
+    {"counts", "-counts 1,2"},
+    {"offset", "-offset 1/4"},
+    {"jitter", "-jitter 0.25"},
+    {"seed", "-initial random -seed 2"},
+    {"cluster", "-cluster 0,0.5"},
+    {"first", "-fill 2,8"},
+    {"particles", "-fill 0,4"},
+    {"material", "-material graded"},
+    {"density_ratio", "-material two -density_ratio 2"},
+    {"stiffness_ratio", "-material two -stiffness_ratio 2"},
+    {"inclusion", "-material two -inclusion 1,2"},
+    {"length", "-length 2"},
+    {"wave_speed", "-wave_speed 2"},
+    {"courant", "-courant 0.25"},
+    {"drift", "-drift 1/7"},
+    {"initial", "-initial pulse"},
+    {"mode", "-mode 2"},
+    {"amplitude", "-amplitude 2"},
+    {"stagger", "-stagger"},
+};
+
+/* The text of a field in a checkpoint of a scene; empty when it is not there. */
+static PetscErrorCode KeyText(const MpmScene *scene, const char name[], size_t room, char text[])
+{
+  MpmValue values[MPM_MAX_VALUES];
+  PetscInt n;
+
+  PetscFunctionBegin;
+  text[0] = '\0';
+  PetscCall(MpmValuesIn(MPM_IN_CHECKPOINT, scene, NULL, &n, values));
+  for (PetscInt i = 0; i < n; i++)
+    if (!strcmp(values[i].field->name, name)) PetscCall(MpmValueText(&values[i], room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whatever a checkpoint is compared by has another text in a scene where it is another. */
+static PetscErrorCode CheckCheckpoint(const MpmField *field)
+{
+  const char *options = NULL;
+  char        text[2][MPM_COUNTS_TEXT], all[256];
+  MpmScene   *scene;
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(other); i++)
+    if (!strcmp(other[i][0], field->name)) options = other[i][1];
+  CHECK(options, "%s: no other value in this test", field->name);
+  if (!options) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(CheckScene("-cells 8 -formulation usl", &scene));
+  PetscCall(KeyText(scene, field->name, sizeof text[0], text[0]));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(PetscSNPrintf(all, sizeof all, "%s%s %s", strstr(options, "-cells") ? "" : "-cells 8 ",
+                          strstr(options, "-formulation") ? "" : "-formulation usl", options));
+  PetscCall(CheckScene(all, &scene));
+  PetscCall(KeyText(scene, field->name, sizeof text[1], text[1]));
+  CHECK(text[1][0] && strcmp(text[0], text[1]), "%s: '%s' and '%s'", field->name, text[0], text[1]);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Quietly(const char task[], const char options[], MpmScene **scene, MpmRequest *request,
+                              PetscErrorCode *error)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  *error = MpmSceneCreate(task, NULL, scene, request);
+  PetscCall(PetscPopErrorHandler());
+  PetscCall(PetscOptionsClear(NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An option that is read is refused when its value makes no sense, or, being the name of a file, is in the request. */
+static PetscErrorCode CheckRead(const MpmField *field)
+{
+  const PetscBool path = field->kind == MPM_PATH ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool       read = PETSC_FALSE, known = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (const MpmTask *task = MpmTasks; task->name; task++) {
+    static MpmRequest request;
+    MpmScene         *scene;
+    char              options[128];
+    PetscErrorCode    error = PETSC_SUCCESS;
+
+    if (!strcmp(task->name, "list") || (field->tasks && !strstr(field->tasks, task->name))) continue;
+    known = PETSC_TRUE;
+    PetscCall(PetscSNPrintf(options, sizeof options, "-%s %s", field->name, path ? "named_by_a_test" : "nonsense"));
+    PetscCall(Quietly(task->name, options, &scene, &request, &error));
+    CHECK(!error || error == PETSC_ERR_USER_INPUT, "%s: error %d", options, (int)error);
+    if (error || !strcmp(request.output, "named_by_a_test") || !strcmp(request.json, "named_by_a_test") ||
+        !strcmp(request.csv, "named_by_a_test") || !strcmp(request.checkpoint, "named_by_a_test") ||
+        !strcmp(request.restart, "named_by_a_test"))
+      read = PETSC_TRUE;
+    if (!error) PetscCall(MpmSceneDestroy(&scene));
+  }
+  CHECK(known, "%s: no such task: %s", field->name, field->tasks);
+  CHECK(read, "%s: nothing reads it", field->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In each record the places are 1, 2, 3 ..., each once; what compares scenes shows no request. */
+static PetscErrorCode CheckPlaces(void)
+{
+  const MpmField *const tables[] = {MpmOptions, MpmDerived};
+
+  PetscFunctionBegin;
+  for (int record = 0; record < MPM_RECORDS; record++) {
+    int taken[MPM_MAX_VALUES + 1] = {0}, n = 0;
+
+    for (int t = 0; t < 2; t++) {
+      for (const MpmField *f = tables[t]; f->name; f++) {
+        const int place = f->place[record];
+
+        if (!place) continue;
+        CHECK(place <= MPM_MAX_VALUES && f->value != MPM_NO_VALUE, "%s: place %d in record %d", f->name, place, record);
+        CHECK(!taken[place]++, "%s: place %d in record %d is another's", f->name, place, record);
+        CHECK(f->owner == MPM_OF_SCENE || record == MPM_IN_FILE, "%s of a request in record %d", f->name, record);
+        n++;
+      }
+    }
+    for (int place = 1; place <= n; place++) CHECK(taken[place], "record %d has no place %d", record, place);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A drift that was kept as a number agrees with the fraction that it is now; no other text does. */
+static PetscErrorCode CheckAgrees(void)
+{
+  static const char *const texts[] = {"1/8", "0.125", "0.12500000000000003", "2/8"};
+  MpmScene                *scene;
+  MpmValue                 value;
+  PetscBool                agrees;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-cells 8 -velocity 0.25", &scene));
+  PetscCall(MpmValueOf("drift", scene, NULL, &value));
+  CHECK(scene->step.drift.num == 1 && scene->step.drift.den == 8, "drift %g", scene->step.drift.value);
+  for (int i = 0; i < 4; i++) {
+    PetscCall(MpmValueAgrees(&value, texts[i], &agrees));
+    CHECK(agrees == (i < 2), "1/8 and %s", texts[i]);
+  }
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A scene from text is that of the same options; it leaves the command line alone, and tells what is wrong. */
+static PetscErrorCode CheckText(void)
+{
+  MpmScene      *scene = NULL;
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsInsertString(NULL, "-cells 12"));
+  PetscCall(MpmSceneFromText("{formulation: usl, cells: 16, drift: 1/8, steps: 7, boundary: periodic}", &scene));
+  PetscCall(PetscOptionsClear(NULL));
+  CHECK(scene->layout.grid.cells == 16 && scene->step.drift.den == 8 && !strcmp(scene->scheme.formulation->name, "usl"),
+        "not what was said");
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = MpmSceneFromText("cells: 0\n", &scene);
+  PetscCall(PetscPopErrorHandler());
+  CHECK(error == PETSC_ERR_USER_INPUT && !scene, "error %d", (int)error);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  for (const MpmField *f = MpmOptions; f->name; f++) {
+    PetscCall(CheckRead(f));
+    if (f->place[MPM_IN_CHECKPOINT]) PetscCall(CheckCheckpoint(f));
+  }
+  for (const MpmField *f = MpmDerived; f->name; f++) {
+    CHECK(MpmOptionIndex(f->name) == MPM_NOT_AN_OPTION, "%s is an option and is derived", f->name);
+    if (f->place[MPM_IN_CHECKPOINT]) PetscCall(CheckCheckpoint(f));
+  }
+  PetscCall(CheckPlaces());
+  PetscCall(CheckAgrees());
+  PetscCall(CheckText());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
