@@ -29,6 +29,7 @@
 #define CLOSE 1e-4         /* how near to the tolerance it must then come */
 #define MOST_LOOKS 60      /* at one meeting */
 #define SAFE 2             /* times the error of a model */
+#define CIRCLE 8           /* times that: how far the model of two factors on the circle may be from it */
 #define STRAIGHT 3         /* divisions that go straight to a piece fine enough */
 #define ENOUGH 1e-2        /* error of Q over the square of what is tolerated */
 #define GRID 16
@@ -227,15 +228,33 @@ static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double
   return creal(*Q / (*S * *S));
 }
 
-/* The place in [lo, hi] where Q / S^2 is largest by the model: where the factors meet. */
-static PetscReal Meeting(const Pair m[2], PetscReal lo, PetscReal hi)
+typedef PetscReal (*OfModel)(const Pair m[2], PetscReal x);
+
+/* Largest where the factors meet. */
+static PetscReal RatioAt(const Pair m[2], PetscReal x)
+{
+  double complex S, Q;
+
+  return ModelAt(m, x, &S, &Q);
+}
+
+/* The logarithm of the larger abs. */
+static PetscReal LogAbsAt(const Pair m[2], PetscReal x)
+{
+  double complex S, Q;
+
+  ModelAt(m, x, &S, &Q);
+  return log(fmax(cabs(S + csqrt(Q)), cabs(S - csqrt(Q))));
+}
+
+/* The place in [lo, hi] where a function of the model is largest. */
+static PetscReal Largest(OfModel of, const Pair m[2], PetscReal lo, PetscReal hi)
 {
   const PetscReal step = (hi - lo) / GRID;
-  double complex  S, Q;
   PetscReal       at = lo, best = -INFINITY, a, b, fa, fb;
 
   for (int i = 0; i <= GRID; i++) {
-    const PetscReal value = ModelAt(m, lo + i * step, &S, &Q);
+    const PetscReal value = of(m, lo + i * step);
 
     if (value <= best) continue;
     best = value;
@@ -245,21 +264,21 @@ static PetscReal Meeting(const Pair m[2], PetscReal lo, PetscReal hi)
   hi = fmin(hi, at + step);
   a  = hi - GOLDEN * (hi - lo);
   b  = lo + GOLDEN * (hi - lo);
-  fa = ModelAt(m, a, &S, &Q);
-  fb = ModelAt(m, b, &S, &Q);
+  fa = of(m, a);
+  fb = of(m, b);
   for (int i = 0; i < GOLDEN_STEPS; i++) {
     if (fa >= fb) {
       hi = b;
       b  = a;
       fb = fa;
       a  = hi - GOLDEN * (hi - lo);
-      fa = ModelAt(m, a, &S, &Q);
+      fa = of(m, a);
     } else {
       lo = a;
       a  = b;
       fa = fb;
       b  = lo + GOLDEN * (hi - lo);
-      fb = ModelAt(m, b, &S, &Q);
+      fb = of(m, b);
     }
   }
   return fa >= fb ? a : b;
@@ -268,11 +287,8 @@ static PetscReal Meeting(const Pair m[2], PetscReal lo, PetscReal hi)
 /* Where in [lo, hi] the pair meets by the model, and the logarithm of the larger abs there. */
 static PetscReal Peak(const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
 {
-  double complex S, Q;
-
-  *x = Meeting(m, lo, hi);
-  ModelAt(m, *x, &S, &Q);
-  return log(fmax(cabs(S + csqrt(Q)), cabs(S - csqrt(Q))));
+  *x = Largest(RatioAt, m, lo, hi);
+  return LogAbsAt(m, *x);
 }
 
 /* The pair at a place that is most like the model's; error: how far its Q is from the model's. */
@@ -309,6 +325,40 @@ static PetscErrorCode Note(MpmFollow *f, PetscReal x, PetscReal peak, PetscReal 
 }
 
 /*
+   The largest logarithm of abs that a pair can have at x when its Q is off by an error. On the unit circle Q / S^2 is
+   real, and nothing grows while it stays negative; elsewhere abs changes with the root of Q.
+*/
+static PetscReal Bound(const MpmFollow *f, const Pair end[2], PetscReal x, PetscReal error)
+{
+  double complex S, Q, ratio;
+  PetscReal      off, abs;
+
+  ModelAt(end, x, &S, &Q);
+  ratio = Q / (S * S);
+  abs   = LogAbsAt(end, x);
+  off   = SAFE * error / creal(conj(S) * S);
+  if (creal(ratio) < -off && fabs(cimag(ratio)) <= CIRCLE * off && fabs(abs) <= fmax(CIRCLE * off, f->most))
+    return -INFINITY;
+  return abs + (cabs(ratio) > off ? off / (2 * sqrt(cabs(ratio))) : sqrt(2 * off));
+}
+
+/* The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet. */
+static PetscErrorCode Settle(MpmFollow *f, const Pair end[2], PetscReal x, PetscReal angle)
+{
+  const PetscReal beside = Largest(LogAbsAt, end, end[0].x, end[1].x);
+  PetscReal       largest;
+
+  PetscFunctionBegin;
+  if (LogAbsAt(end, beside) > LogAbsAt(end, x)) x = beside;
+  if (LogAbsAt(end, x) > f->most / 2) {
+    PetscCall(GrowthAt(f, x, &largest));
+    if (largest > f->most) f->hit = fmin(f->hit, x);
+  }
+  PetscCall(Note(f, x, LogAbsAt(end, x), angle));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
    The pair between two places. Hermite's cubic of Q is off by at most fourth (w / 2)^4, w the distance of the places,
    where its error at x is fourth (x - a)^2 (x - b)^2. What this cannot hide is settled: no window, or one of known
    growth. Else the place where they meet divides the interval; one at its end is told apart by a small piece.
@@ -317,21 +367,24 @@ static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal four
 {
   const PetscReal w     = end[1].x - end[0].x;
   const PetscReal error = fourth * w * w * w * w / 16, fine = ENOUGH * f->most * f->most;
-  PetscReal       x, peak, ratio, piece, off = 0;
+  PetscReal       x, peak, piece, off = 0;
   double complex  S, Q;
   Pair            half[2];
 
   PetscFunctionBegin;
-  peak  = Peak(end, end[0].x, end[1].x, &x);
-  ratio = ModelAt(end, x, &S, &Q) + SAFE * error / creal(conj(S) * S);
+  peak = Peak(end, end[0].x, end[1].x, &x);
   if (isfinite(fourth)) {
-    if (ratio < 0) PetscFunctionReturn(PETSC_SUCCESS);
-    if (log(fmax(cabs(S), fmax(cabs(end[0].S), cabs(end[1].S)))) + sqrt(ratio) < MPM_MEETING_FLOOR * f->most)
+    const PetscReal beside = Largest(LogAbsAt, end, end[0].x, end[1].x);
+
+    if (Bound(f, end, x, error) < MPM_MEETING_FLOOR * f->most &&
+        Bound(f, end, beside, error) < MPM_MEETING_FLOOR * f->most)
       PetscFunctionReturn(PETSC_SUCCESS);
+    if (LogAbsAt(end, beside) > fmax(peak, 0)) x = beside;
   }
+  ModelAt(end, x, &S, &Q);
   if (error <= fine || w < NARROW * x || *looks >= MOST_LOOKS) {
     if (error > fine && w >= NARROW * x && peak > f->most) f->doubtful = fmin(f->doubtful, x);
-    PetscCall(Note(f, x, peak, carg(S)));
+    PetscCall(Settle(f, end, x, carg(S)));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   piece = isfinite(fourth) ? pow(8 * fine / fourth, 0.25) : 0;

@@ -242,7 +242,8 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
-  PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
+  if (request->pseudospectrum)
+    PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
   PetscCall(MpmOperatorCreate(comm, &scene->layout, &scene->scheme, &scene->step, &s->op));
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));

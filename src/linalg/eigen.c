@@ -13,7 +13,9 @@
 #define LARGEST 2     /* eigenvalues sought of largest magnitude */
 #define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
 #define RESTARTS 200
-#define WORK 8e7 /* order x restarts: five minutes */
+#define WORK 8e7         /* order x restarts: five minutes */
+#define LEFT_BESIDE 1e-7 /* a left vector is sought so near its eigenvalue, relative */
+#define LEFT_FOUND 1e-6  /* and is its own if the eigenvalue found is so near, over norm(A) */
 
 MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
 {
@@ -297,5 +299,43 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
   PetscCall(BVDestroy(&(*eigen)->ritz));
   PetscCall(EPSDestroy(&(*eigen)->eps));
   PetscCall(PetscFree(*eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The left vector is an eigenvector of A transposed, sought next to the eigenvalue. */
+PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
+{
+  const PetscReal target[2] = {e->re[j] * (1 + LEFT_BESIDE), e->im[j] * (1 + LEFT_BESIDE)};
+  PetscReal       nearest   = PETSC_MAX_REAL, dot[4];
+  PetscInt        match     = 0;
+  Mat             transposed;
+  MpmEigen       *left;
+  Vec             x[2], y[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(MpmEigenSolve(transposed, "left_", MPM_EIGEN_TARGET, target, &left));
+  for (PetscInt i = 0; i < left->n; i++) {
+    const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
+
+    if (distance < nearest) match = i;
+    nearest = PetscMin(nearest, distance);
+  }
+  *condition = INFINITY;
+  if (nearest <= LEFT_FOUND * e->norm) {
+    PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
+    PetscCall(MatCreateVecs(e->A, &y[0], &y[1]));
+    PetscCall(MpmEigenVector(e, j, x[0], x[1]));
+    PetscCall(MpmEigenVector(left, match, y[0], y[1]));
+    for (int a = 0; a < 2; a++)
+      for (int b = 0; b < 2; b++) PetscCall(VecDot(x[a], y[b], &dot[2 * a + b]));
+    *condition = 1 / hypot(dot[0] + dot[3], dot[2] - dot[1]);
+    for (int part = 0; part < 2; part++) {
+      PetscCall(VecDestroy(&x[part]));
+      PetscCall(VecDestroy(&y[part]));
+    }
+  }
+  PetscCall(MpmEigenDestroy(&left));
+  PetscCall(MatDestroy(&transposed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
