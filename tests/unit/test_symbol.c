@@ -25,8 +25,10 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
                                              .progress  = scene->progress},
                             &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
-  finding = (MpmFinding){
-      .growth = symbol->growth, .tolerance = 1e-6, .uncertainty = symbol->uncertainty, .defective_error = symbol->defective_error};
+  finding = (MpmFinding){.growth          = symbol->growth,
+                         .tolerance       = 1e-6,
+                         .uncertainty     = symbol->uncertainty,
+                         .defective_error = symbol->defective_error};
   CHECK(MpmVerdictOf(&finding) == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: uncertainty %g, blur %g", row,
         symbol->uncertainty, symbol->defective_error);
   PetscCall(MpmSymbolDestroy(&symbol));
