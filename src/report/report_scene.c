@@ -96,7 +96,8 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
   if (isnan(predictions->published))
     text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
   PetscCall(MpmReportGrowth("published", predictions->published, text));
-  PetscCall(MpmReportGrowth("corrected", predictions->corrected, p->why_not ? p->why_not : f->corrected_text));
+  PetscCall(MpmReportGrowth("corrected", predictions->corrected,
+                            p->why_not_corrected ? p->why_not_corrected : f->corrected_text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
