@@ -32,6 +32,9 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
   if (MpmSceneDrifts(s))
+    MpmPrint("  particles move by %.6g cells per step at every Courant number that is looked at\n",
+             s->step.drift.value);
+  if (MpmSceneDrifts(s))
     MpmPrint(c->assembled
                  ? "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
                    "search may be missed\n"

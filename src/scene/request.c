@@ -65,19 +65,12 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   The task critical, and a map over the Courant number, vary the Courant number at a fixed drift. At a fixed velocity
-   the drift would change with it, so there is no drift that a velocity could stand for.
-*/
+/* A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. */
 static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  const PetscBool varies = !strcmp(request->task, "critical") || (MpmRequestVaries(request, MPM_AXIS_COURANT) &&
-                                                                  !MpmRequestVaries(request, MPM_AXIS_DRIFT))
-                               ? PETSC_TRUE
-                               : PETSC_FALSE;
-
   PetscFunctionBegin;
-  if (varies && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
+  if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+      MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
                                 "would change; allowed: drift"));
