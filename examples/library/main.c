@@ -3,15 +3,17 @@
 
 static PetscErrorCode PrintLimit(const char path[])
 {
-  MpmScene   *scene;
-  MpmCritical limit;
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     limit;
 
   PetscFunctionBeginUser;
   if (path)
     PetscCall(MpmSceneFromFile(path, &scene));
   else
     PetscCall(MpmSceneFromText("{formulation: usl, basis: linear, ppc: 2}", &scene));
-  PetscCall(MpmCriticalFind(scene, 1e-6, PETSC_FALSE, &limit)); /* growth up to 1 + 1e-6 per step counts as stable */
+  of = MpmCriticalCaseOf(scene, 1e-6); /* growth up to 1 + 1e-6 per step counts as stable */
+  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &limit));
   MpmPrint("critical Courant number %.6g\n", (double)limit.courant);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
