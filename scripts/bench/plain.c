@@ -26,12 +26,12 @@ static double *Array(long n)
 
 void Zero(const Scene *scene, double node[])
 {
-  for (long i = 0; i < scene->layout.grid.cells + 3; i++) node[i] = 0;
+  for (long i = 0; i < scene->cells + 3; i++) node[i] = 0;
 }
 
 void Fold(const Scene *scene, double node[])
 {
-  const long n = scene->layout.grid.cells;
+  const long n = scene->cells;
 
   node[n] += node[0];
   node[1] += node[n + 1];
@@ -40,7 +40,7 @@ void Fold(const Scene *scene, double node[])
 
 void Spread(const Scene *scene, double node[])
 {
-  const long n = scene->layout.grid.cells;
+  const long n = scene->cells;
 
   node[0]     = node[n];
   node[n + 1] = node[1];
@@ -50,7 +50,7 @@ void Spread(const Scene *scene, double node[])
 void Complete(const Scene *scene, double node[])
 {
   Fold(scene, node);
-  for (long i = 1; i <= scene->layout.grid.cells; i++) node[i] /= scene->mass[i];
+  for (long i = 1; i <= scene->cells; i++) node[i] /= scene->mass[i];
   Spread(scene, node);
 }
 
@@ -58,20 +58,20 @@ double Squares(const Scene *scene)
 {
   double sum = 0;
 
-  for (long p = 0; p < scene->layout.particles; p++) sum += scene->u[p] * scene->u[p] + scene->s[p] * scene->s[p];
-  return sum / (double)(2 * scene->layout.particles);
+  for (long p = 0; p < scene->particles; p++) sum += scene->u[p] * scene->u[p] + scene->s[p] * scene->s[p];
+  return sum / (double)(2 * scene->particles);
 }
 
 /* A wave of 32 cells; at 1/100 and 3/10 of a cell per step these particles never meet a node. */
 static void Begin(Scene *scene)
 {
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     const double x = (double)(p / PPC) + ((double)(p % PPC) + 0.51) / PPC;
     double       phi[NODES];
     const long   first = Weights(x, phi);
 
     scene->x[p] = x;
-    scene->u[p] = sin(2 * acos(-1) * (double)(scene->layout.grid.cells / 32) * x / (double)scene->layout.grid.cells);
+    scene->u[p] = sin(2 * acos(-1) * (double)(scene->cells / 32) * x / (double)scene->cells);
     for (int n = 0; n < NODES; n++) scene->mass[first + n] += phi[n];
   }
   Fold(scene, scene->mass);
@@ -85,17 +85,17 @@ int main(int argc, char **argv)
   }
   Scene scene = {.particles = atol(argv[1]), .steps = atol(argv[2]), .drift = atof(argv[3])};
 
-  scene.layout.grid.cells = scene.layout.particles / PPC;
-  scene.x                 = Array(scene.layout.particles);
-  scene.u                 = Array(scene.layout.particles);
-  scene.s                 = Array(scene.layout.particles);
-  scene.mass              = Array(scene.layout.grid.cells + 3);
-  for (int n = 0; n < 3; n++) scene.node[n] = Array(scene.layout.grid.cells + 3);
+  scene.cells = scene.particles / PPC;
+  scene.x     = Array(scene.particles);
+  scene.u     = Array(scene.particles);
+  scene.s     = Array(scene.particles);
+  scene.mass  = Array(scene.cells + 3);
+  for (int n = 0; n < 3; n++) scene.node[n] = Array(scene.cells + 3);
   Begin(&scene);
   const double start = Now();
   March(&scene);
   const double seconds = Now() - start;
   printf("{\"ns_per_particle_step\": %.6g, \"energy\": %.17g}\n",
-         1e9 * seconds / (double)scene.layout.particles / (double)scene.steps, Energy(&scene));
+         1e9 * seconds / (double)scene.particles / (double)scene.steps, Energy(&scene));
   return 0;
 }

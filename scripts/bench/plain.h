@@ -74,9 +74,9 @@ static inline long Slopes(double x, double slope[])
 
 static inline double Moved(const Scene *scene, double x)
 {
-  const double y = x + scene->step.drift;
+  const double y = x + scene->drift;
 
-  return y >= (double)scene->layout.grid.cells ? y - (double)scene->layout.grid.cells : y;
+  return y >= (double)scene->cells ? y - (double)scene->cells : y;
 }
 
 /* Zeros a node array; adds up what is one node of a periodic grid; gives all of them its value. */

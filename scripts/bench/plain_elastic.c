@@ -5,12 +5,12 @@ static void ToNodes(const Scene *scene)
 {
   const double *restrict x = scene->x, *restrict u = scene->s, *restrict w = scene->u;
   double *restrict ui = scene->node[0], *restrict wi = scene->node[1], *restrict m = scene->mass;
-  const double drift = scene->step.drift;
+  const double drift = scene->drift;
 
   Zero(scene, ui);
   Zero(scene, wi);
   if (drift != 0) Zero(scene, m);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES];
     const long i = Weights(x[p], phi);
 
@@ -30,7 +30,7 @@ static void OnNodes(const Scene *scene)
   const double *restrict ui = scene->node[0];
   double *restrict wi = scene->node[1], *restrict ai = scene->node[2];
 
-  for (long i = 1; i <= scene->layout.grid.cells; i++) {
+  for (long i = 1; i <= scene->cells; i++) {
     ai[i] = COURANT * (ui[i + 1] - 2 * ui[i] + ui[i - 1]);
     wi[i] += ai[i];
   }
@@ -43,7 +43,7 @@ static void ToParticles(const Scene *scene)
   double *restrict x = scene->x, *restrict u = scene->s, *restrict w = scene->u;
   const double *restrict wi = scene->node[1], *restrict ai = scene->node[2];
 
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES], a = 0, v = 0;
     const long i = Weights(x[p], phi);
 
@@ -53,7 +53,7 @@ static void ToParticles(const Scene *scene)
     }
     w[p] += a;
     u[p] += COURANT * v;
-    if (scene->step.drift != 0) x[p] = Moved(scene, x[p]);
+    if (scene->drift != 0) x[p] = Moved(scene, x[p]);
   }
 }
 
@@ -73,7 +73,7 @@ double Energy(const Scene *scene)
   double        speed = 0, strain = 0;
 
   ToNodes(scene);
-  for (long p = 0; p < scene->layout.particles; p++) speed += scene->u[p] * scene->u[p];
-  for (long i = 1; i <= scene->layout.grid.cells; i++) strain += (ui[i + 1] - ui[i]) * (ui[i + 1] - ui[i]);
-  return speed / (double)(2 * scene->layout.particles) + strain / (double)(2 * scene->layout.grid.cells);
+  for (long p = 0; p < scene->particles; p++) speed += scene->u[p] * scene->u[p];
+  for (long i = 1; i <= scene->cells; i++) strain += (ui[i + 1] - ui[i]) * (ui[i + 1] - ui[i]);
+  return speed / (double)(2 * scene->particles) + strain / (double)(2 * scene->cells);
 }

@@ -5,12 +5,12 @@ static void ToNodes(const Scene *scene)
 {
   const double *restrict x = scene->x, *restrict u = scene->u, *restrict r = scene->s;
   double *restrict ui = scene->node[0], *restrict ri = scene->node[1], *restrict m = scene->mass;
-  const double drift = scene->step.drift;
+  const double drift = scene->drift;
 
   Zero(scene, ui);
   Zero(scene, ri);
   if (drift != 0) Zero(scene, m);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES];
     const long i = Weights(x[p], phi);
 
@@ -30,7 +30,7 @@ static void ToParticles(const Scene *scene)
   double *restrict x = scene->x, *restrict u = scene->u, *restrict r = scene->s;
   const double *restrict ui = scene->node[0], *restrict ri = scene->node[1];
 
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     slope[NODES], ux = 0, rx = 0;
     const long i = Slopes(x[p], slope);
 
@@ -40,7 +40,7 @@ static void ToParticles(const Scene *scene)
     }
     u[p] += COURANT * rx;
     r[p] += COURANT * ux;
-    if (scene->step.drift != 0) x[p] = Moved(scene, x[p]);
+    if (scene->drift != 0) x[p] = Moved(scene, x[p]);
   }
 }
 

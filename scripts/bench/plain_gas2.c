@@ -5,11 +5,11 @@ static void DensityToNodes(const Scene *scene)
 {
   const double *restrict x = scene->x, *restrict r = scene->s;
   double *restrict ri = scene->node[1], *restrict m = scene->mass;
-  const double drift = scene->step.drift;
+  const double drift = scene->drift;
 
   Zero(scene, ri);
   if (drift != 0) Zero(scene, m);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES];
     const long i = Weights(x[p], phi);
 
@@ -28,7 +28,7 @@ static void Velocity(const Scene *scene)
   double *restrict u = scene->u, *restrict ui = scene->node[0];
 
   Zero(scene, ui);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES], slope[NODES], rx = 0;
     const long i = Weights(x[p], phi);
 
@@ -45,13 +45,13 @@ static void Density(const Scene *scene)
   const double *restrict ui = scene->node[0];
   double *restrict x = scene->x, *restrict r = scene->s;
 
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     slope[NODES], ux = 0;
     const long i = Slopes(x[p], slope);
 
     for (int n = 0; n < NODES; n++) ux += slope[n] * ui[i + n];
     r[p] += COURANT * ux;
-    if (scene->step.drift != 0) x[p] = Moved(scene, x[p]);
+    if (scene->drift != 0) x[p] = Moved(scene, x[p]);
   }
 }
 

@@ -6,12 +6,12 @@ static void ToNodes(const Scene *scene)
 {
   const double *restrict x = scene->x, *restrict v = scene->u, *restrict s = scene->s;
   double *restrict vi = scene->node[0], *restrict ai = scene->node[1], *restrict m = scene->mass;
-  const double drift = scene->step.drift;
+  const double drift = scene->drift;
 
   Zero(scene, vi);
   Zero(scene, ai);
   if (drift != 0) Zero(scene, m);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES], slope[NODES];
     const long i = Weights(x[p], phi);
 

@@ -7,7 +7,7 @@ static void Velocity(const Scene *scene)
   double *restrict v = scene->u, *restrict vi = scene->node[0];
 
   Zero(scene, vi);
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES], a = 0;
     const long i = Weights(x[p], phi);
 
@@ -23,13 +23,13 @@ static void Stress(const Scene *scene)
   const double *restrict vi = scene->node[0];
   double *restrict x = scene->x, *restrict s = scene->s;
 
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     slope[NODES], vx = 0;
     const long i = Slopes(x[p], slope);
 
     for (int n = 0; n < NODES; n++) vx += slope[n] * vi[i + n];
     s[p] += COURANT * vx;
-    if (scene->step.drift != 0) x[p] = Moved(scene, x[p]);
+    if (scene->drift != 0) x[p] = Moved(scene, x[p]);
   }
 }
 

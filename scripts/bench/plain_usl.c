@@ -6,7 +6,7 @@ static void OnNodes(const Scene *scene)
   const double *restrict ai = scene->node[1];
   double *restrict vi       = scene->node[0];
 
-  for (long i = 0; i < scene->layout.grid.cells + 3; i++) vi[i] += ai[i];
+  for (long i = 0; i < scene->cells + 3; i++) vi[i] += ai[i];
 }
 
 static void ToParticles(const Scene *scene)
@@ -14,7 +14,7 @@ static void ToParticles(const Scene *scene)
   double *restrict x = scene->x, *restrict v = scene->u, *restrict s = scene->s;
   const double *restrict vi = scene->node[0], *restrict ai = scene->node[1];
 
-  for (long p = 0; p < scene->layout.particles; p++) {
+  for (long p = 0; p < scene->particles; p++) {
     double     phi[NODES], slope[NODES], a = 0, vx = 0;
     const long i = Weights(x[p], phi);
 
@@ -25,7 +25,7 @@ static void ToParticles(const Scene *scene)
     }
     v[p] += a;
     s[p] += COURANT * vx;
-    if (scene->step.drift != 0) x[p] = Moved(scene, x[p]);
+    if (scene->drift != 0) x[p] = Moved(scene, x[p]);
   }
 }
 
