@@ -3,6 +3,7 @@
    drift by a whole cell is none; what the formulas say at rest is where the map turns.
 */
 #include "check.h"
+#include "symbols.h"
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "analysis/stability_map.h"
@@ -41,8 +42,7 @@ static PetscErrorCode CheckPoint(const char scheme[], const char axes[], PetscIn
   PetscCall(MapOf(options, &scene, &map));
   PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", scheme, texts));
   PetscCall(CheckScene(options, &alone));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &alone->layout, &alone->scheme, &alone->step,
-                            &(MpmSymbolWish){.phases = check_request.phases, .tolerance = 1e-6}, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_SELF, alone, check_request.phases, PETSC_FALSE, &symbol));
   point = i * map->points[1] + j;
   CHECK(map->growth[point] == symbol->growth && map->beta[point] == symbol->beta_at_max,
         "%s %s: %.17g at %g, the symbol %.17g at %g", scheme, texts, map->growth[point], map->beta[point],

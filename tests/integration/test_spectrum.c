@@ -3,6 +3,7 @@
    another, the null space against its dimension, and verdicts that must not be guessed.
 */
 #include "oracle.h"
+#include "symbols.h"
 #include "scene/layout.h"
 #include "analysis/spectrum.h"
 
@@ -154,9 +155,7 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
-                            &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_TRUE, &symbol));
   PetscCall(MpmSymbolTarget(PETSC_COMM_WORLD, symbol, op->exponent, target));
   for (int part = 0; part < 2; part++) target[part] *= 1 + 1e-10;
   if (scatter)

@@ -3,6 +3,7 @@
    and any multiple of the phases give the same.
 */
 #include "oracle.h"
+#include "symbols.h"
 #include "scene/layout.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
@@ -18,9 +19,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
   finding = (MpmFinding){.growth          = symbol->growth,
                          .tolerance       = 1e-6,
@@ -48,9 +47,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells %d -ppc %d -courant %.6f -offset %.9f",
                           formulation, 8 + n, 1 + n % 4, courant, offset));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
@@ -74,9 +71,7 @@ static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal b
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK_NEAR(comparison.published, off, 1e-8);
@@ -95,15 +90,9 @@ static PetscErrorCode CheckRanksAndPhases(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
-                            &all));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step,
-                            &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6},
-                            &alone));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-      &(MpmSymbolWish){.phases = 3 * scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = 1e-6}, &finer));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_TRUE, &all));
+  PetscCall(CheckSymbol(PETSC_COMM_SELF, scene, scene->layout.grid.cells, PETSC_TRUE, &alone));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 3 * scene->layout.grid.cells, PETSC_TRUE, &finer));
   CHECK(all->growth == alone->growth && all->beta_at_max == alone->beta_at_max, "%s: %.17g at %g, %.17g at %g", options,
         all->growth, all->beta_at_max, alone->growth, alone->beta_at_max);
   CHECK(finer->growth >= all->growth - 1e-12, "%s: finer phases give %.17g", options, finer->growth);
@@ -141,9 +130,7 @@ static PetscErrorCode CheckLongPeriod(const char options[], PetscReal lo, PetscR
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmSymbolCreate(
-      PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step,
-      &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_FALSE, .tolerance = 1e-6}, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
   CHECK(isfinite(symbol->growth) && symbol->growth > lo && symbol->growth < hi, "%s: growth %g", options,
         symbol->growth);
   if (off_range) CHECK(symbol->exponent > 1024, "%s: exponent %d", options, (int)symbol->exponent);
