@@ -1,9 +1,9 @@
-/* The condition number of an eigenvalue, from its left vector: an eigenvector of A transposed, sought next to it. */
+/* The condition number of an eigenvalue. Its left vector is an eigenvector of A transposed, which is sought near it. */
 #include "linalg/eigen.h"
 #include <math.h>
 
-#define BESIDE 1e-7 /* how far from the eigenvalue the shift stays, relative */
-#define SAME 1e-6   /* of norm(A): how near the eigenvalue of the transposed must be */
+#define BESIDE 1e-7 /* relative distance of the shift from the eigenvalue */
+#define SAME 1e-6   /* largest distance, over norm(A), between the eigenvalues of A and of A transposed */
 
 PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
 {
