@@ -490,7 +490,7 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
 
     h = fmin(fmin(2 * h, RATIO * a->x), fmin(TURN / Fastest(f, a), to - a->x));
     PetscCall(Step(f, a, h, least * a->x, b, &matched));
-    least = matched ? LEAST : 2 * least; /* steps grow again where they cannot be told apart */
+    least = matched ? LEAST : 2 * least; /* longer least steps where eigenvalues cannot be told apart */
     if (matched) PetscCall(LookBetween(f, a, b));
     if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
     bracket[0] = a->x;

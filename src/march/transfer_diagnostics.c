@@ -10,21 +10,21 @@ static MPI_Comm CommOf(const MpmTransferDiagnostics *x)
 }
 
 PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *request,
-                                            MpmTransferDiagnostics **exchange)
+                                            MpmTransferDiagnostics **diagnostics)
 {
   const MpmScene         *scene = march->scene;
   MpmTransferDiagnostics *x;
 
   PetscFunctionBegin;
-  *exchange = NULL;
+  *diagnostics = NULL;
   if (!request->weights && !request->source_term && !request->ringing) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
       !request->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
       "within a step; allowed: more cells, or fewer ranks",
       scene->step.drift.value);
-  PetscCall(PetscNew(exchange));
-  x          = *exchange;
+  PetscCall(PetscNew(diagnostics));
+  x          = *diagnostics;
   x->march   = march;
   x->request = request;
   PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
@@ -34,15 +34,15 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **exchange)
+PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **diagnostics)
 {
   PetscFunctionBegin;
-  if (!*exchange) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDestroy(&(*exchange)->node));
-  PetscCall(VecDestroy(&(*exchange)->other));
-  PetscCall(VecDestroy(&(*exchange)->inverse_mass));
-  PetscCall(MpmNodalSolveDestroy(&(*exchange)->solve));
-  PetscCall(PetscFree(*exchange));
+  if (!*diagnostics) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&(*diagnostics)->node));
+  PetscCall(VecDestroy(&(*diagnostics)->other));
+  PetscCall(VecDestroy(&(*diagnostics)->inverse_mass));
+  PetscCall(MpmNodalSolveDestroy(&(*diagnostics)->solve));
+  PetscCall(PetscFree(*diagnostics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -42,8 +42,8 @@ typedef struct {
    Collective. Refuses a source term where particles leave a rank's ghost layer within a step.
 */
 PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *request,
-                                            MpmTransferDiagnostics **exchange);
-PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **exchange);
+                                            MpmTransferDiagnostics **diagnostics);
+PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **diagnostics);
 
 /* Collective. The diagnostics at the march's step. */
-PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *exchange);
+PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *diagnostics);

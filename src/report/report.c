@@ -108,10 +108,10 @@ static PetscErrorCode PrintField(const char name[], const char when[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintExchange(const MpmRun *run)
+static PetscErrorCode PrintTransfer(const MpmRun *run)
 {
-  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
-                                     *most = &run->exchange_most;
+  const MpmTransferDiagnosticsSample *first = &run->transfer_first, *last = &run->transfer_last,
+                                     *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
   PetscFunctionBegin;
@@ -169,7 +169,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintGrowth(run));
   PetscCall(PrintErrors(run));
   PetscCall(PrintConserved(run));
-  PetscCall(PrintExchange(run));
+  PetscCall(PrintTransfer(run));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -45,10 +45,10 @@ static json_t *PerField(const MpmTable *table, const PetscReal first[], const Pe
   return fields;
 }
 
-static void SetExchange(json_t *object, const MpmRun *run)
+static void SetTransfer(json_t *object, const MpmRun *run)
 {
-  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
-                                     *most = &run->exchange_most;
+  const MpmTransferDiagnosticsSample *first = &run->transfer_first, *last = &run->transfer_last,
+                                     *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
   if (run->request->weights) {
@@ -86,7 +86,7 @@ static json_t *Run(const MpmRun *run)
   json_object_set_new(object, "energy", energy);
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
-  SetExchange(object, run);
+  SetTransfer(object, run);
   if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
   if (run->blew_up_at_step != MPM_NEVER)
     json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));

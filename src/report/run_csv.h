@@ -10,6 +10,6 @@
 */
 PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv);
 
-/* Collective. Writes a row, with the errors and the diagnostics that the run has; exchange may be NULL. */
-PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
+/* Collective. Writes a row, with the errors and the diagnostics that the run has; diagnostics may be NULL. */
+PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *diagnostics,
                             PetscReal log_norm, PetscReal energy, const MpmTextFile *csv);

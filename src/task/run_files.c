@@ -71,12 +71,12 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 }
 
 static PetscErrorCode Sample(void *context, const MpmRun *run, const MpmMarch *march,
-                             const MpmTransferDiagnostics *exchange, PetscReal log_norm, PetscReal energy)
+                             const MpmTransferDiagnostics *diagnostics, PetscReal log_norm, PetscReal energy)
 {
   Files *files = context;
 
   PetscFunctionBegin;
-  if (files->request->csv[0]) PetscCall(MpmRunCsvRow(run, march, exchange, log_norm, energy, &files->csv));
+  if (files->request->csv[0]) PetscCall(MpmRunCsvRow(run, march, diagnostics, log_norm, energy, &files->csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
