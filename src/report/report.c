@@ -1,9 +1,9 @@
-/* The result as a table for people. */
+/* Prints the result of a run as a table for people. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>
 
-/* A number that may be out of range is said to be so, not printed as inf. */
+/* Prints a number. One that is out of range is described as such, not printed as inf. */
 static PetscErrorCode PrintNumber(PetscReal value)
 {
   PetscFunctionBegin;
@@ -97,7 +97,7 @@ static PetscErrorCode PrintConserved(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a diagnostic was for each field; '-' where there was nothing to divide by. */
+/* Prints a diagnostic of one field; '-' stands where there was nothing to divide by. */
 static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
 {
   PetscFunctionBegin;

@@ -1,4 +1,7 @@
-/* The result as one JSON object. Keys are a contract; a key that is absent was not computed. */
+/*
+   Writes the result of a run as one JSON object. Its keys are a contract; an absent key means that nothing was
+   computed.
+*/
 #include "report/report.h"
 #include "report/results.h"
 
@@ -29,7 +32,7 @@ static json_t *Errors(const MpmRun *run)
   return errors;
 }
 
-/* For each field first (NULL: left out), last and most of a diagnostic. */
+/* Makes an object with the first (NULL: left out), last and largest value of a diagnostic for each field. */
 static json_t *PerField(const MpmTable *table, const PetscReal first[], const PetscReal last[], const PetscReal most[])
 {
   json_t *fields = json_object();

@@ -1,4 +1,4 @@
-/* The time series of a run: step, time, norm, energy, errors and diagnostics. */
+/* Writes the time series of a run: step, time, norm, energy, errors and diagnostics. */
 #include <mpmstab/errors.h>
 #include "report/run_csv.h"
 #include <math.h>
