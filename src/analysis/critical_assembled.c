@@ -20,7 +20,7 @@
 typedef struct {
   const MpmCriticalCase *of;
   MpmProgress            progress;
-  PetscReal              rounding; /* growth per step that it may make of a defective pair, at the last place */
+  PetscReal              rounding; /* growth per step that rounding may make of a defective pair */
   PetscInt64             evaluations;
 } Probe;
 

@@ -1,4 +1,4 @@
-/* Ensemble: which share of random layouts is unstable. */
+/* Ensemble: finds which share of random layouts is unstable. */
 #pragma once
 #include "scene/request.h"
 

@@ -1,4 +1,4 @@
-/* Pseudospectrum: sigma(z), the smallest singular value of z - A, and what it says of norm(A^n). */
+/* Pseudospectrum: sigma(z), the smallest singular value of z - A, and the bounds on norm(A^n) that follow from it. */
 #pragma once
 #include "linalg/resolvent.h"
 #include <mpmstab/scene.h>

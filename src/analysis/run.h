@@ -1,4 +1,4 @@
-/* Run: a scene marched to its end, and what came out of it. */
+/* Run: a scene marched to its end, and the results. */
 #pragma once
 #include "march/diagnostics.h"
 #include "march/transfer_diagnostics.h"

@@ -1,4 +1,4 @@
-/* Eigenvalues of one small dense complex matrix, by LAPACK. */
+/* Small dense complex matrices: their eigenvalues and vectors, by LAPACK. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>

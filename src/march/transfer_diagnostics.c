@@ -98,7 +98,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
 static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsSample *sample)
 {
   const MpmGrid *grid    = x->march->grid;
-  PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* C1 and nodes; -least, largest */
+  PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* of C1 and of nodes; -least and largest C1 */
   PetscReal     *array[2];
   MpmPlaces      places;
 
