@@ -1,4 +1,4 @@
-/* Starts MPI and PETSc, finds the task by its name, and ends in one line whatever has gone wrong. */
+/* Starts MPI and PETSc, finds the task by its name, runs it, and ends the program with its exit status. */
 #include <mpmstab/errors.h>
 #include "base/launch.h"
 #include "scene/settings.h"
@@ -8,7 +8,10 @@
 #include <signal.h>
 #include <string.h>
 
-/* A trap would end the program in PETSc's stack trace at the first overflow, which unstable schemes are about. */
+/*
+   Refuses -fp_trap: with a trap PETSc would end the program with its stack trace at the first overflow, and an unstable
+   scheme overflows as a matter of course.
+*/
 static PetscErrorCode CheckTrap(void)
 {
   PetscBool given;
@@ -50,7 +53,7 @@ int main(int argc, char **argv)
 
   MpmLaunchStandardFiles();
   if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
-  for (int i = 1; i < argc; i++) /* PETSc would end the program, with its own version or hundreds of lines of help */
+  for (int i = 1; i < argc; i++) /* PETSc would print its own version or help, and end the program */
     if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h") ||
         !strcmp(argv[i], "-version") || !strcmp(argv[i], "--version")) {
       static char help[] = "help";
@@ -59,9 +62,9 @@ int main(int argc, char **argv)
       argc    = 2;
     }
   if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
-  (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reading, not the work; PETSc would print a stack trace */
-  (void)signal(SIGXFSZ, SIG_IGN); /* a file that grows beyond 'ulimit -f' is an error of writing like any other */
-  MpmStopClean();                 /* nor is there a trace at an end that was asked for */
+  (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reader, not the work; PETSc would print a stack trace */
+  (void)signal(SIGXFSZ, SIG_IGN); /* writing beyond 'ulimit -f' then fails like any other write */
+  MpmStopClean();                 /* a signal that asks for an end leaves no stack trace either */
   ierr = Dispatch(argc, argv, MPI_Wtime(), &status);
   return MpmFinalize(ierr, status);
 }

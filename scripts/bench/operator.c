@@ -1,4 +1,7 @@
-/* Writes the operator A of a scene as PETSc's binary, for solvers that are not ours: FILE [-option value]... */
+/*
+   Writes the operator A of a scene in PETSc's binary format, so that other solvers can be measured: FILE [-option
+   value]...
+*/
 #include "scene/request.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/operator.h>

@@ -1,11 +1,11 @@
-/* What a message between two ranks takes: {"latency": s, "bandwidth": bytes/s}, from half of the best round trips. */
+/* Measures a message between two ranks: {"latency": s, "bandwidth": bytes/s}, from half of the best round trips. */
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #define LARGE (4 << 20)
 
-/* Seconds one way, of the best of so many batches. */
+/* Returns the seconds of one way, from the best of several batches. */
 static double OneWay(char buffer[], int bytes, int trips, int batches)
 {
   double best = 1e30;

@@ -1,4 +1,4 @@
-/* What the yardsticks share: arguments, layout, first data, clock, the ends of a periodic grid. */
+/* What the plain C schemes share: arguments, layout, initial data, clock, and the ends of a periodic grid. */
 #include "plain.h"
 #include <math.h>
 #include <stdio.h>
@@ -62,7 +62,7 @@ double Squares(const Scene *scene)
   return sum / (double)(2 * scene->particles);
 }
 
-/* A wave of 32 cells; at 1/100 and 3/10 of a cell per step these particles never meet a node. */
+/* Sets a wave of 32 cells. With a drift of 1/100 or 3/10 of a cell per step these particles never meet a node. */
 static void Begin(Scene *scene)
 {
   for (long p = 0; p < scene->particles; p++) {

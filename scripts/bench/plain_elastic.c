@@ -1,4 +1,7 @@
-/* The slides' bar, straight: both fields to the nodes, the Laplacian there, increments back. w = v h / c. */
+/*
+   The slides' elastic bar in plain C: both fields go to the nodes, the Laplacian is taken there, and increments go
+   back. The second field is w = v h / c.
+*/
 #include "plain.h"
 
 static void ToNodes(const Scene *scene)
@@ -66,7 +69,10 @@ void March(const Scene *scene)
   }
 }
 
-/* w is in units of the first data here, which are 1; u in units of h. The nodes' part is of the displacement there. */
+/*
+   Here w is in units of the initial data, whose size is 1, and u in units of h. The potential energy is that of the
+   nodal displacement.
+*/
 double Energy(const Scene *scene)
 {
   const double *ui    = scene->node[0];

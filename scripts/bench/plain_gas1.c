@@ -1,4 +1,4 @@
-/* Formulation 1 of the slides, straight: both fields to the nodes, then both gradients back. */
+/* Formulation 1 of the slides in plain C: both fields go to the nodes, then both gradients go back. */
 #include "plain.h"
 
 static void ToNodes(const Scene *scene)

@@ -1,4 +1,7 @@
-/* Formulation 2 of the slides, straight: velocity from the nodes' density, then density from the new velocity. */
+/*
+   Formulation 2 of the slides in plain C: the nodal density changes the velocity, then the new velocity changes the
+   density.
+*/
 #include "plain.h"
 
 static void DensityToNodes(const Scene *scene)

@@ -1,4 +1,6 @@
-/* Modified update stress last, straight: as usl, but the new velocity goes to the nodes before its gradient. */
+/*
+   Modified update stress last in plain C: as usl, but the new velocity goes to the nodes before its gradient is taken.
+*/
 #include "plain_momentum.h"
 
 static void Velocity(const Scene *scene)

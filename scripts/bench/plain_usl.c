@@ -1,4 +1,7 @@
-/* Update stress last, straight: velocity and force to the nodes, increments and the new velocity's gradient back. */
+/*
+   Update stress last in plain C: velocity and force go to the nodes; increments and the gradient of the new velocity go
+   back.
+*/
 #include "plain_momentum.h"
 
 static void OnNodes(const Scene *scene)

@@ -1,4 +1,4 @@
-/* What every program on SLEPc takes to begin and to end. */
+/* Measures what every program that uses SLEPc takes to begin and to end. */
 #include <slepcsys.h>
 
 int main(int argc, char **argv)

@@ -1,5 +1,7 @@
-/* What the memory gives: a = b + s c over arrays that fit no cache, the best of ten. Prints GB/s, each line that is
-   written being read before (32 bytes an element). */
+/*
+   Measures the memory bandwidth: a = b + s c over arrays that fit in no cache, the best of ten. It prints GB/s. Each
+   line that is written is read first (32 bytes an element).
+*/
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

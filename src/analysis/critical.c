@@ -1,12 +1,12 @@
-/* The largest stable Courant number: by symbol or operator, and by closed form. */
+/* Finds the largest stable Courant number through the symbol or the operator, and compares it with the closed form. */
 #include "analysis/critical_parts.h"
 #include "symbol/predict.h"
 #include <math.h>
 
-#define AGREE 1e-5      /* closed form and search, relative */
-#define BEYOND 0.01     /* over a limit: growth there is more than rounding makes, or the limit is rounding */
-#define GROWS 1e-12     /* growth of one phase that is more than rounding */
-#define PRECISION 1e-10 /* of the closed form, relative */
+#define AGREE 1e-5      /* relative difference of closed form and search */
+#define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
+#define GROWS 1e-12     /* smallest growth of one phase that is no rounding */
+#define PRECISION 1e-10 /* relative precision of the closed form */
 
 static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
 {
@@ -46,7 +46,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth appears when particles move: a limit at rest does not say. */
+/* Computes growth with a small drift, since a limit of particles at rest says nothing about moving ones. */
 static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
 {
   MpmCriticalCase moving = *of;
@@ -60,7 +60,10 @@ static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A limit above a Courant number that grows has missed it: the search goes on from there. */
+/*
+   If the limit found is above a Courant number that is known to grow, the search has missed the true limit. It then
+   goes on down from that Courant number.
+*/
 static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
   const PetscBool drifts = MpmStepDrifts(&of->step);
@@ -78,7 +81,10 @@ static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+/*
+   Where rounding makes more growth than the tolerance, and growth above the limit is not larger than that, the limit is
+   not known.
+*/
 static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
 {
   PetscReal growth;
@@ -94,7 +100,10 @@ static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether some phase of which the closed form says so grows at a Courant number, be it within tolerance. */
+/*
+   Finds whether any of the phases whose closed form gives a smaller limit really grows at a Courant number. Growth
+   within tolerance counts too.
+*/
 static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, PetscBool *grows)
 {
   MpmPredictor predictor;
@@ -114,8 +123,8 @@ static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, P
 }
 
 /*
-   The closed form beside what was found. It may give less, where long waves grow beyond it by less than tolerance: then
-   it is the limit. All else is a contradiction.
+   Compares the closed form with the limit found. The closed form may be smaller, where long waves beyond it grow by
+   less than the tolerance; then it is the limit. Every other difference is a contradiction.
 */
 static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
 {

@@ -1,4 +1,7 @@
-/* The largest stable Courant number of an assembled operator: walls, random layouts, particles missing. */
+/*
+   The largest stable Courant number of an assembled operator, for what has no symbol: walls, random layouts, missing
+   particles.
+*/
 #include "analysis/critical_parts.h"
 #include "linalg/dense.h"
 #include "analysis/modes.h"
@@ -9,15 +12,15 @@
 #include <math.h>
 
 #define FROM 1e-2
-#define RATIO 1.5        /* steps at rest */
-#define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
+#define RATIO 1.5        /* of Courant numbers, one over the other, at rest */
+#define DRIFT_WIDTH 0.02 /* largest step under drift, where windows of instability open and close */
 #define PRECISION 1e-7
-#define BEYOND 0.01 /* over a limit: growth there is more than rounding makes, or the limit is rounding */
+#define BEYOND 0.01 /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
   MpmProgress            progress;
-  PetscReal              rounding; /* growth per step that it may make of a defective pair, at the last place */
+  PetscReal              rounding; /* growth per step that rounding may make of a defective pair */
   PetscInt64             evaluations;
 } Probe;
 
@@ -51,7 +54,10 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The mode that grows first. beta is on the first rank. */
+/*
+   Finds the mode that grows first, its phase beta and its share in the null space of P2G. beta is computed on the first
+   rank and sent to all.
+*/
 static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 {
   MpmOperator *op;
@@ -61,9 +67,9 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionBegin;
   PetscCall(Assemble(p, c->unstable_at, &op));
   PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
-  eigen->n = PetscMin(eigen->n, 1); /* the leading one alone */
+  eigen->n = PetscMin(eigen->n, 1); /* keeps the leading one */
   PetscCall(MpmModesCreate(op, eigen, &modes));
-  c->beta       = eigen->n ? modes.beta[0] : NAN; /* a solver may fail where the growth alone could be had */
+  c->beta       = eigen->n ? modes.beta[0] : NAN; /* the solver may find no vector even if it finds the growth */
   c->null_share = eigen->n ? modes.null_share[0] : NAN;
   PetscCallMPI(MPI_Bcast(&c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(MpmModesDestroy(&modes));
@@ -72,7 +78,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Up to the scene's own Courant number first: if that grows, the limit is below. */
+/* Computes growth at the scene's own Courant number first. If there is growth, the limit is below it. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
   const PetscBool  drifts = MpmStepDrifts(&p->of->step);
@@ -96,7 +102,10 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where rounding makes as much growth as what was found, a tolerance below that gives no limit. */
+/*
+   Where rounding makes more growth than the tolerance, and growth above the limit is not larger than that, the limit is
+   not known.
+*/
 static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
 {
   PetscReal growth;

@@ -1,8 +1,10 @@
 /*
-   The largest Courant number with growth within tolerance, of particles that move. Windows of growth open along curves
-   of the plane of phase beta and Courant number k, where two factors meet. Each of many phases is followed upwards in k
-   (see follow.h). Then each curve that may reach the tolerance between two of those phases is followed in beta: down in
-   k where its window is open, and where it is not, towards the phase at which it is widest.
+   The largest Courant number with growth within tolerance, for particles that move.
+
+   Windows of growth open along curves of the plane of phase beta and Courant number k, where two amplification factors
+   meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may reach the tolerance
+   between two of those phases is followed in beta: where its window is open, down in k; where it is not, towards the
+   phase at which it is widest.
 */
 #include "analysis/critical_parts.h"
 #include "linalg/small_eigen.h"
@@ -12,17 +14,17 @@
 #include "analysis/follow.h"
 #include <math.h>
 
-#define COARSE 32   /* every so manieth phase first, then every half as manieth */
-#define MARGIN 0.01 /* over the least limit so far, relative: other phases are followed so far */
+#define COARSE 32   /* the first pass takes one phase in so many, later passes halve the distance */
+#define MARGIN 0.01 /* other phases are followed to so far above the least limit so far, relative */
 #define LEAST_BETA 1e-6
 #define FINEST 1e-9  /* step in beta that ends a descent */
 #define LOWER 1e-12  /* relative gain in k that counts */
-#define SLOPE 8      /* most that a curve rises, over the step in beta, */
-#define SLOPE_LONG 2 /* and in long waves this many k / beta more */
-#define WIDEST 100   /* a widest place is sought to this part of the distance between phases */
-#define PROMISING 3  /* halvings after which a curve must have come to half the tolerance */
+#define SLOPE 8      /* a curve rises by at most this times the step in beta, */
+#define SLOPE_LONG 2 /* and in long waves by k / beta times this more */
+#define WIDEST 100   /* a widest place is found to this part of the distance between phases */
+#define PROMISING 3  /* halvings after which a curve must have reached half the tolerance */
 
-#define NEAR_LIMIT 1e-4 /* what could not be told apart so near the limit, relative, does not matter */
+#define NEAR_LIMIT 1e-4 /* factors that could not be told apart so near the limit do not matter (relative) */
 
 typedef struct {
   PetscReal stable, unstable, beta;
@@ -33,7 +35,10 @@ typedef struct {
   MpmMeeting meeting;
 } Place;
 
-/* The factors of a period, over Courant numbers at a phase, or over phases at a Courant number. */
+/*
+   Computes the amplification factors of a period along a line: over Courant numbers at a fixed phase, or over phases at
+   a fixed Courant number.
+*/
 typedef struct {
   MpmBloch      bloch;
   MpmSmallEigen eigen;
@@ -98,7 +103,10 @@ static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first Courant number of [from, to] that grows at a phase; below from where that grows already. */
+/*
+   Finds the first Courant number of [from, to] that grows at a phase. If from grows already, the search goes down from
+   there.
+*/
 static PetscErrorCode LimitBetween(Plane *p, PetscReal beta, PetscReal from, PetscReal to, Limit *limit)
 {
   const PetscReal  start = PetscMin(MPM_CRITICAL_FROM, from / 2);
@@ -115,7 +123,7 @@ static PetscErrorCode LimitBetween(Plane *p, PetscReal beta, PetscReal from, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From a limit at a phase to lower ones beside it, at ever smaller distances in beta. */
+/* Goes from a limit at a phase to lower limits at phases beside it, with ever smaller steps in beta. */
 static PetscErrorCode Descend(Plane *p, Limit limit, PetscReal step)
 {
   Limit beside;
@@ -143,7 +151,10 @@ static PetscErrorCode Descend(Plane *p, Limit limit, PetscReal step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of the meetings of the last line the one that continues a meeting, of those that grow more; NULL when there is none. */
+/*
+   Among the meetings of the last line that grow more than a given meeting, finds the one that continues it. Returns
+   NULL when there is none.
+*/
 static const MpmMeeting *Continued(const MpmFollow *f, const MpmMeeting *meeting)
 {
   const MpmMeeting *found = NULL;
@@ -160,7 +171,10 @@ static const MpmMeeting *Continued(const MpmFollow *f, const MpmMeeting *meeting
   return found;
 }
 
-/* Along a curve of meetings towards the phase of its largest growth; down from there where it is beyond tolerance. */
+/*
+   Follows a curve of meetings towards the phase of its largest growth. Where growth exceeds the tolerance, it descends
+   from there.
+*/
 static PetscErrorCode Ascend(Plane *p, MpmMeeting meeting, PetscReal beta, PetscReal step)
 {
   const PetscReal finest = step / WIDEST, promising = step / (1 << PROMISING);
@@ -196,7 +210,7 @@ static PetscErrorCode Ascend(Plane *p, MpmMeeting meeting, PetscReal beta, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One phase, and where its factors meet. */
+/* Finds the limit of one phase, and the places where its amplification factors meet. */
 static PetscErrorCode VisitPhase(Plane *p, PetscInt m, PetscReal bound)
 {
   const PetscReal to = PetscMin(bound * (1 + MARGIN), MPM_CRITICAL_TO), from = PetscMin(MPM_CRITICAL_FROM, to / 2);
@@ -212,7 +226,10 @@ static PetscErrorCode VisitPhase(Plane *p, PetscInt m, PetscReal bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All phases, spread over the ranks, every COARSEth first: their limits bound the way to go at those between. */
+/*
+   Visits all phases, spread over the ranks. It visits every COARSEth one first, since these limits bound the lines at
+   the phases between.
+*/
 static PetscErrorCode VisitPhases(Plane *p, PetscMPIInt rank, PetscMPIInt size)
 {
   PetscReal   bound = MPM_CRITICAL_TO;
@@ -244,7 +261,7 @@ static int ByPhase(const void *a, const void *b)
   return (d > 0) - (d < 0);
 }
 
-/* What all ranks have found, to each of them, in the same order. */
+/* Gives what all ranks have found to each of them, in the same order. */
 static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
 {
   const PetscMPIInt width = sizeof(Place) / sizeof(PetscReal);
@@ -286,7 +303,7 @@ static PetscReal Spacing(PetscInt m)
          MpmCriticalPhase(PetscMin(m, MPM_CRITICAL_PHASES - 1));
 }
 
-/* Whether a neighbouring phase has the same meeting with more growth: then that is where to go on from. */
+/* Returns whether a neighbouring phase has the same meeting with more growth. Then the search goes on from that one. */
 static PetscBool IsOutgrown(const Plane *p, const Place *place)
 {
   for (PetscInt i = 0; i < p->nplaces; i++) {
@@ -301,7 +318,7 @@ static PetscBool IsOutgrown(const Plane *p, const Place *place)
   return PETSC_FALSE;
 }
 
-/* The least limit between the phases: every rank does all of it. */
+/* Finds the least limit between the phases. Every rank does all of this work. */
 static PetscErrorCode Refine(Plane *p)
 {
   PetscReal bound = INFINITY;
@@ -326,7 +343,7 @@ static PetscErrorCode Refine(Plane *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was found, in the result. */
+/* Copies what was found to the result. */
 static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
 {
   PetscFunctionBegin;
@@ -342,7 +359,7 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The least limit that can be reached from growth at a Courant number and a phase. */
+/* Finds the least limit that can be reached from a phase which grows at a Courant number. */
 static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
 {
   Limit limit;

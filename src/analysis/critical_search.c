@@ -1,14 +1,16 @@
-/* Searches in one variable. */
+/* Searches in one variable: bisection, the threshold of growth, golden section. */
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include <math.h>
 
-#define LEAST 1e-24 /* Courant number: a second material may be that much stiffer and lighter */
-#define FADES 0.03  /* growth at half a limit, in tolerances, that says there is no threshold */
+#define LEAST 1e-24 /* Courant number; a second material may be that much stiffer and lighter */
+#define FADES 0.03  /* growth at half a limit, over the tolerance, that shows that there is no threshold */
 #define GOLDEN 0.6180339887498949
-#define GOLDEN_STEPS 34 /* the interval becomes 8e-8 of itself: a minimum is flat below */
+#define GOLDEN_STEPS 34 /* they shrink the interval to 8e-8 of itself; a minimum is flat on a smaller one */
 
-/* Down from a Courant number that is unstable, by halves, to one that is not; 0 when there is none. */
+/*
+   Halves an unstable Courant number until it is stable, and sets the bracket. bracket[0] stays 0 when none is stable.
+*/
 static PetscErrorCode FindStable(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal bracket[2])
 {
   PetscReal g;

@@ -1,4 +1,4 @@
-/* The limits of all schemes at one layout, one after another. */
+/* Finds the limits of all schemes at one layout, one after another. */
 #include "base/progress.h"
 #include <mpmstab/critical.h>
 #include <mpmstab/errors.h>

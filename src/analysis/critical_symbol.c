@@ -1,20 +1,23 @@
-/* The largest stable Courant number of particles at rest, through the symbol. critical_drift.c has those that move. */
+/*
+   The largest stable Courant number of particles at rest, through the symbol. For moving particles see
+   critical_drift.c.
+*/
 #include "symbol/bloch.h"
 #include "analysis/critical_parts.h"
 #include "linalg/small_eigen.h"
 #include "base/progress.h"
 #include <math.h>
 
-#define RATIO 1.25 /* of Courant numbers one after the other: a phase that is unstable stays so */
+#define RATIO 1.25 /* of Courant numbers, one over the other; a phase that is unstable stays so */
 #define PRECISION MPM_CRITICAL_PRECISION
 
-/* The symbol as a function of Courant number and phase. */
+/* The symbol as a function of Courant number and phase, and the state of the search. */
 typedef struct {
   MpmBloch         bloch;
   MpmSmallEigen    eigen;
   PetscReal        tolerance, beta;   /* beta: the phase */
-  MpmCriticalSteps steps;             /* where its limit is looked for */
-  PetscReal        least, least_beta; /* limit of a phase that was looked at, and which */
+  MpmCriticalSteps steps;             /* where the limit of that phase is sought */
+  PetscReal        least, least_beta; /* the least limit found so far, and its phase */
   MpmProgress      progress;
   PetscInt64       evaluations;
   MPI_Comm         comm;
@@ -43,7 +46,7 @@ static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The Courant number that a phase allows, within the steps given. */
+/* Finds the first Courant number at which a phase grows, within the given steps. */
 static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *limit)
 {
   Probe    *p = (Probe *)context;
@@ -60,7 +63,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A phase that is stable at the least limit so far allows more. */
+/* Finds the limit of a phase. A phase that is stable at the least limit so far has a larger limit and is skipped. */
 static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 {
   PetscReal g, limit = INFINITY;
@@ -79,7 +82,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The least limit of all phases, from pi down. They are spread over the ranks. */
+/* Finds the least limit of all phases, from pi downwards. The phases are spread over the ranks. */
 static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
 {
   PetscReal   mine[2], *all;
@@ -97,7 +100,7 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
   PetscCall(PetscMalloc1(2 * size, &all));
   PetscCallMPI(MPI_Allgather(mine, 2, MPIU_REAL, all, 2, MPIU_REAL, p->comm));
   for (PetscMPIInt r = 0; r < size; r++) {
-    /* of equal limits that of the largest phase, as on one rank */
+    /* of equal limits take that of the largest phase, as one rank does */
     if (all[2 * r] > c->unstable_at || (all[2 * r] == c->unstable_at && !(all[2 * r + 1] > c->beta))) continue;
     c->unstable_at = all[2 * r];
     c->beta        = all[2 * r + 1];
@@ -106,7 +109,7 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The least limit of the phases beside the one found, below it, and its bracket. */
+/* Looks for a smaller limit at phases beside the one found, and brackets the least. */
 static PetscErrorCode Refine(Probe *p, MpmCritical *c)
 {
   const PetscReal found = c->beta;
@@ -145,7 +148,7 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The limit below a Courant number at which a phase grows although the limit found is above it. */
+/* Finds the limit below a Courant number at which a phase grows although the limit found is above it. */
 static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCritical *c)
 {
   PetscFunctionBegin;

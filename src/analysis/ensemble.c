@@ -1,4 +1,4 @@
-/* Layouts of many seeds, each solved by one rank alone, and what they say together. */
+/* Layouts of many seeds: each is solved by one rank alone, and their verdicts are counted. */
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
@@ -7,9 +7,9 @@
 #include "march/march_private.h"
 #include <math.h>
 
-#define Z 1.959963984540054 /* of the normal distribution, 95% within +-Z */
-#define BESIDE 1e-7         /* how far from the eigenvalue the shift stays, relative */
-#define FOUND_WITHIN 1e-6   /* of norm(A): how near what the shift finds must be to the eigenvalue */
+#define Z 1.959963984540054 /* 95% of the normal distribution are within +-Z */
+#define BESIDE 1e-7         /* relative distance of the shift from the eigenvalue */
+#define FOUND_WITHIN 1e-6   /* largest distance, over norm(A), from the eigenvalue to the one found near the shift */
 #define LAST_SEED 9007199254740992
 
 void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
@@ -21,7 +21,10 @@ void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
   interval[1] = hits == trials ? 1 : (middle + half) / (1 + Z * Z / n);
 }
 
-/* Everything that could be refused depends on the scene, not on the seed: all ranks meet it here, together. */
+/*
+   Refuses what could be refused for any layout. It depends on the scene and not on the seed, so all ranks refuse
+   together.
+*/
 static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
 {
   const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
@@ -47,8 +50,8 @@ static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
 }
 
 /*
-   A march that does not come through (transfer nullspace, where particles almost coincide) leaves the verdict on its
-   layout open; one rank alone must not end the task.
+   Compares operator and march. A march that cannot finish (transfer nullspace, where particles almost coincide) leaves
+   the verdict on its layout open, since one rank alone must not end the task.
 */
 static PetscErrorCode Mismatch(const MpmOperator *op, PetscReal *mismatch)
 {
@@ -63,7 +66,10 @@ static PetscErrorCode Mismatch(const MpmOperator *op, PetscReal *mismatch)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By the vectors of one eigenvalue, from a shift next to it: a fraction of the work of all vectors. */
+/*
+   Computes the uncertainty from the vectors of one eigenvalue, found with a shift next to it. That takes a fraction of
+   the work of all vectors.
+*/
 static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2], PetscReal mismatch, MpmFinding *f)
 {
   const PetscReal target[2] = {value[0] * (1 + BESIDE), value[1] * (1 + BESIDE)};
@@ -134,7 +140,7 @@ static PetscErrorCode Solve(MpmEnsemble *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Smallest, middle and largest growth. */
+/* Finds the smallest, middle and largest growth. */
 static PetscErrorCode Spread(MpmEnsemble *e)
 {
   PetscReal *sorted;

@@ -1,45 +1,48 @@
-/* Ensemble: which share of random layouts is unstable. */
+/* Ensemble: finds which share of random layouts is unstable. */
 #pragma once
 #include "scene/request.h"
 
 /*S
-   MpmEnsemble - the result of the task ensemble: n layouts that differ in nothing but their seed, scene->layout.seed and those
-   after it.
+   MpmEnsemble - the result of the task ensemble: n layouts that differ only in their seed. The first seed is
+   scene->layout.seed; the others follow it.
 
-   growth (per step), uncertainty and verdict are of each layout, in the order of seeds, on every rank. share is
-   unstable / n; interval holds the share among all seeds with 95% confidence, whichever way undecided layouts would
-   turn out. growth_min, growth_median, growth_max: of the layouts whose growth is known, NaN when none is; worst_seed
-   has the largest. order: of each layout's operator. finding: unstable when any layout is, stable when all are.
+   growth (per step), uncertainty and verdict of each layout are in the order of seeds, on every rank. share is unstable
+   / n. interval holds the share among all seeds with 95% confidence, whichever way the undecided layouts would turn
+   out. growth_min, growth_median and growth_max are over the layouts whose growth is known, and NaN when there is none;
+   worst_seed has the largest. order is that of each layout's operator. finding is unstable when any layout is, and
+   stable when all are.
 S*/
 typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request;
   PetscInt          n, unstable, undecided, order;
   PetscReal        *growth, *uncertainty;
-  PetscInt         *verdict; /* MpmVerdict */
+  PetscInt         *verdict; /* an MpmVerdict for each layout */
   PetscReal         share, interval[2], growth_min, growth_median, growth_max, seconds;
   PetscInt64        worst_seed;
   MpmFinding        finding;
 } MpmEnsemble;
 
 /*
-   MpmEnsembleCreate - all eigenvalues of the operator of one step (or one period) of each layout.
+   MpmEnsembleCreate - finds all eigenvalues of the operator of one step (or one period) of each layout.
 
-   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Layouts are dealt to ranks in turn and each is solved by one
-   rank alone, so that nothing depends on the number of ranks. Refuses scenes without jitter, too many unknowns, seeds
-   out of range, and whatever an operator or a march refuses: all of that before the layouts are dealt.
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Each layout is solved by one rank alone (see farm.h), so that
+   nothing depends on the number of ranks. Refuses scenes without jitter, too many unknowns, seeds out of range, and
+   whatever an operator or a march refuses, all of it before the first layout is solved.
 
-   The verdict on a layout is that of the task spectrum: undecided where the condition number of the eigenvalue says
-   that rounding may have moved it that far, where the operator is not what the march does, or where LAPACK did not
-   converge.
+   The verdict on a layout is that of the task spectrum. It is undecided where the condition number of the eigenvalue
+   shows that rounding may have changed the verdict, where the operator is not what the march does, or where LAPACK did
+   not converge.
 */
 PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, const MpmRequest *request, MpmEnsemble **ensemble);
 PetscErrorCode MpmEnsembleDestroy(MpmEnsemble **ensemble);
 
 /*
-   MpmWilson - the interval that holds a probability with 95% confidence when hits of trials have come true.
+   MpmWilson - the interval that holds a probability with 95% confidence when an event has occurred in hits of n trials.
 
-   Not collective. With p = hits / n and z = 1.96: (p + z^2 / 2n +- z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2 / n).
+   Not collective. With p = hits / n and z = 1.96 its ends are
+
+     (p + z^2 / 2n +- z sqrt(p (1 - p) / n + z^2 / 4n^2)) / (1 + z^2 / n)
 
    Source: Wilson 1927, Probable Inference, the Law of Succession, and Statistical Inference, J. Am. Stat. Assoc. 22.
 */

@@ -1,44 +1,50 @@
 /*
-   Factors along a line. l_i(x) are the factors at x, in any order. With their derivatives at both ends of a step h
+   Amplification factors along a line, here called eigenvalues: l_i(x) are those at x, in any order.
+
+   With the derivatives at both ends of a step h, the difference
 
      abs(l_j(x + h) - l_i(x) - h (l_i' + l_j') / 2)
 
-   is of order h^3 when j is the continuation of i: so factors are matched. For two that come near each other the mean
-   S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4 are smooth, l = S +- sqrt(Q). On the unit circle Q / S^2 is negative; where
-   it becomes positive a window of growth is open, of abs up to 1 + sqrt(Q / S^2).
+   is of order h^3 when j is the continuation of i. This is how eigenvalues are matched. For two that come near each
+   other the functions
+
+     S = (l1 + l2) / 2,   Q = (l1 - l2)^2 / 4,   with l = S +- sqrt(Q)
+
+   are smooth. On the unit circle Q / S^2 is negative. Where it becomes positive a window of growth is open, in which
+   abs is at most 1 + sqrt(Q / S^2).
 */
 #include "analysis/follow.h"
 #include <math.h>
 
-#define TURN 0.3           /* at most: how far a factor moves in a step */
-#define RATIO 0.5          /* at most: a step over its place */
-#define BESIDE 1e-2        /* of a step: distance at which derivatives are taken, */
-#define CLOSER 1e-4        /* and at a meeting, of the distance between the places of its model */
-#define COINCIDE 3e-8      /* factors nearer than this are moved together: rounding splits what is defective so far */
-#define NOISE 1e-6         /* rounding may move a factor so far from its prediction, by derivatives taken so near */
-#define INSIDE 0.3         /* factors of smaller abs are left alone until they have grown to it */
-#define HARMLESS 0.7       /* abs of factors that need not be told apart */
-#define MATCHED 0.1        /* how far from its prediction a factor may be, over the way of the fastest */
-#define NEAR 0.5           /* how near two factors come, over the way they make past each other, to be looked at */
-#define FIRST 0.1          /* first step over the first place */
-#define LEAST 1e-5         /* least step over its place */
-#define NARROW 1e-10       /* distance of two places of a model, over the place: they show no more */
-#define LEAST_GROWING 1e-3 /* the same towards a place that grows: bisection takes it from there */
-#define PRECISION 1e-10    /* of a bracket, relative */
-#define RISE 0.1           /* of the tolerance: how far a factor rises between two places to be looked at */
-#define CLOSE 1e-4         /* how near to the tolerance it must then come */
-#define MOST_LOOKS 60      /* at one meeting */
-#define SAFE 2             /* times the error of a model */
-#define CIRCLE 8           /* times that: how far the model of two factors on the circle may be from it */
-#define STRAIGHT 3         /* divisions that go straight to a piece fine enough */
-#define ENOUGH 1e-2        /* error of Q over the square of what is tolerated */
+#define TURN 0.3      /* largest distance that an eigenvalue moves in a step */
+#define RATIO 0.5     /* largest step over its place */
+#define BESIDE 1e-2   /* distance at which derivatives are taken, over the step, */
+#define CLOSER 1e-4   /* and at a meeting, over the distance between the two places of its model */
+#define COINCIDE 3e-8 /* eigenvalues nearer than this share a derivative: rounding splits a defective one so far */
+#define NOISE 1e-6    /* rounding of the derivatives may move an eigenvalue so far from its prediction */
+#define INSIDE 0.3    /* eigenvalues of smaller abs are ignored until they have grown to it */
+#define HARMLESS 0.7  /* abs of eigenvalues that need not be told apart */
+#define MATCHED 0.1   /* largest distance from a prediction, over the distance that the fastest one moves */
+#define NEAR 0.5      /* two that come nearer than this, over the distance that they move past each other, may meet */
+#define FIRST 0.1     /* first step over the first place */
+#define LEAST 1e-5    /* least step over its place */
+#define NARROW 1e-10  /* least distance of two places of a model, over the place */
+#define LEAST_GROWING 1e-3 /* least step over its place towards growth; bisection takes it from there */
+#define PRECISION 1e-10    /* relative width of a bracket */
+#define RISE 0.1           /* of the tolerance: the least rise between two places that is looked at */
+#define CLOSE 1e-4         /* distance from the tolerance that such a rise must reach */
+#define MOST_LOOKS 60      /* places at one meeting */
+#define SAFE 2             /* factor on the error of a model */
+#define CIRCLE 8           /* factor on that: distance from the circle of the model of two eigenvalues on it */
+#define STRAIGHT 3         /* divisions that go at once to a piece fine enough */
+#define ENOUGH 1e-2        /* error of Q over the square of the tolerance */
 #define GRID 16
 #define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 24
-#define SAMPLES 3 /* two ends of a step, one between */
+#define SAMPLES 3 /* the two ends of a step, and one place between */
 
 struct MpmSample_ {
-  PetscReal       x, largest; /* logarithm of the largest abs */
+  PetscReal       x, largest; /* largest: logarithm of the largest abs */
   double complex *value, *slope;
 };
 
@@ -81,7 +87,7 @@ static PetscErrorCode GrowthAt(MpmFollow *f, PetscReal x, PetscReal *largest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Factors that coincide have no derivatives of their own: they take the mean, which has one. */
+/* Eigenvalues that coincide have no derivatives of their own. They get the mean of their derivatives, which exists. */
 static void MoveTogether(const MpmFollow *f, MpmSample *s)
 {
   for (PetscInt i = 0; i < f->n; i++) {
@@ -98,7 +104,7 @@ static void MoveTogether(const MpmFollow *f, MpmSample *s)
   for (PetscInt i = 0; i < f->n; i++) s->slope[i] = f->beside[i];
 }
 
-/* Factors at x and their derivatives, from those at x + d. */
+/* Computes the eigenvalues at x, and their derivatives from those at x + d. */
 static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
 {
   PetscFunctionBegin;
@@ -134,7 +140,7 @@ static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
   return speed;
 }
 
-/* Two factors at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
+/* Two eigenvalues at a place: S = (l1 + l2) / 2 and Q = (l1 - l2)^2 / 4, with derivatives. */
 typedef struct {
   PetscReal      x;
   double complex S, dS, Q, dQ;
@@ -148,7 +154,9 @@ static Pair PairOf(const MpmSample *s, PetscInt i, PetscInt j)
                 d * (s->slope[i] - s->slope[j]) / 2};
 }
 
-/* Of the factors that are not where they were predicted the one nearest to i, or -1. */
+/*
+   Of the eigenvalues that are not where they were predicted, finds the one nearest to i. Returns -1 when there is none.
+*/
 static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, PetscReal allowed)
 {
   PetscInt nearest = -1;
@@ -160,7 +168,7 @@ static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, Pets
   return nearest;
 }
 
-/* Whether the mean of a pair and the square of its half difference are where they were predicted. */
+/* Returns whether S and Q of a pair are where they were predicted. */
 static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j, PetscReal allowed)
 {
   const Pair      p = PairOf(a, i, j), q = PairOf(b, i, j);
@@ -173,8 +181,9 @@ static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, P
 }
 
 /*
-   Brings b's factors into the order of a's, nearest to their predictions first. Says whether all are where predicted:
-   by themselves, or two that meet in between together; then match[i] is the other one, else -1.
+   Brings the eigenvalues at b into the order of those at a, nearest to their predictions. Returns whether all are where
+   they were predicted: each by itself, or two together that meet in between. Then match[i] is the other one of the two,
+   and otherwise -1.
 */
 static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
 {
@@ -211,7 +220,7 @@ static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
   return PETSC_TRUE;
 }
 
-/* Hermite's cubic through the values and derivatives at a and b. */
+/* Evaluates at x Hermite's cubic through values and derivatives at a and b. */
 static double complex Cubic(PetscReal a, PetscReal b, double complex fa, double complex da, double complex fb,
                             double complex db, PetscReal x)
 {
@@ -220,7 +229,7 @@ static double complex Cubic(PetscReal a, PetscReal b, double complex fa, double 
   return r * r * ((1 + 2 * t) * fa + t * h * da) + t * t * ((1 + 2 * r) * fb - r * h * db);
 }
 
-/* The model of S and Q at x; returns the real part of Q / S^2. */
+/* Evaluates the model of S and Q at x; returns the real part of Q / S^2. */
 static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double complex *Q)
 {
   *S = Cubic(m[0].x, m[1].x, m[0].S, m[0].dS, m[1].S, m[1].dS, x);
@@ -284,14 +293,14 @@ static PetscReal Largest(OfModel of, const Pair m[2], PetscReal lo, PetscReal hi
   return fa >= fb ? a : b;
 }
 
-/* Where in [lo, hi] the pair meets by the model, and the logarithm of the larger abs there. */
+/* Finds the place in [lo, hi] where the pair of the model meets, and returns the logarithm of the larger abs there. */
 static PetscReal Peak(const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
 {
   *x = Largest(RatioAt, m, lo, hi);
   return LogAbsAt(m, *x);
 }
 
-/* The pair at a place that is most like the model's; error: how far its Q is from the model's. */
+/* Finds the pair that is most like the model's at a place. error: the difference of its Q from the model's. */
 static Pair Find(const MpmFollow *f, const MpmSample *s, double complex S, double complex Q, PetscReal *error)
 {
   PetscReal least = INFINITY;
@@ -408,7 +417,7 @@ static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal four
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Two factors that come near each other between a and b: how large they become there. */
+/* Finds how large two eigenvalues become that come near each other between a and b. */
 static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
 {
   const Pair      end[2] = {PairOf(a, i, j), PairOf(b, i, j)};
@@ -422,7 +431,7 @@ static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether two factors approach each other after a and part before b, so near that they may meet. */
+/* Returns whether two eigenvalues approach each other after a and separate before b, so near that they may meet. */
 static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, PetscInt j)
 {
   const double complex da = a->value[i] - a->value[j], db = b->value[i] - b->value[j];
@@ -437,7 +446,7 @@ static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, Pet
   return least <= NEAR * fmax(cabs(db - da), (b->x - a->x) * fmax(cabs(sa), cabs(sb))) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* One factor whose abs has a maximum between a and b, of Hermite's cubic of its logarithm. */
+/* Looks at an eigenvalue whose abs has a maximum between a and b, by Hermite's cubic of its logarithm. */
 static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i)
 {
   const PetscReal at[2]    = {log(cabs(a->value[i])), log(cabs(b->value[i]))};
@@ -461,7 +470,7 @@ static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What may grow between two places whose factors are in the same order. */
+/* Looks for growth between two places whose eigenvalues are in the same order. */
 static PetscErrorCode LookBetween(MpmFollow *f, const MpmSample *a, const MpmSample *b)
 {
   PetscFunctionBegin;
@@ -488,7 +497,7 @@ static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether one of the factors that are not where they were predicted is so large that it might grow. */
+/* Returns whether one of the eigenvalues that are not where they were predicted is so large that it might grow. */
 static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
 {
   for (PetscInt i = 0; i < f->n; i++)
@@ -496,7 +505,7 @@ static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
   return PETSC_FALSE;
 }
 
-/* The next place after a: as far as factors can be told apart. */
+/* Goes from a to the next place, as far as eigenvalues can be told apart. */
 static PetscErrorCode Step(MpmFollow *f, const MpmSample *a, PetscReal h, PetscReal least, MpmSample *b,
                            PetscBool *matched)
 {
@@ -530,7 +539,7 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
 
     h = fmin(fmin(2 * h, RATIO * a->x), fmin(TURN / Fastest(f, a), to - a->x));
     PetscCall(Step(f, a, h, least * a->x, b, &matched));
-    least = matched ? LEAST : 2 * least; /* where nothing can be told apart the way is not crept */
+    least = matched ? LEAST : 2 * least; /* longer least steps where eigenvalues cannot be told apart */
     if (matched) PetscCall(LookBetween(f, a, b));
     if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
     bracket[0] = a->x;

@@ -3,13 +3,17 @@
 #include <mpmstab/compat.h>
 #include <complex.h>
 
-/* Sets the n factors of a period at a place x of the line, in any order; infinite where they leave the range. */
+/*
+   Sets the n amplification factors of a period at a place x of the line, in any order. They are infinite where they
+   leave the range of doubles.
+*/
 typedef PetscErrorCode (*MpmFactorsAt)(void *context, PetscReal x, double complex value[]);
 
 /*S
-   MpmMeeting - a place x of the line where two factors meet, or where they come nearest to each other.
+   MpmMeeting - a place x of the line where two amplification factors meet, or where they come nearest to each other.
 
-   peak: the largest growth there, as the logarithm of the abs of a factor per step. angle: the argument of their mean.
+   peak: the largest growth there, as the logarithm of the abs of an amplification factor per step. angle: the argument
+   of the mean of the two.
 S*/
 typedef struct {
   PetscReal x, peak, angle;
@@ -18,12 +22,12 @@ typedef struct {
 typedef struct MpmSample_ MpmSample;
 
 /*S
-   MpmFollow - the factors of a line and what was found on it.
+   MpmFollow - the amplification factors along a line, and what was found on it.
 
-   n factors, of a period of so many steps. most: the logarithm of the largest abs over a period that counts as no
-   growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the tolerance. doubtful: the least
-   place, of all lines so far, where factors could not be told apart at the least step; infinite for none. evaluations:
-   places looked at so far.
+   n: their number; they are those of a period of so many steps. most: the logarithm of the largest abs over a period
+   that does not count as growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the
+   tolerance. doubtful: the least place, of all lines so far, where amplification factors could not be told apart at the
+   least step; infinite for none. evaluations: the number of places computed so far.
 S*/
 typedef struct {
   PetscInt        n, period, nmeetings, room;
@@ -40,22 +44,22 @@ typedef struct {
 
 #define MPM_MEETING_FLOOR 0.03
 
-/* Not collective. */
+/* Not collective. at computes the amplification factors, and context is passed to it. */
 PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance, MpmFactorsAt at, void *context,
                                MpmFollow *follow);
 PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
 
 /*
-   MpmFollowLine - the first place of [from, to] where growth per step is beyond 1 + tolerance.
+   MpmFollowLine - finds the first place of [from, to] where growth per step exceeds 1 + tolerance.
 
-   Not collective. bracket: growth is within tolerance at bracket[0], beyond it at bracket[1], which is next to it;
-   infinite when nowhere, bracket[0] = 0 when growth is beyond already at from. x must be positive. peak becomes the
-   largest growth met on the line, as in MpmMeeting.
+   Not collective. from must be positive. bracket: growth is within tolerance at bracket[0] and beyond it at bracket[1],
+   which is next to it. bracket[1] is infinite when growth is nowhere beyond; bracket[0] is 0 when it is beyond already
+   at from. follow->peak becomes the largest growth on the line, as in MpmMeeting.
 
-   Each step predicts the factors from their derivatives and is halved until every factor is where it was predicted, so
-   that none is taken for another. Where two come near each other between two places, and where one alone might rise
-   beyond 1, the line is looked at between them. Growth can begin nowhere else. With l1 and l2 the two that meet, their
-   mean and (l1 - l2)^2 / 4 are smooth functions of x also where l1 and l2 are not, and few places show how large abs
-   becomes. Source: THEORY.md, section 4.
+   Each step predicts the amplification factors from their derivatives. The step is halved until each of them is where
+   it was predicted, so that none is mistaken for another. Growth can begin only where two come near each other between
+   two places, or where one alone rises beyond 1; there the line is examined between the places. With l1 and l2 the two
+   that meet, their mean and (l1 - l2)^2 / 4 are smooth functions of x even where l1 and l2 are not, so that few places
+   show how large abs becomes. Source: THEORY.md, section 4.
 */
 PetscErrorCode MpmFollowLine(MpmFollow *follow, PetscReal from, PetscReal to, PetscReal bracket[2]);

@@ -1,14 +1,17 @@
-/* Least squares on the late half of a run: constant, algebraic (a + b t, or t^p), or exp(lambda t)? */
+/*
+   Fits the late half of a run by least squares: is it constant, algebraic (a + b t, or t^p), or exponential (exp(lambda
+   t))?
+*/
 #include "analysis/growth.h"
 #include <math.h>
 
 #define FEWEST_SAMPLES 8
 #define BATCHES 10
-#define CLEARLY_BETTER 1.5 /* ratio of residuals below which two fits are not told apart */
+#define CLEARLY_BETTER 1.5 /* two fits whose residuals have a smaller ratio are not told apart */
 
 /*
-   Growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2 over the second half:
-   eigenvalues 1 in blocks of up to four. Beyond that it is not taken for algebraic.
+   Over the second half of a run, growth like t, t^2 and t^3 from the first step on rises by ln 2, 2 ln 2 and 3 ln 2.
+   Eigenvalues 1 in blocks of up to four grow like that. A larger rise does not count as algebraic.
 */
 #define LARGEST_ALGEBRAIC_RISE 2.2
 
@@ -39,10 +42,10 @@ PetscErrorCode MpmSeriesDestroy(MpmSeries *s)
 }
 
 typedef struct {
-  PetscReal slope, rise, scatter, linear_scatter; /* of the exponential; of the better algebraic fit */
+  PetscReal slope, rise, scatter, linear_scatter; /* linear_scatter: of the better algebraic fit */
 } Fit;
 
-/* y = c + slope x: returns the slope, and the root mean square of what remains. */
+/* Fits y = c + slope x. Returns the slope; scatter is the root mean square of the residuals. */
 static PetscReal FitLine(PetscInt n, const PetscReal x[], const PetscReal y[], PetscReal *scatter)
 {
   PetscReal mean_x = 0, mean_y = 0, xx = 0, xy = 0, rest = 0;
@@ -60,7 +63,7 @@ static PetscReal FitLine(PetscInt n, const PetscReal x[], const PetscReal y[], P
   return xy / xx;
 }
 
-/* N = exp(y) = a + b t with relative weights 1/N: minimises sum ((a + b t) / N - 1)^2. */
+/* Fits N = exp(y) = a + b t with relative weights 1/N: it minimises sum ((a + b t) / N - 1)^2. */
 static PetscReal LinearScatter(PetscInt n, const PetscReal x[], const PetscReal y[])
 {
   PetscReal aa = 0, ab = 0, bb = 0, ra = 0, rb = 0, rest = 0, a, b, det;
@@ -86,8 +89,8 @@ static PetscReal LinearScatter(PetscInt n, const PetscReal x[], const PetscReal 
 }
 
 /*
-   x: steps and their logarithms, 2 n numbers. A defective eigenvalue 1 makes the norm grow like t in the end,
-   but more slowly while eigenvalues close to 1 are still indistinguishable from it: hence t^p beside a + b t.
+   x holds n steps and then their logarithms. A defective eigenvalue 1 makes the norm grow like t in the end, but more
+   slowly as long as eigenvalues close to 1 cannot be distinguished from it. So t^p is fitted as well as a + b t.
 */
 static Fit FitLate(PetscInt n, const PetscReal x[], const PetscReal y[])
 {
@@ -107,14 +110,17 @@ static PetscBool StandsOut(const Fit *fit)
   return fit->rise > 4 * fit->scatter ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Growth that has just emerged does not follow a line yet, but a rise this large is no scatter either. */
+/*
+   Returns whether the norm grows. Growth that has just emerged does not follow a line yet, but a rise this large is no
+   scatter either.
+*/
 static PetscBool Grows(const Fit *fit, PetscReal tolerance)
 {
   if (fit->slope <= log1p(tolerance)) return PETSC_FALSE;
   return StandsOut(fit) || fit->rise > LARGEST_ALGEBRAIC_RISE ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Whether the better of the two fits is better beyond doubt. */
+/* Returns whether one of the two fits is clearly better. */
 static PetscBool IsDecided(const Fit *fit)
 {
   const PetscReal worse  = PetscMax(fit->scatter, fit->linear_scatter),
@@ -129,7 +135,10 @@ static PetscBool IsLinear(const Fit *fit)
   return fit->rise <= LARGEST_ALGEBRAIC_RISE && fit->linear_scatter < fit->scatter ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The first sample of the late half, or n when too few follow or they are not finite (the state vanished). */
+/*
+   Finds the first sample of the late half. Returns n when too few samples follow, or when they are not finite because
+   the state has vanished.
+*/
 static PetscInt FirstLate(const MpmSeries *s)
 {
   PetscInt late = 0;
@@ -141,7 +150,10 @@ static PetscInt FirstLate(const MpmSeries *s)
   return late;
 }
 
-/* Batch means: the slopes over parts of the series, taken for independent, scatter about its own. */
+/*
+   Computes the standard error of the slope by batch means: the slopes over parts of the series, taken as independent,
+   scatter about the slope of the whole.
+*/
 static PetscReal StandardError(PetscInt n, const PetscReal x[], const PetscReal y[])
 {
   PetscReal sum = 0, squares = 0;

@@ -1,20 +1,20 @@
-/* Wavenumber and null-space share of eigenvectors. */
+/* Computes wavenumber and null-space share of eigenvectors. */
 #include "operator/assemble.h"
 #include "analysis/modes.h"
-#include <complex.h> /* before fftw3.h, whose numbers are then C's */
+#include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
 #include <fftw3.h>
 #include <math.h>
 #include <slepcsvd.h>
 
-#define SEEN 1e-8  /* share of a mode below which the grid does not see it */
-#define RANK 1e-10 /* singular value, relative to the largest, below which it is 0 */
+#define SEEN 1e-8  /* relative to the mode; a nodal trace below it is rounding */
+#define RANK 1e-10 /* singular values below this, relative to the largest, count as 0 */
 #define ITERATIONS 2000
 
-/* What the loop over modes needs. */
+/* The work space of the loop over modes. */
 typedef struct {
   const MpmOperator *op;
   PetscInt           cells;
-  Mat                transposed; /* of P2G */
+  Mat                transposed; /* P2G transposed */
   KSP                lsqr;
   Vec                x[2], field, rest, nodes, on_first;
   VecScatter         to_first;
@@ -70,7 +70,7 @@ static PetscErrorCode LensDestroy(Lens *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the power of the real nodal trace at each phase 0..cells/2; for complex modes both parts are added. */
+/* Adds the power of the real nodal trace at each phase 0 .. cells/2. For complex modes it is called for both parts. */
 static PetscErrorCode AddPower(Lens *l, PetscReal power[])
 {
   const PetscReal *g;
@@ -88,7 +88,10 @@ static PetscErrorCode AddPower(Lens *l, PetscReal power[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The part of a field that no node sees: what P2G^T z cannot reach. */
+/*
+   Computes the norm of a field's part in the null space of P2G: it is the residual of the field's least-squares fit by
+   P2G^T z.
+*/
 static PetscErrorCode NullNorm(Lens *l, PetscReal *norm)
 {
   PetscReal          whole;
@@ -107,7 +110,7 @@ static PetscErrorCode NullNorm(Lens *l, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One mode, in l->x: of norm 1. */
+/* Examines one mode of norm 1, which is in l->x. */
 static PetscErrorCode Look(Lens *l, PetscReal power[], PetscReal *beta, PetscReal *null_share)
 {
   PetscReal share = 0, norm, total = 0;
@@ -162,7 +165,7 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Columns minus rank. */
+/* The nullity of a map is its number of columns minus its rank. */
 static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
 {
   PetscInt  found, rank    = 0, columns;
@@ -200,7 +203,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
     const MpmOp *seen = MpmTableSeenBy(table, f);
 
     if (table->filtered[f]) continue;
-    if (!seen) { /* no node feels any of it */
+    if (!seen) { /* no node feels any of this field */
       *nullity += (PetscInt)op->layout->particles;
       continue;
     }

@@ -3,8 +3,8 @@
 
      K = sup over abs(z) > 1 of (abs(z) - 1) / sigma(z)
 
-   from below: the largest over circles outside the unit circle, at evenly spaced angles and at those of the
-   eigenvalues near it, then refined about the best of them. A is real: sigma(conj z) = sigma(z).
+   K is bounded from below by the largest value on circles outside the unit circle, at evenly spaced angles and at those
+   of the eigenvalues near the circle. Then the best point is refined. A is real, so sigma(conj z) = sigma(z).
 */
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
@@ -12,15 +12,15 @@
 #include "analysis/pseudospectrum.h"
 #include <math.h>
 
-#define HALF_WIDTH 1.3 /* of the square, unless the spectrum needs more: then WIDER than it */
+#define HALF_WIDTH 1.3 /* of the square; a spectrum that needs more gets WIDER times its own */
 #define WIDER 1.1
-#define ANGLES 48       /* in [0, pi] */
-#define CIRCLES 5       /* log10 of the distance from 0 down to that of MPM_KREISS_NEAREST */
-#define OUTER 3         /* of them that evenly spaced angles can resolve */
-#define NEAR_CIRCLE 0.1 /* eigenvalues whose angles are looked at */
-#define APART 1e-3      /* such angles */
-#define ROUNDS 3        /* of golden section in angle and distance */
-#define BEYOND 1e-9     /* by which one quotient is larger than another, relative */
+#define ANGLES 48       /* evenly spaced in [0, pi] */
+#define CIRCLES 5       /* log10 of their distance goes from 0 down to that of MPM_KREISS_NEAREST */
+#define OUTER 3         /* the outer circles, which evenly spaced angles can resolve */
+#define NEAR_CIRCLE 0.1 /* eigenvalues this near to the unit circle give angles */
+#define APART 1e-3      /* least difference of two such angles */
+#define ROUNDS 3        /* rounds of golden section in angle and distance */
+#define BEYOND 1e-9     /* relative difference by which one quotient counts as larger than another */
 
 PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
 {
@@ -34,7 +34,7 @@ PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Points z, first those of half the square, then those outside the circle. */
+/* Points z: first those of the upper half of the square, then those outside the circle. */
 typedef struct {
   MpmResolvent   *resolvent;
   PetscInt        n, square;
@@ -52,7 +52,7 @@ static PetscReal Circle(PetscInt c)
   return c * log10(MPM_KREISS_NEAREST) / (CIRCLES - 1);
 }
 
-/* Angles in [0, pi] of the eigenvalues near the circle, each once. */
+/* Lists the angles in [0, pi] of the eigenvalues near the circle, each once. */
 static PetscErrorCode Angles(const MpmResolvent *r, PetscInt *n, PetscReal angle[])
 {
   PetscInt found = 0;
@@ -101,7 +101,7 @@ static PetscErrorCode Sigma(void *context, PetscInt i)
 typedef struct {
   MpmResolvent *resolvent;
   PetscReal     place[2]; /* log10 of the distance from the circle, and the angle */
-  int           free;     /* which of them is searched along */
+  int           free;     /* index of the coordinate that is searched along */
 } Search;
 
 static PetscErrorCode MinusQuotient(void *context, PetscReal x, PetscReal *value)
@@ -118,7 +118,7 @@ static PetscErrorCode MinusQuotient(void *context, PetscReal x, PetscReal *value
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From the best point on, by golden section in one direction and the other; the brackets shrink with the rounds. */
+/* Refines the best point by golden section, in angle and distance in turn. The brackets shrink from round to round. */
 static PetscErrorCode Refine(MpmResolvent *r, MpmPseudospectrum *s)
 {
   const PetscReal nearest  = log10(MPM_KREISS_NEAREST);
@@ -133,7 +133,7 @@ static PetscErrorCode Refine(MpmResolvent *r, MpmPseudospectrum *s)
     search = (Search){.resolvent = r, .place = {place[0], place[1]}, .free = d};
     PetscCall(MpmGoldenSection(MinusQuotient, &search, d ? place[d] - width : PetscMax(place[d] - width, nearest),
                                place[d] + width, &x, &value));
-    if (!(-value > s->kreiss * (1 + BEYOND))) continue; /* else golden section has only moved it by rounding */
+    if (!(-value > s->kreiss * (1 + BEYOND))) continue; /* rounding alone has moved it */
     place[d]     = x;
     s->kreiss    = -value;
     s->kreiss_at = Outside(place[0], place[1]);

@@ -1,4 +1,7 @@
-/* A run: scene -> particles and grid -> march -> samples, growth and diagnostics. Files are the callbacks' affair. */
+/*
+   A run: it makes particles and grid from the scene, marches them, and collects samples, growth and diagnostics. The
+   callbacks read and write files.
+*/
 #include "analysis/run.h"
 #include "march/conserved.h"
 #include "march/march_private.h"
@@ -8,15 +11,18 @@
 #include "march/traffic.h"
 #include <math.h>
 
-#define MOST_SAMPLES 256 /* equally spaced, unless growth asks for more */
+#define MOST_SAMPLES 256 /* equally spaced; large growth per step asks for more */
 
-/* Rescaling keeps the state within 2^+-100; between two samples it may grow to 2^480, and its squares fit a double. */
+/*
+   Rescaling keeps the state within 2^+-100. Between two samples it may grow by 2^380, so it stays below 2^480, and its
+   squares fit in a double.
+*/
 #define RESCALE_AT 100
 #define ROOM 380
 
 #define SQUARES_END 1e154 /* beyond it squares are out of range */
 
-#define LEAST_MASS 0x1p-52 /* of a node in a layout that is not uniform, in particles */
+#define LEAST_MASS 0x1p-52 /* of a node, in particles, when the layout is not uniform */
 
 static const MpmRunCallbacks no_callbacks;
 
@@ -26,13 +32,16 @@ typedef struct {
   PetscBool               random; /* starts from random data, not from the scene's */
   MpmMarch               *march;
   const MpmRunCallbacks  *callbacks;
-  MpmTransferDiagnostics *exchange; /* NULL: the scene asks for none */
-  PetscInt64              gap;      /* steps between samples */
-  PetscReal               aside_s;  /* time that is no part of the loop's */
+  MpmTransferDiagnostics *diagnostics; /* NULL: the scene asks for none */
+  PetscInt64              gap;         /* steps between samples */
+  PetscReal               aside_s;     /* time that does not count as time of the loop */
   MpmConserved            start;
 } Loop;
 
-/* A step enlarges the state by at most a bound known from the table, so that no run overflows between samples. */
+/*
+   Chooses the steps between samples. One step enlarges the state by at most a bound known from the table, so no run can
+   overflow between samples.
+*/
 static PetscInt64 SampleGap(const MpmScene *scene, PetscInt64 steps)
 {
   PetscReal least = MpmLayoutIsUniform(&scene->layout) ? scene->layout.ppc : LEAST_MASS;
@@ -46,20 +55,20 @@ static PetscInt64 SampleGap(const MpmScene *scene, PetscInt64 steps)
   return PetscMax(1, PetscMin((PetscInt64)safe, steps / MOST_SAMPLES));
 }
 
-/* What is done with a sample besides the series; no part of the loop's time. */
+/* Measures diagnostics and calls the caller's function at a sample. This time does not count as time of the loop. */
 static PetscErrorCode Record(Loop *loop, PetscReal log_norm, PetscReal energy)
 {
   const MpmRunCallbacks *c     = loop->callbacks;
   const PetscReal        begin = MPI_Wtime();
 
   PetscFunctionBegin;
-  if (loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
-  if (c->sample) PetscCall(c->sample(c->context, loop->run, loop->march, loop->exchange, log_norm, energy));
+  if (loop->diagnostics) PetscCall(MpmTransferDiagnosticsMeasure(loop->diagnostics));
+  if (c->sample) PetscCall(c->sample(c->context, loop->run, loop->march, loop->diagnostics, log_norm, energy));
   loop->aside_s += MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy in the scene's units; NaN when it is out of the range of doubles, or when there is none. */
+/* Returns the energy in the scene's units. It is NaN when it is out of the range of doubles, or when there is none. */
 static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 {
   const MpmProfile profile  = MpmSceneProfile(march->scene, 1);
@@ -70,7 +79,10 @@ static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
   return isnormal(value) || energy == 0 ? value : NAN;
 }
 
-/* Records norm and energy of a sampled step and rescales the state. follow: whether the run can follow its state. */
+/*
+   Records norm and energy of a sampled step and rescales the state. follow: whether the run can go on to follow the
+   state.
+*/
 static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
 {
   MpmMarch       *march = loop->march;
@@ -103,7 +115,7 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* stop: the caller wants the run to end here. */
+/* Tells the caller of a step. stop: the caller wants the run to end. */
 static PetscErrorCode TellStep(Loop *loop, PetscBool *stop)
 {
   const MpmRunCallbacks *c = loop->callbacks;
@@ -126,8 +138,9 @@ static PetscErrorCode March(Loop *loop)
 
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
-  /* a run that resumes at its last step takes no sample, and still has diagnostics to show */
-  if (loop->march->step == request->steps && loop->exchange) PetscCall(MpmTransferDiagnosticsMeasure(loop->exchange));
+  /* a run that resumes at its last step takes no sample, but still reports diagnostics */
+  if (loop->march->step == request->steps && loop->diagnostics)
+    PetscCall(MpmTransferDiagnosticsMeasure(loop->diagnostics));
   PetscCall(TellStep(loop, &stop));
   PetscCall(MpmProgressBegin("step", &progress));
   loop->aside_s = 0;
@@ -157,7 +170,7 @@ static PetscErrorCode Begin(Loop *loop)
   if (c->begin) PetscCall(c->begin(c->context, loop->run, loop->march));
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
-  PetscCall(MpmTransferDiagnosticsCreate(loop->march, loop->request, &loop->exchange));
+  PetscCall(MpmTransferDiagnosticsCreate(loop->march, loop->request, &loop->diagnostics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,7 +185,7 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What came out of the march, beside what was recorded on its way. */
+/* Computes the results at the end of the march, such as errors and changes of conserved quantities. */
 static PetscErrorCode Conclude(Loop *loop)
 {
   MpmRun         *r     = loop->run;
@@ -186,10 +199,10 @@ static PetscErrorCode Conclude(Loop *loop)
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
   r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
                               (PetscReal)scene->layout.particles / scene->layout.grid.nodes, alike);
-  if (loop->exchange) {
-    r->exchange_first = loop->exchange->first;
-    r->exchange_last  = loop->exchange->last;
-    r->exchange_most  = loop->exchange->most;
+  if (loop->diagnostics) {
+    r->transfer_first = loop->diagnostics->first;
+    r->transfer_last  = loop->diagnostics->last;
+    r->transfer_most  = loop->diagnostics->most;
   }
   PetscCall(MpmGrowthFit(&r->series, loop->request->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
   r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, loop->request->tolerance);
@@ -219,7 +232,7 @@ static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
   PetscCall(Check(loop));
   if (c->end) PetscCall(c->end(c->context, r, loop->march));
   PetscCall(Conclude(loop));
-  PetscCall(MpmTransferDiagnosticsDestroy(&loop->exchange));
+  PetscCall(MpmTransferDiagnosticsDestroy(&loop->diagnostics));
   PetscCall(MpmMarchDestroy(&loop->march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,4 +1,4 @@
-/* Run: a scene marched to its end, and what came out of it. */
+/* Run: a scene marched to its end, and the results. */
 #pragma once
 #include "march/diagnostics.h"
 #include "march/transfer_diagnostics.h"
@@ -9,17 +9,19 @@
    MpmRun - the result of the task run.
 
    from: the step at which this run began, 0 unless it resumed from a checkpoint. stopped: a signal ended it before its
-   last step. eigenmode: growth per step of the eigenvalue that initial eigenmode belongs to, else NaN.
-   Energies are NaN when out of range, their ratio is not. blew_up_at_step is the first sampled step at which the norm
-   of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: of what there was at the start
-   of the run (NaN: none to conserve, or the state was lost). lost: one step enlarged the state beyond what rescaling
-   can follow, and the run stopped there; growth_above: by how much at least per step. bytes: moved per particle and
-   step, if known (traffic.h). exchange_*: of scenes that ask for weights, source term or ringing (see exchange.h).
+   last step. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
+
+   Energies are NaN when out of range; their ratio is still known then. blew_up_at_step: the first sampled step at which
+   the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
+   the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
+   what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
+   per particle and step, if known (traffic.h). transfer_first, transfer_last, transfer_most: the transfer diagnostics,
+   in scenes that ask for weights, source term or ringing (transfer_diagnostics.h).
 S*/
 #define MPM_NEVER -1
 typedef struct {
   const MpmScene   *scene;
-  const MpmRequest *request; /* NULL: only marched and measured */
+  const MpmRequest *request; /* NULL when the run was only marched and measured */
   PetscMPIInt       ranks;
   PetscInt64        from, steps, blew_up_at_step;
   PetscReal         loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
@@ -31,30 +33,33 @@ typedef struct {
   MpmVerdict        verdict;
   MpmPredictions    predictions;
 
-  MpmTransferDiagnosticsSample exchange_first, exchange_last, exchange_most;
+  MpmTransferDiagnosticsSample transfer_first, transfer_last, transfer_most;
 } MpmRun;
 
 /*S
-   MpmRunCallbacks - what a caller does while a run marches: restarts, files, signals. The march knows nothing of them.
+   MpmRunCallbacks - what a caller does while a run marches: restarts, files, signals. The march itself does none of
+   that.
 
-   Each function is collective and gets context; one that is NULL is left out. begin: the march has the scene's initial
-   data; it may replace them and the run's series by those of a checkpoint, and fills what an eigenmode starts from.
-   sample: norm and energy of a step were recorded; log_norm is the logarithm of the state's norm, and exchange is NULL
-   where the scene asks for none. step: after begin, and after each step; run->lost says that the run cannot follow its
-   state and ends there; stop asks it to end. end: the march is at its end, or was stopped (run->stopped). The time that
-   sample and step take is no part of run->loop_s.
+   Each function is collective and gets context. A function that is NULL is not called. The time that sample and step
+   take does not count in run->loop_s.
+
+   begin: called when the march has the scene's initial data. It may replace them and the run's series by those of a
+   checkpoint; it fills the initial data of an eigenmode. sample: called when norm and energy of a step have been
+   recorded. log_norm is the logarithm of the state's norm; diagnostics is NULL where the scene asks for none. step:
+   called after begin and after each step. run->lost says that the run cannot follow its state and ends there; setting
+   stop ends the run. end: called when the march is at its end or was stopped (run->stopped).
 S*/
 typedef struct {
   void *context;
   PetscErrorCode (*begin)(void *context, MpmRun *run, MpmMarch *march);
   PetscErrorCode (*sample)(void *context, const MpmRun *run, const MpmMarch *march,
-                           const MpmTransferDiagnostics *exchange, PetscReal log_norm, PetscReal energy);
+                           const MpmTransferDiagnostics *diagnostics, PetscReal log_norm, PetscReal energy);
   PetscErrorCode (*step)(void *context, const MpmRun *run, MpmMarch *march, PetscBool *stop);
   PetscErrorCode (*end)(void *context, const MpmRun *run, MpmMarch *march);
 } MpmRunCallbacks;
 
 /*
-   MpmRunCreate - marches a scene, measures, and lets the callbacks (NULL: none) read and write files.
+   MpmRunCreate - marches a scene, measures, and calls the callbacks (NULL: none), which read and write files.
 
    Collective on PETSC_COMM_WORLD. started is the MPI_Wtime at which the program began. Of the request it reads steps,
    tolerance and what is to be measured.
@@ -63,9 +68,9 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, const MpmRequest *request, co
                             PetscReal started, MpmRun **run);
 
 /*
-   MpmRunRandom - marches a scene from random data, which excite every mode, for a number of steps, and measures growth.
+   MpmRunRandom - marches a scene for some steps from random data, which excite every mode, and measures growth.
 
-   Collective on PETSC_COMM_WORLD. It writes no file and predicts nothing.
+   Collective on PETSC_COMM_WORLD. It writes no file and computes no prediction.
 */
 PetscErrorCode MpmRunRandom(const MpmScene *scene, PetscInt64 steps, PetscReal tolerance, MpmRun **run);
 PetscErrorCode MpmRunDestroy(MpmRun **run);

@@ -1,20 +1,23 @@
-/* The task spectrum: operator, symbol and march of one scene, each from the same table, and what they say together. */
+/* The task spectrum: it makes operator, symbol and march of one scene from the same table, and compares them. */
 #include "scene/layout.h"
 #include "base/progress.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>
 
-#define BESIDE 1e-10       /* how far from an eigenvalue a shift stays, relative */
-#define AT_ONE 1e-6        /* a defective pair at 1 is split by rounding to about 1e-8 */
-#define AGREE 1e-6         /* spectrum and symbol */
-#define MEASURE_WORK 2e8   /* particle-steps of the measured run, at most */
-#define MEASURE_STEPS 4000 /* of a run that does not grow */
+#define BESIDE 1e-10       /* relative distance of a shift from an eigenvalue */
+#define AT_ONE 1e-6        /* rounding splits a defective pair at 1 by about 1e-8 */
+#define AGREE 1e-6         /* largest mismatch of spectrum and symbol */
+#define MEASURE_WORK 2e8   /* most particle-steps of the measured run */
+#define MEASURE_STEPS 4000 /* steps of a run that does not grow */
 #define MEASURE_FEWEST 100
-#define MEASURE_MOST 1e5 /* of one rank; more ranks take longer for a step of few particles */
+#define MEASURE_MOST 1e5 /* particle-steps of one rank; more ranks take longer for a step of few particles */
 #define MEASURE_EFOLDS 60
 
-/* Distance of each listed eigenvalue from the nearest of the symbol's factors; the largest of them. */
+/*
+   Finds the distance of each listed eigenvalue from the nearest amplification factor of the symbol, and keeps the
+   largest.
+*/
 static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
 {
   const PetscInt n = s->symbol->size * s->symbol->phases;
@@ -40,7 +43,7 @@ static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
 static PetscErrorCode CountOnes(MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  if (!s->eigen->complete || s->op->exponent) PetscFunctionReturn(PETSC_SUCCESS); /* 1 is lost below such numbers */
+  if (!s->eigen->complete || s->op->exponent) PetscFunctionReturn(PETSC_SUCCESS); /* rounding hides a 1 */
   s->at_one = 0;
   for (PetscInt j = 0; j < s->eigen->n; j++)
     if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
@@ -83,8 +86,8 @@ static PetscReal OperatorError(const MpmSpectrum *s)
 }
 
 /*
-   On a uniform layout the sensitivity of the block, which is free of the multiplicity of +-beta; else by a left
-   vector.
+   Finds the condition number of the eigenvalue. On a uniform layout it is that of the symbol's block, in which +beta
+   and -beta do not coincide. Otherwise it comes from a left vector.
 */
 static PetscErrorCode Sensitivity(MpmSpectrum *s)
 {
@@ -106,7 +109,7 @@ static PetscErrorCode Sensitivity(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether an eigenvalue was found where the symbol named one, so near that it is not just the 1 beside it. */
+/* Returns whether an eigenvalue was found where the symbol predicts one, and not just the eigenvalue 1 beside it. */
 static PetscBool FoundTarget(const MpmSpectrum *s)
 {
   const PetscReal away = hypot(s->target[0] - scalbn(1, -(int)s->op->exponent), s->target[1]);
@@ -117,9 +120,10 @@ static PetscBool FoundTarget(const MpmSpectrum *s)
 }
 
 /*
-   All eigenvalues, or those of largest magnitude, decide by themselves. Those near a target confirm the symbol, whose
-   factors are the whole spectrum. What is found above 1 + tolerance is unstable in any case. An operator that is not
-   what the march does, for a period that grows and dies again beyond double precision, shows no stability.
+   Judges stability. All eigenvalues, or those of largest magnitude, decide by themselves. Eigenvalues near a target
+   confirm the symbol, whose amplification factors are the whole spectrum. An eigenvalue above 1 + tolerance means
+   unstable in any case. An operator that differs from the march cannot show stability; this happens for a period whose
+   modes grow and decay beyond double precision.
 */
 static PetscErrorCode Judge(MpmSpectrum *s)
 {
@@ -157,7 +161,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
         PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
   if (!(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
-      fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one of the two is wrong */
+      fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one is wrong */
     f->uncertainty = f->defective_error = INFINITY;
     PetscCall(PetscStrlcat(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
   }
@@ -167,7 +171,10 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Random data excite every mode; as many steps as show the growth, or leave it out when that is too much work. */
+/*
+   Measures growth of random data, which excite every mode. It takes as many steps as show the growth, and no run when
+   that is too much work.
+*/
 static PetscErrorCode Measure(MpmSpectrum *s)
 {
   const PetscReal room  = MEASURE_WORK / (PetscReal)s->scene->layout.particles;
@@ -178,7 +185,7 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
   if (!s->request->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmRunRandom(s->scene, (PetscInt64)steps, s->request->tolerance, &s->run));
-  if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* one of the two is wrong */
+  if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* operator or march is wrong */
     s->finding.verdict = MPM_UNDECIDED;
     PetscCall(PetscStrlcat(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
   }
@@ -189,7 +196,7 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of what the verdict calls 1, the powers are compared with 1. */
+/* Computes norms of powers. Where the verdict counts the growth as 1, they are compared with 1. */
 static PetscErrorCode Transient(MpmSpectrum *s)
 {
   const PetscReal tolerance = s->finding.tolerance;
@@ -213,7 +220,7 @@ static PetscErrorCode Transient(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest resident size of this program, summed over its ranks. */
+/* Sums the largest resident size of this program over its ranks. */
 static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
 {
   struct rusage usage;
@@ -243,7 +250,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
   PetscCall(PeakMemory(comm, &before));
   if (request->pseudospectrum)
-    PetscCall(MpmPseudospectrumCheck(scene)); /* first come those that refuse what is too large */
+    PetscCall(MpmPseudospectrumCheck(scene)); /* first come the checks that refuse what is too large */
   PetscCall(MpmOperatorCreate(comm, &scene->layout, &scene->scheme, &scene->step, &s->op));
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));

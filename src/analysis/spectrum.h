@@ -1,4 +1,4 @@
-/* Spectrum: published, corrected, symbol, spectrum and measured growth of a scene, side by side. */
+/* Spectrum: the published, corrected, symbol's, operator's and measured growth of a scene, compared. */
 #pragma once
 #include "analysis/modes.h"
 #include "symbol/predict.h"
@@ -7,16 +7,16 @@
 #include "analysis/transient.h"
 
 /*S
-   MpmSpectrum - the result of the task spectrum. NaN: not computed.
+   MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
-   radius: largest abs of the listed eigenvalues of the operator, growth: per step. symbol is NULL on layouts that are
-   not uniform; mismatch from it is the largest distance of a listed eigenvalue from the symbol's set. at_one: listed
-   eigenvalues within 1e-6 of 1; nullity: states that no node sees (see MpmModesNullity); both MPM_UNCOUNTED
-   unless all eigenvalues are listed, nullity also under drift. condition: of the eigenvalue that the verdict rests
-   on; NaN for a stable one. memory: bytes that the task took at its peak, on all ranks. run: random data marched,
-   NULL when that was not asked for or would take too long. transient, pseudospectrum: NULL when not asked for, or
-   when the operator's numbers leave the range of doubles.
-*/
+   radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
+   that are not uniform. symbol_mismatch: the largest distance of a listed eigenvalue from the symbol's set. at_one: the
+   number of listed eigenvalues within 1e-6 of 1. nullity: the dimension of the null space (see MpmModesNullity). Both
+   are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
+   on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
+   ranks. run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
+   NULL when not asked for, or when the operator's numbers leave the range of doubles.
+S*/
 #define MPM_UNCOUNTED -1
 typedef struct {
   const MpmScene    *scene;
@@ -38,8 +38,8 @@ typedef struct {
 } MpmSpectrum;
 
 /*
-   MpmSpectrumCreate - assembles a scene's operator, proves it against the march, solves it, and sets it beside the
-   rest.
+   MpmSpectrumCreate - assembles a scene's operator, checks it against the march, solves for its eigenvalues, and
+   compares them with symbol and closed forms.
 
    Collective on PETSC_COMM_WORLD, with SLEPc initialized. started is the MPI_Wtime at which the program began.
 */

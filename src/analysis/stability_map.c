@@ -1,4 +1,4 @@
-/* Growth at the points of a rectangle: the symbol of one scene after another, dealt to the ranks. */
+/* Computes growth at the points of a rectangle, through the symbol of one scene after another. */
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
@@ -8,7 +8,10 @@
 
 #define MOST_POINTS 10000000
 
-/* What the symbol of a point reads: the scene's own layout and step, but for the numbers that the map goes over. */
+/*
+   What the symbol of a point depends on: the scene's own layout and step, except for the two numbers that the map
+   varies.
+*/
 typedef struct {
   MpmLayout layout;
   MpmStep   step;
@@ -55,7 +58,10 @@ static Point PointOf(const MpmStabilityMap *map, PetscInt point)
   return at;
 }
 
-/* Whatever could be refused at a point, by all ranks together; particles per cell are bounded by their option. */
+/*
+   Refuses, on all ranks together, what could be refused at a point. The option's own range bounds the particles per
+   cell.
+*/
 static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
 {
   Point    at = OwnPoint(scene);
@@ -87,7 +93,7 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
   MpmFinding          f    = {.tolerance = map->request->tolerance};
   const Point         at   = PointOf(map, i);
   const MpmSymbolWish wish = {.phases    = map->request->phases,
-                              .tolerance = map->request->tolerance}; /* the map itself shows how many points are done */
+                              .tolerance = map->request->tolerance}; /* the map's own progress line counts the points */
   MpmSymbol          *symbol;
 
   PetscFunctionBegin;

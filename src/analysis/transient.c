@@ -1,11 +1,11 @@
 /*
-   norm(A^n) = the largest singular value of the product of n steps, which is never formed:
+   norm(A^n) is the largest singular value of the product of n steps. The product is never formed; it is applied as
 
      x -> A(n-1) ... A(0) x,   y -> A(0)^T ... A(n-1)^T y
 
    by SLEPc's thick-restart Lanczos bidiagonalization (Hernandez, Roman and Tomas 2008). After some steps the product is
-   divided by a power of two, found once by following one vector, so that growth over any number of steps stays in
-   range.
+   divided by a power of two, so that growth over any number of steps stays in range. One vector is followed once to
+   find these powers.
 */
 #include "base/power_of_two.h"
 #include "scene/layout.h"
@@ -15,18 +15,18 @@
 #include <math.h>
 #include <slepcsvd.h>
 
-#define EVERY 16       /* steps, from which on they are spaced */
-#define SPACING 1.25   /* ratio */
-#define RESCALE_AT 64  /* powers of two */
+#define EVERY 16       /* norms are computed at all steps up to this one, and later at spaced ones */
+#define SPACING 1.25   /* ratio of spaced steps */
+#define RESCALE_AT 64  /* exponent of two at which the product is rescaled */
 #define BASIS 32       /* vectors of the Krylov space */
 #define TOLERANCE 1e-6 /* relative residual; the error is about its square over the gap */
 #define RESTARTS 500
-#define OF_NONZERO 12     /* bytes */
-#define NORMS_DIFFER 1e-9 /* logarithms of norms that differ by less are alike */
-#define LATE 4            /* a power is fitted from last / LATE on */
-#define FEWEST 4          /* norms to fit one */
+#define OF_NONZERO 12     /* bytes of a nonzero */
+#define NORMS_DIFFER 1e-9 /* norms whose logarithms differ by less count as equal */
+#define LATE 4            /* the power is fitted from step last / LATE on */
+#define FEWEST 4          /* norms needed for a fit */
 
-/* Steps of a period, and the powers of two that are taken out after each of the n that the product now has. */
+/* The steps of a period, and the power of two that is taken out after each of the product's n steps. */
 typedef struct {
   PetscInt  n, period, exponent, *shift;
   Mat      *step;
@@ -100,7 +100,7 @@ static PetscErrorCode ProductDestroy(Product *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same numbers on any number of ranks, in every direction. */
+/* Fills the start vector with components in every direction, the same on any number of ranks. */
 static PetscErrorCode SetStart(Vec start)
 {
   PetscInt   begin, end;
@@ -114,7 +114,9 @@ static PetscErrorCode SetStart(Vec start)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The powers of two that keep the image of one vector near its size; finite: whether doubles hold it at all. */
+/*
+   Finds the powers of two that keep the image of one vector near its size. finite: whether doubles can hold the image.
+*/
 static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool *finite)
 {
   Vec       in, out;
@@ -139,7 +141,7 @@ static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* NaN when the solver does not converge. */
+/* Finds the largest singular value, or NaN when the solver does not converge. */
 static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order, PetscReal *sigma)
 {
   SVD            svd;
@@ -158,7 +160,7 @@ static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order
   error = SVDSetFromOptions(svd);
   PetscCall(PetscPopErrorHandler());
   MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
-  PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* whatever they say */
+  PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* overrides the options */
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = SVDSolve(svd);
   PetscCall(PetscPopErrorHandler());
@@ -210,8 +212,8 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
 }
 
 /*
-   The largest, also beside growth^n; and the power of n with which the largest so far of norm(A^n) / growth^n grows
-   over the late steps, by least squares: norms themselves may swing.
+   Finds the largest norm, also relative to growth^n, and fits a power of n to the late steps by least squares. It is
+   fitted to the largest norm(A^n) / growth^n so far, since the norms themselves may swing.
 */
 static void Judge(PetscReal growth, MpmTransient *t)
 {
@@ -221,7 +223,7 @@ static void Judge(PetscReal growth, MpmTransient *t)
   for (PetscInt i = 0; i < t->n; i++) {
     const PetscReal x = log(t->steps[i]), y = t->log_norm[i] - t->steps[i] * log_growth;
 
-    if (t->log_norm[i] > largest + NORMS_DIFFER) { /* the first of those that are alike */
+    if (t->log_norm[i] > largest + NORMS_DIFFER) { /* the first of several that are equal */
       largest    = t->log_norm[i];
       t->largest = t->norm[i];
       t->at_step = t->steps[i];

@@ -1,29 +1,29 @@
-/* Transient growth: how large a state can become within n steps, whatever the eigenvalues say of the end. */
+/* Transient growth: how large a state can become within n steps, even if no eigenvalue shows growth. */
 #pragma once
 #include <mpmstab/operator.h>
 
 /*S
-   MpmTransient - norm(A^n), the largest singular value, at steps n = 0 .. last; under drift of the product of the
-   first n steps, which begin anew after a period.
+   MpmTransient - norm(A^n), the largest singular value, at steps n = 0 .. last. Under drift it is the norm of the
+   product of the first n steps; after a period the steps repeat.
 
-   norm is NaN where it is beyond the range of doubles or the solver did not converge (missing: at so many steps);
-   log_norm, its natural logarithm, is NaN only in the second case. largest (NaN: out of range) is at at_step. excess
-   is the largest norm(A^n) / growth^n, at excess_at; power, p where its largest so far grows like n^p over the late
-   steps;
-   both NaN when growth is not known, power also when there are too few steps.
+   norm: NaN where it is beyond the range of doubles or the solver did not converge. missing: the number of steps at
+   which it did not converge. log_norm: the natural logarithm of norm; NaN only where the solver did not converge.
+   largest: the largest norm, at at_step; NaN when out of range. excess: the largest norm(A^n) / growth^n, at excess_at.
+   power: the largest such quotient so far grows like n^power over the late steps. excess and power are NaN when growth
+   is not known, power also when there are too few steps.
 
    The norm is that of MpmOperatorWeigh. Source: Trefethen and Embree 2005, Spectra and Pseudospectra, ch. 14-18.
-*/
+S*/
 typedef struct {
   PetscInt   n, *steps, at_step, excess_at, missing;
   PetscReal *norm, *log_norm, largest, excess, power, seconds;
 } MpmTransient;
 
 /*
-   MpmTransientCreate - norms up to a last step: at all steps up to 16, then at steps spaced by a quarter.
+   MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter.
 
-   Collective; needs SLEPc initialized. growth: per step, of the spectrum (NaN: not known). A norm is right to 1e-6 at
-   least, and where it is apart from the next singular value to rounding.
+   Collective; needs SLEPc initialized. growth: per step, that of the spectrum (NaN: not known). The relative error of a
+   norm is at most 1e-6, and that of rounding where it is separate from the next singular value.
 */
 PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient);
 PetscErrorCode MpmTransientDestroy(MpmTransient **transient);

@@ -1,6 +1,10 @@
 /*
-   The sum over a file's 64-bit words w_i of mix(w_i + (i + 1) g), modulo 2^64: ranks add up their parts. mix is
-   splitmix64's, g its increment (Steele, Lea and Flood 2014).
+   The checksum of a file of 64-bit words w_i is
+
+     sum over i of mix(w_i + (i + 1) g)   modulo 2^64
+
+   mix is the output function of splitmix64, and g is its increment (Steele, Lea and Flood 2014). The sum does not
+   depend on the order of its terms, so each rank sums up a part of the file.
 */
 #include "base/checksum.h"
 #include "base/hash.h"
@@ -15,7 +19,7 @@
 
 static const char header[] = "mpmstab checkpoint\nformat %d\nbytes %lld\nsum %llx\n";
 
-/* The sum over words [begin, end) behind the checksum; the last one is filled up with zeros. */
+/* Adds up the words [begin, end) that follow the checksum. The last word of the file is filled up with zeros. */
 static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
 {
   static uint64_t word[CHUNK];
@@ -33,7 +37,7 @@ static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
   return 0;
 }
 
-/* The sum over the whole file, each rank reading its part. */
+/* Sums up the whole file; each rank reads its part. */
 static PetscErrorCode Sum(MPI_Comm comm, const char path[], long long *bytes, uint64_t *sum, int *error)
 {
   PetscMPIInt rank, size;
@@ -62,7 +66,7 @@ static PetscErrorCode Sum(MPI_Comm comm, const char path[], long long *bytes, ui
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the first bytes and waits for all of the file to be on the disk. */
+/* Writes the checksum to the first bytes and waits until all of the file is on the disk. */
 static int Stamp(const char path[], const char text[])
 {
   FILE *file  = fopen(path, "r+b");
@@ -92,7 +96,7 @@ PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Opens a file to read; a pipe would wait for its writer. */
+/* Opens a file to read. A pipe is refused, since opening it would wait for its writer. */
 static FILE *Open(const char path[], int *error)
 {
   struct stat is;
@@ -103,7 +107,7 @@ static FILE *Open(const char path[], int *error)
   return file;
 }
 
-/* The first bytes as rank 0 reads them, on all ranks; text is empty when there is none. */
+/* Rank 0 reads the first bytes and sends them to all ranks. Behind the end of a short file text holds zeros. */
 static PetscErrorCode ReadFirstBytes(MPI_Comm comm, const char path[], char text[], int *error)
 {
   PetscMPIInt rank;

@@ -1,4 +1,7 @@
-/* Refusals print one line, and so does what memory or PETSc's options cause; other errors keep PETSc's stack trace. */
+/*
+   Handlers of errors. A refusal prints one line, and so does an error that memory or one of PETSc's options has caused.
+   Any other error keeps PETSc's stack trace.
+*/
 #include "base/errors_private.h"
 #include "base/unfinished.h"
 #include <ctype.h>
@@ -7,16 +10,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* One line whatever the input holds: a value may have line ends in it, or a terminal's control sequences. */
+/*
+   Prints one line whatever the input holds: line ends and control sequences of a terminal, which a value may contain,
+   become question marks.
+*/
 static void PrintLine(const char message[])
 {
-  fflush(stdout); /* so that the two do not mix where both go to one place */
+  fflush(stdout); /* so that report and error do not mix where both go to one place */
   fprintf(stderr, "mpmstab: ");
   for (const char *c = message; *c; c++) fputc(iscntrl((unsigned char)*c) ? '?' : *c, stderr);
   fprintf(stderr, "\n");
 }
 
-/* What the names of PETSc's and SLEPc's options begin with; none of ours does. */
+/* The prefixes of the options of PETSc and SLEPc; none of ours begins with one of them. */
 static const char *const foreign[] = {"mat_", "vec_", "sf_",  "ksp_", "pc_", "eps_",   "st_",    "ds_",    "bv_",
                                       "rg_",  "fn_",  "svd_", "dm_",  "is_", "nodal_", "swarm_", "petsc_", "mg_"};
 
@@ -27,7 +33,10 @@ static PetscBool IsForeign(const char word[])
   return PETSC_FALSE;
 }
 
-/* PETSc gives all options as words; a word that begins with '-' and is no number is a name. */
+/*
+   PETSc gives all options as words. A word that begins with '-' and a letter is the name of an option; the words up to
+   the next name are its value.
+*/
 PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[])
 {
   char     *all, *next = NULL;
@@ -46,14 +55,14 @@ PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode explained; /* the error that was said in one line, though it is no refusal */
+static PetscErrorCode explained; /* the code of an error that was told in one line although it is no refusal */
 
-/* One line for what is no fault of the program; whether there is one. */
+/* Writes one line about an error that is no fault of this program, and returns whether it is such an error. */
 static PetscBool Explain(PetscErrorCode code, const char function[], const char message[], size_t room, char why[])
 {
   char given[512] = "";
 
-  /* PetscMallocAlign gives its caller's name for a message, and another code in some versions */
+  /* PetscMallocAlign gives a message with the name of its caller, and in some versions another code */
   if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign")) {
     (void)snprintf(why, room, "memory ends; allowed: fewer cells or particles, more ranks or more memory");
     return PETSC_TRUE;
@@ -65,7 +74,10 @@ static PetscBool Explain(PetscErrorCode code, const char function[], const char 
   return PETSC_TRUE;
 }
 
-/* An error may be one rank's or that of all: the first rank speaks at once and ends the others, which wait for that. */
+/*
+   An error may be that of one rank or of all ranks. The first rank prints at once and ends the others; they wait for
+   that, so that the line appears once.
+*/
 static void WaitForFirst(void)
 {
   PetscMPIInt rank = 0;
@@ -104,7 +116,7 @@ void MpmErrorsEnd(int status)
 
   (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
   fflush(NULL);
-  if (size == 1) _exit(status); /* MPI_Abort would have words of its own */
+  if (size == 1) _exit(status); /* MPI_Abort would print a message of its own */
   MPI_Abort(PETSC_COMM_WORLD, status);
 }
 

@@ -1,4 +1,4 @@
-/* Parts of work dealt to the ranks in turn. */
+/* Task farm: the ranks take the parts of some work in turn, and sums give the results to all ranks. */
 #include "base/farm.h"
 
 PetscErrorCode MpmFarm(const char unit[], PetscInt n, MpmPart part, void *context)

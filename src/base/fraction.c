@@ -107,7 +107,7 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
   if (__builtin_mul_overflow((Wide)from->den * to->den, n - 1, &den)) return f;
   if (__builtin_mul_overflow((Wide)from->num * to->den, n - 1 - j, &num)) return f;
   if (__builtin_mul_overflow((Wide)to->num * from->den, j, &a) || __builtin_add_overflow(num, a, &num)) return f;
-  for (a = num < 0 ? -num : num, b = den; b;) { /* their greatest common divisor */
+  for (a = num < 0 ? -num : num, b = den; b;) { /* Euclid's algorithm: a becomes the greatest common divisor */
     const Wide rest = a % b;
 
     a = b;
@@ -134,7 +134,7 @@ MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
     value *= factors[i].value;
     if (!den[i]) f.den = 0;
   }
-  for (PetscInt i = 0; i < n && f.den; i++) /* terms that cancel do so before products become large */
+  for (PetscInt i = 0; i < n && f.den; i++) /* common factors are cancelled before the products become large */
     for (PetscInt j = 0; j < n; j++) {
       const PetscInt64 g = Gcd(num[i], den[j]);
 
@@ -150,12 +150,12 @@ MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
   return f;
 }
 
-/* Convergents of the continued fraction of abs(value): the nearest fractions for their denominators. */
+/* The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. */
 MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
 {
   MpmFraction f      = {.num = 0, .den = 0, .value = value};
   PetscReal   rest   = PetscAbsReal(value);
-  PetscInt64  num[2] = {0, 1}, den[2] = {1, 0}; /* the last but one, and the last */
+  PetscInt64  num[2] = {0, 1}, den[2] = {1, 0}; /* the last two convergents */
 
   while (rest <= (PetscReal)LARGEST_TERM) {
     const PetscInt64 whole = (PetscInt64)floor(rest);

@@ -1,4 +1,4 @@
-/* How a program that uses this library begins and ends. */
+/* Starts and ends MPI, PETSc and SLEPc for a program that uses this library. */
 #include "base/errors_private.h"
 #include "base/launch.h"
 #include "base/unfinished.h"

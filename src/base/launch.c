@@ -1,4 +1,4 @@
-/* What is settled before MPI and PETSc start. */
+/* Prepares the process before MPI and PETSc start. */
 #include "base/launch.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -52,7 +52,7 @@ int MpmLaunchOptionFiles(int argc, char **argv)
               "mpmstab: %s: PETSc looks for options there, and it is not a regular file; allowed: a text file, "
               "or -skip_petscrc\n",
               names[i]);
-    if (!IsFirst()) (void)sleep(1); /* a launcher ends the other ranks with the first that ends */
+    if (!IsFirst()) (void)sleep(1); /* a launcher ends the other ranks when the first rank ends */
     return 0;
   }
   return 1;

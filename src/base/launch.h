@@ -1,4 +1,4 @@
-/* What Open MPI is told when the program is started without mpirun or srun. */
+/* Launch: what is set for the process before MPI starts. */
 #pragma once
 
 /*
@@ -11,17 +11,18 @@
 void MpmLaunchAlone(void);
 
 /*
-   MpmLaunchStandardFiles - where standard input, output or error is closed, opens a file there that takes nothing: else
-   the next file that anybody opens would get its number, and the report with it.
+   MpmLaunchStandardFiles - opens /dev/null in place of standard input, output or error where one of them is closed.
+   Otherwise the next file that the program opens would get this number, and the report would be written to it.
 
-   Not collective; call first. A report that cannot be written is then noticed at the end (MpmErrorsReportLost).
+   Not collective; call it first. /dev/null is opened for reading only, so a report that cannot be written is noticed at
+   the end (MpmErrorsReportLost).
 */
 void MpmLaunchStandardFiles(void);
 
 /*
-   MpmLaunchOptionFiles - whether the files in which PETSc looks for options can be read without waiting; else says
-   which cannot, from the first rank.
+   MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options can be read without waiting.
+   Otherwise the first rank prints which one cannot.
 
-   Not collective; call before PetscInitialize. PETSc would wait for ever for the writer of a pipe.
+   Not collective; call it before PetscInitialize, which would wait for ever for the writer of a pipe.
 */
 int MpmLaunchOptionFiles(int argc, char **argv);

@@ -5,20 +5,21 @@
 /*
    MpmMemoryCheck - refuses work that needs more memory than there is.
 
-   Collective. bytes: of all ranks, who share them evenly. The message is 'size: what needs so many GB', so size names
-   the options that decide, and what names the work.
+   Collective. bytes: the sum over all ranks, which share it evenly. The message is 'size: what needs so many GB': size
+   names the options that determine the need, and what names the work.
 */
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[]);
 
 /*
-   Collective. Finds how many bytes a rank may use if the ranks of a machine share it evenly, the least of all ranks;
-   INFINITY: not known.
+   MpmMemoryOfRank - finds how many bytes a rank may use if the ranks of a machine share its memory evenly.
+
+   Collective. bytes: the least of all ranks; infinite when it is not known.
 */
 PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
 
 /*
-   MpmMemoryCheckLapack - refuses when the shell grants less address space (ulimit -v) than the buffer that OpenBLAS asks
-   for at its first call: it would ask for it for ever.
+   MpmMemoryCheckLapack - refuses when the shell grants less address space (ulimit -v) than the buffer that OpenBLAS
+   asks for at its first call. OpenBLAS would ask for it again and again, for ever.
 
    Collective on PETSC_COMM_WORLD.
 */

@@ -1,11 +1,12 @@
-/* Powers of two that are taken out of numbers: dividing by one changes no digit. */
+/* Powers of two by which numbers are scaled: dividing by one of them changes no digit. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <math.h>
 
 /*
-   MpmPowerToTakeOut - the power of two by which numbers are to be divided so that their largest is of order 1 again, if
-   that has left the range from 2^-limit to 2^limit; else 0. It is 0 too where nothing can be done: for 0, infinity, NaN.
+   MpmPowerToTakeOut - the exponent of the power of two by which numbers are to be divided so that their largest is of
+   order 1 again. It is 0 while the largest lies between 2^-limit and 2^limit, and also for 0, infinity and NaN, which
+   no division can bring back.
 
    Not collective.
 */

@@ -6,12 +6,12 @@
 #define BETWEEN_S 0.5
 
 static MpmProgressWish wish = MPM_PROGRESS_NEVER;
-static PetscBool       taken; /* whether some work has the line */
+static PetscBool       taken; /* whether some work is showing its line */
 
 void MpmProgressShow(MpmProgressWish who)
 {
   wish  = who;
-  taken = PETSC_FALSE; /* work that was refused has not given the line back */
+  taken = PETSC_FALSE; /* refused work ends without MpmProgressEnd and still has the line */
 }
 
 PetscErrorCode MpmProgressBegin(const char unit[], MpmProgress *progress)

@@ -1,4 +1,6 @@
-/* Signals that ask for an end: a handler calls nothing but unlink, sigaction and raise, and sets a flag. */
+/*
+   Handlers of signals that ask the program to end. They call nothing but unlink, sigaction and raise, and set a flag.
+*/
 #include "base/stop.h"
 #include "base/unfinished.h"
 #include <signal.h>
@@ -8,7 +10,10 @@ static PetscBool             stopped;
 
 static const int signals[] = {SIGTERM, SIGHUP, SIGINT, SIGXCPU, SIGQUIT};
 
-/* The signal's own action is back already: the program ends as if there were no handler. */
+/*
+   Removes the unfinished files and raises the signal again. Its default action is in place by then, so the program ends
+   as if there were no handler.
+*/
 static void Clean(int signal)
 {
   MpmUnfinishedRemove();
@@ -23,7 +28,7 @@ static void Install(int signal, void (*handler)(int))
   (void)sigaction(signal, &action, NULL);
 }
 
-/* A second signal ends the program at once, and still leaves no unfinished file. */
+/* Sets the flag. A second signal ends the program at once, and still leaves no unfinished file. */
 static void Ask(int signal)
 {
   asked = 1;

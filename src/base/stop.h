@@ -2,17 +2,17 @@
 #pragma once
 #include <mpmstab/compat.h>
 
-/* Not collective. From here on such a signal removes the files that are not finished, and ends the program. */
+/* Not collective. After this call such a signal removes the files that are not finished, and ends the program. */
 void MpmStopClean(void);
 
 /*
-   Not collective. From here on the first such signal only sets a flag, which MpmStopAgreed reads; a second one ends the
-   program. SIGQUIT ends it at once.
+   Not collective. After this call the first such signal only sets a flag, which MpmStopAgreed reads; a second one ends
+   the program. SIGQUIT ends it at once.
 */
 void MpmStopInstall(void);
 
-/* Collective. Whether any rank has been asked. */
+/* Collective. Sets stop when any rank has received such a signal. */
 PetscErrorCode MpmStopAgreed(MPI_Comm comm, PetscBool *stop);
 
-/* Not collective. Whether the ranks have agreed to stop. */
+/* Not collective. Returns whether the ranks have agreed to stop. */
 PetscBool MpmStopped(void);

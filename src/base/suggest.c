@@ -2,7 +2,7 @@
 #include "base/suggest.h"
 #include <string.h>
 
-#define LONGEST 40 /* letters; no name is near to a longer word */
+#define LONGEST 40 /* in letters; no name is near to a longer word */
 
 static PetscInt Distance(const char a[], const char b[])
 {

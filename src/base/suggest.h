@@ -1,4 +1,4 @@
-/* The name that a misspelled word may have meant. */
+/* Suggest: finds the name that a misspelled word may have meant. */
 #pragma once
 #include <mpmstab/compat.h>
 

@@ -1,4 +1,7 @@
-/* Text files that are written aside, checked and renamed; making and naming any file that the first rank writes. */
+/*
+   Text files: they are written under a temporary name, checked, and renamed. MpmFileCreate and MpmFileFinish serve any
+   file that the first rank writes.
+*/
 #include <mpmstab/errors.h>
 #include "base/textfile.h"
 #include "base/unfinished.h"
@@ -8,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define NOT_A_FILE -1 /* beside errno's */
+#define NOT_A_FILE -1 /* a value that errno never has */
 
 static const char *Reason(int error)
 {
@@ -40,7 +43,10 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
     char        part[PETSC_MAX_PATH_LEN];
     struct stat is;
 
-    /* the finished file takes the place of what has its name: no device's, and no link's whose target would stay */
+    /*
+       The finished file replaces what has its name. A device must not be replaced, nor a link, whose target would stay
+       as it was.
+    */
     if (!lstat(path, &is) && !S_ISREG(is.st_mode))
       error = S_ISDIR(is.st_mode) ? EISDIR : NOT_A_FILE;
     else if (!(error = MpmUnfinishedCreate(path, part))) {
@@ -106,7 +112,7 @@ void MpmTextFileCell(const MpmTextFile *file, PetscReal value)
     fprintf(file->stream, ",");
 }
 
-/* Reads from the open file itself, whatever has become of its name; returns an errno. */
+/* Reads the text back from the open file itself, since the file may have been renamed or removed. Returns an errno. */
 static int ReadBack(const MpmTextFile *file, char **text)
 {
   const long end  = fflush(file->stream) ? -1 : ftell(file->stream);

@@ -1,20 +1,24 @@
-/* Text files that appear whole or not at all: they are written aside (unfinished.h) and get their name when finished. */
+/*
+   Text files that appear whole or not at all: they are written under a temporary name (unfinished.h) and get their own
+   name when they are finished.
+*/
 #pragma once
 #include <mpmstab/compat.h>
 #include <stdio.h>
 
 /*
-   MpmFileCheck - refuses a file that cannot be written, before the work is done, and removes what programs that were
-   killed have left of it.
+   MpmFileCheck - refuses a file that cannot be written, before the work is done. It also removes the unfinished files
+   that killed programs have left beside it.
 
-   Collective. name is the option that named the file.
+   Collective. name: the option that named the file.
 */
 PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 
 /*
-   MpmFileCreate, MpmFileFinish - make a file aside, and give it its name; the first rank alone holds it.
+   MpmFileCreate, MpmFileFinish - create a file under a temporary name, and give it its own name. Only the first rank
+   has it open.
 
-   Collective. part is its name aside, on all ranks. error is the first rank's errno, on all ranks.
+   Collective. part: the temporary name, on all ranks. error: the errno of the first rank, on all ranks.
 */
 PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_MAX_PATH_LEN], int *error);
 PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error);
@@ -25,15 +29,18 @@ typedef struct {
   char  path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
 } MpmTextFile;
 
-/* Not collective. Writes a comma and a value; a value that is not finite is an empty cell. The stream must be there. */
+/*
+   Not collective. Writes a comma and a value; a value that is not finite makes an empty cell. The rank must have a
+   stream.
+*/
 void MpmTextFileCell(const MpmTextFile *file, PetscReal value);
 
-/* Collective. MpmTextFileClose refuses when anything could not be written. */
+/* Collective. MpmTextFileOpen refuses a file that cannot be created, MpmTextFileClose one that could not be written. */
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file);
 PetscErrorCode MpmTextFileClose(MpmTextFile *file);
 
-/* Collective. All that has been written so far, on the rank that writes; NULL elsewhere. Free with PetscFree. */
+/* Collective. Gives rank 0 all that has been written so far, and NULL to other ranks. Free it with PetscFree. */
 PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text);
 
-/* Not collective. Removes a file that is not to be kept. */
+/* Not collective. Removes an unfinished file that is not to be kept. */
 void MpmTextFileDrop(MpmTextFile *file);

@@ -1,4 +1,4 @@
-/* Names aside, and the list of files that this process has not finished. */
+/* Temporary names, and the list of files that this process has not finished. */
 #include "base/unfinished.h"
 #include "base/hash.h"
 #include <ctype.h>
@@ -12,16 +12,16 @@
 #include <time.h>
 #include <unistd.h>
 
-#define MOST 8       /* files at a time */
-#define MOST_HOST 32 /* characters of the host's name, of the 255 that a file's name may have */
-#define MOST_NAMES 8 /* tries */
+#define MOST 8       /* files that are unfinished at the same time */
+#define MOST_HOST 32 /* characters of the host's name; the name of a file has at most 255 */
+#define MOST_NAMES 8 /* random names to try */
 
 static struct {
   char part[PETSC_MAX_PATH_LEN];
   int  descriptor;
 } files[MOST];
 
-/* The host's name in characters that are safe in a file's name. */
+/* Writes the host's name in characters that are safe in the name of a file. */
 static void NameHost(char host[MOST_HOST + 1])
 {
   char name[256] = "";
@@ -42,7 +42,7 @@ static unsigned Random(void)
                               ++calls * MPM_HASH_INCREMENT);
 }
 
-/* Registered before it is made, so that a signal in between leaves nothing. */
+/* The name is registered before the file is made, so that a signal in between leaves no file. */
 int MpmUnfinishedCreate(const char path[], char part[PETSC_MAX_PATH_LEN])
 {
   char host[MOST_HOST + 1];
@@ -63,7 +63,7 @@ int MpmUnfinishedCreate(const char path[], char part[PETSC_MAX_PATH_LEN])
     }
   }
   if (file < 0) return EEXIST;
-  (void)flock(file, LOCK_EX | LOCK_NB); /* a file system without locks leaves the process id to tell who lives */
+  (void)flock(file, LOCK_EX | LOCK_NB); /* without locks, only the process id tells whether the owner lives */
   files[i].descriptor = file;
   return 0;
 }
@@ -118,7 +118,7 @@ void MpmUnfinishedRemove(void)
   }
 }
 
-/* A process that has ended is still listed until somebody asks for its status. */
+/* A process that has ended is still listed (as a zombie) until its parent asks for its status. */
 static PetscBool IsZombie(long process)
 {
   char  path[64], state = '?';
@@ -132,7 +132,7 @@ static PetscBool IsZombie(long process)
   return state == 'Z' || state == 'X' ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Whether the process that a name aside tells is one of this host that has died. */
+/* Returns whether a temporary name belongs to a process of this host that has died. */
 static PetscBool IsDead(const char name[], const char before[])
 {
   const size_t length = strlen(before);
@@ -147,7 +147,10 @@ static PetscBool IsDead(const char name[], const char before[])
   return (kill((pid_t)process, 0) && errno == ESRCH) || IsZombie(process) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A process may be dead here and alive in another container that shares the folder: then it holds the lock. */
+/*
+   Removes a file unless somebody holds its lock. A process id that is dead here may belong to a living process in
+   another container that shares the folder; that process holds the lock.
+*/
 static void RemoveUnlocked(const char part[])
 {
   const int file = open(part, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);

@@ -1,4 +1,4 @@
-/* Verdicts. */
+/* Verdicts on stability, and the uncertainties of growth that they rest on. */
 #include <mpmstab/verdict.h>
 #include <math.h>
 

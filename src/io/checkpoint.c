@@ -1,6 +1,6 @@
 /*
-   A checkpoint: what it holds, in which arrays, written and read. What all ranks hold is checked before it is used, the
-   rest once it is read (checkpoint_check.c).
+   Writes and reads checkpoints. What all ranks hold is checked before it is used; particles and nodes are checked after
+   they are read (checkpoint_check.c).
 */
 #include "io/checkpoint.h"
 #include "io/checkpoint_file.h"
@@ -14,9 +14,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define ANY -1 /* length */
+#define ANY -1 /* a length that is not known before */
 
-/* An array that the first rank holds whole. */
+/* Writes an array that the first rank holds whole. */
 static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, PetscInt64 n, const void *values)
 {
   PetscMPIInt rank;
@@ -27,7 +27,7 @@ static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The scene is written as lines 'name text'. */
+/* Writes the scene as lines 'name text'. */
 static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 {
   MpmValue value[MPM_MAX_VALUES];
@@ -63,7 +63,7 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cells are written as those of the whole grid: local ones mean nothing on another number of ranks. */
+/* Writes cells as those of the whole grid, since local ones mean nothing on another number of ranks. */
 static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march)
 {
   const PetscInt  n = march->particles->count;
@@ -129,7 +129,10 @@ static PetscErrorCode WriteState(MpmHdf5 *s, const MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The file aside gets its name once it is on the disk; whatever goes wrong, the checkpoint before it is still there. */
+/*
+   Gives the file its own name once it is on the disk. Whatever goes wrong before, the earlier checkpoint is still
+   there.
+*/
 static PetscErrorCode Finish(MpmHdf5 *file, const char part[], const char path[], PetscInt64 step)
 {
   int       error = 0;
@@ -183,7 +186,7 @@ static PetscErrorCode Require(MpmHdf5 *s, const char path[], const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads all of an array on every rank, with a zero behind it. n: its length, which is set when it is ANY. */
+/* Reads a whole array on every rank and appends a zero. n: its length; if it is ANY on entry, it is set. */
 static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
                           void *values)
 {
@@ -228,7 +231,7 @@ static PetscErrorCode Free(MpmCheckpoint *f)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An array that HDF5 could not read is refused here, before its values are checked. */
+/* Refuses a file with an array that HDF5 could not read, before its values are checked. */
 static PetscErrorCode CheckRead(MpmHdf5 *s, const char path[])
 {
   PetscBool failed;
@@ -346,7 +349,7 @@ static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *
   PetscCall(PetscCalloc1(share->n, &global));
   PetscCall(MpmHdf5Read(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
-  for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off the grid, and is refused later */
+  for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off and is refused later */
     cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
   PetscCall(PetscFree(global));

@@ -1,21 +1,22 @@
-/* Checkpoint: a file that holds all that a run needs in order to resume; it is whole or not there. */
+/* Checkpoint: a file that holds all that a run needs in order to resume. It appears whole or not at all. */
 #pragma once
 #include "march/march_private.h"
 #include "analysis/run.h"
 
 /*
-   MpmCheckpointWrite - writes the state of a run after a step as PATH; a file that was there before stays until the new
-   one is whole and on the disk.
+   MpmCheckpointWrite - writes the state of a run after a step to the file PATH. An earlier file of this name stays
+   until the new one is whole and on the disk.
 
-   Collective. The file is HDF5 behind a checksum (checksum.h). It holds the scene as text, particle fields in the order
-   in which the ranks hold them, node fields with ghosts, the series behind the growth, and csv, the rows of the run's
-   CSV so far (on rank 0; NULL: the run writes none). A run that resumes from it on as many ranks is the same to the last
-   bit. Refuses when it cannot be written.
+   Collective. Refuses when it cannot be written. The file is HDF5 behind a checksum (checksum.h). It holds the scene as
+   text, particle fields in the order in which the ranks hold them, node fields with ghosts, the series for the fit of
+   growth, and csv: the rows of the run's CSV so far (on rank 0; NULL when the run writes none). A run that resumes on
+   as many ranks has the same results to the last bit.
 */
 PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, const MpmRun *run, const char csv[]);
 
 /*
-   MpmCheckpointCheck - refuses a file that is not whole, not of this scene, or of a step beyond the scene's last.
+   MpmCheckpointCheck - refuses a file that is not whole, belongs to another scene, or is of a step beyond the scene's
+   last.
 
    Collective.
 */
@@ -23,9 +24,9 @@ PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, Pets
 
 /*
    MpmCheckpointRead - gives march and run the state that was written. csv: the rows so far, on all ranks, empty where
-   the run wrote no CSV; to be freed with PetscFree.
+   the run wrote no CSV. Free it with PetscFree.
 
-   Collective. On another number of ranks particles go to their owners and nodes are summed anew, which changes the last
-   bits.
+   Collective. On another number of ranks particles move to their owners and node values are summed again, which changes
+   the last bits.
 */
 PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *march, MpmRun *run, char **csv);

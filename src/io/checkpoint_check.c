@@ -1,4 +1,4 @@
-/* Checks that a run can have written what was read: a file with a right checksum may still be made by hand. */
+/* Checks that a run can have written what was read. A file with a right checksum may still have been made by hand. */
 #include "io/checkpoint_file.h"
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
@@ -15,7 +15,7 @@
 #define Allow(condition, path, what)                                                                                   \
   MpmCheckInput(condition, "checkpoint %s: %s; allowed: one that 'mpmstab run' has written", path, what)
 
-/* Finds the text of one name among lines 'name text'; NULL: there is no such line. */
+/* Finds the text of one key among lines 'name text'. Returns NULL when there is no such line. */
 static char *FactIn(const char scene[], const char name[], size_t room, char text[])
 {
   const size_t length = strlen(name);
@@ -58,7 +58,7 @@ static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The step is checked before anything is computed from it. */
+/* Checks the step first, before anything is computed from it. */
 static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file)
 {
   const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneDrifts(scene) ? step : 0;
@@ -72,7 +72,10 @@ static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles are ahead of the cells that they are kept in by less than the whole grid. The step has been checked. */
+/*
+   Checks the other counters; the step has been checked. Particles may be ahead of the cells in which they are stored,
+   by less than the whole grid.
+*/
 static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
@@ -141,7 +144,10 @@ PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The march keeps clear of the end of the ghost layer by its slack, at this step and the next. */
+/*
+   Checks that particles are less than the march's slack away from their cells, at this step and the next, so that none
+   is beyond the ghost layer.
+*/
 static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
 {
   PetscInt  whole[2];
@@ -158,7 +164,10 @@ static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each id must be there once: all are in range, and a hash has the same sum over them as over all that should be. */
+/*
+   Checks that each id is there once: all ids are in range, and the sum of a hash over them is the same as over all ids
+   of the scene.
+*/
 static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 {
   const PetscInt64  n   = march->particles->total;
@@ -185,8 +194,10 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 }
 
 /*
-   Within its cell, and that in the rank's part or, read by another rank, in the grid; where drift has taken it, within
-   slack of it. A cell of -1 is that of a particle which drift had already taken into cell 0. Passes rely on the order.
+   Checks each particle's place. It must be within its cell. The cell must be in this rank's part of the grid, or in the
+   grid if another rank wrote it. Drift may have moved the particle away from its cell by less than slack. A cell of -1
+   belongs to a particle that drift had already moved into cell 0. Particles must be in the order of their cells, since
+   passes rely on it.
 */
 static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
 {
@@ -215,7 +226,7 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A run follows a state only while the squares of its numbers are in the range of doubles. */
+/* Counts numbers whose squares are out of the range of doubles. A run stops before a state contains any. */
 static PetscErrorCode CountLost(const MpmMarch *march, PetscInt64 *lost)
 {
   PetscFunctionBegin;
@@ -242,7 +253,7 @@ static PetscErrorCode CountNodesLost(Vec node, PetscBool is_mass, PetscInt64 *lo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Drift takes the particles' mass from node to node; the sum over the nodes stays. */
+/* Checks the sum of the nodal masses. Drift moves mass from node to node, but does not change the sum. */
 static PetscErrorCode CheckMass(const MpmMarch *march, PetscReal mass, const char path[])
 {
   MpmConserved now;

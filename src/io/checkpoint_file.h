@@ -1,10 +1,10 @@
-/* Checkpoint file: what every rank holds of a checkpoint while it is read, and whether a run can have written it. */
+/* Checkpoint file: what every rank holds of a checkpoint while it is read, and the checks on it. */
 #pragma once
 #include "march/march_private.h"
 
 /*
-   The entries of the array 'where': the step, the step of the particles' places, whole cells of drift that are in the
-   cells already, exponent, step of the blow-up.
+   The entries of the array 'where': the step, the step to which the particles' places belong, the whole cells of drift
+   that the stored cells include, the exponent of the state, and the step of the blow-up.
 */
 enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_UP, MPM_WHERE };
 
@@ -12,10 +12,10 @@ enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_
 enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
 
 /*S
-   MpmCheckpoint - all of a checkpoint but particles and nodes.
+   MpmCheckpoint - all of a checkpoint except for particles and nodes.
 
-   scene, csv: text, with a zero behind it. The samples are those of MpmSeries. Of each rank that wrote: how many
-   particles, and nodes with ghosts.
+   scene, csv: text that ends with a zero. The samples are those of MpmSeries. For each rank that wrote: the number of
+   its particles, and that of its nodes with ghosts.
 S*/
 typedef struct {
   const char *path;
@@ -28,14 +28,14 @@ typedef struct {
 /*
    MpmCheckpointCheckRun - refuses a checkpoint of another scene, and numbers that no run can have.
 
-   Not collective: the same on every rank.
+   Not collective; all ranks hold the same data and decide alike.
 */
 PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file);
 
 /*
    MpmCheckpointCheckState - refuses particles and nodes from which the march could not resume.
 
-   Collective. same: each rank has read what it wrote itself, particles in the order of their places, and nodes. mass:
-   what the nodes had of the particles before.
+   Collective. same: each rank has read what it wrote itself, with particles in the order of their cells and with nodes.
+   mass: the sum of the nodal masses before the checkpoint was read.
 */
 PetscErrorCode MpmCheckpointCheckState(const MpmMarch *march, PetscBool same, PetscReal mass, const char path[]);

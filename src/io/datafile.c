@@ -1,4 +1,4 @@
-/* The scene as attributes of an HDF5 file, and the file aside until it is whole. */
+/* Data files: the scene becomes attributes of an HDF5 file, which has a temporary name until it is whole. */
 #include "io/datafile.h"
 #include <mpmstab/errors.h>
 #include "base/textfile.h"
@@ -20,7 +20,7 @@ static PetscErrorCode WriteNumber(MpmHdf5 *file, const char name[], PetscReal va
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A fraction is written as text too, which keeps 1/7 what it is; a range as its two ends. */
+/* A fraction is written as text too, so that 1/7 stays exact. A range is written as its two ends. */
 static PetscErrorCode WriteValue(MpmHdf5 *file, const MpmValue *value)
 {
   const char    *name  = value->field->name;
@@ -109,7 +109,7 @@ PetscErrorCode MpmDataFileClose(MpmDataFile *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Removed before it is closed: closing may fail on a full disk, and the file is not to stay. */
+/* The file is removed before it is closed: closing may fail on a full disk, and the file must not stay. */
 PetscErrorCode MpmDataFileDrop(MpmDataFile *file)
 {
   PetscBool failed;

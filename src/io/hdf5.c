@@ -1,8 +1,8 @@
 /*
    Arrays and attributes in HDF5: the first rank writes, each rank reads.
 
-   HDF5 does not stand a write that fails: the file can then not be closed, and the library crashes when the program
-   ends. So the disk grants the room before HDF5 is asked to write; when it does not, HDF5 is asked for nothing more.
+   After a write that fails, an HDF5 file cannot be closed, and the library crashes when the program ends. So the disk
+   is asked to grant room before HDF5 writes. When it does not, HDF5 is asked for nothing more.
 */
 #define _GNU_SOURCE /* fallocate */
 #include "io/hdf5.h"
@@ -15,9 +15,9 @@
 
 #define PIECE 4194304 /* bytes that a rank sends at a time */
 #define TAG 77
-#define SLACK 65536 /* bytes for what HDF5 keeps beside the numbers of one array */
+#define SLACK 65536 /* bytes that HDF5 may need beside the numbers of one array */
 
-/* Of the descriptions in HDF5's stack of errors the one that tells the system's reason. */
+/* Walks through the descriptions in HDF5's error stack and copies the one that has the system's reason. */
 static herr_t FindReason(unsigned n, const H5E_error2_t *error, void *context)
 {
   static const char mark[] = "error message = '";
@@ -32,7 +32,7 @@ static herr_t FindReason(unsigned n, const H5E_error2_t *error, void *context)
   return 0;
 }
 
-/* What HDF5 returns when it fails is negative. */
+/* Notes a failure of an HDF5 call, which returns a negative number. */
 static hid_t Try(MpmHdf5 *f, hid_t result)
 {
   if (result >= 0 || f->failed) return result;
@@ -43,8 +43,8 @@ static hid_t Try(MpmHdf5 *f, hid_t result)
 }
 
 /*
-   Files that are written have names that are no other program's, so that HDF5's locks, which some file systems do not
-   have, are not needed.
+   HDF5's locks are switched off. Some file systems do not have them, and they are not needed: no other program uses the
+   temporary name of a file that is being written.
 */
 static PetscErrorCode Begin(MPI_Comm comm, MpmHdf5 *f)
 {
@@ -70,7 +70,10 @@ static void Fail(MpmHdf5 *f, int error)
   (void)PetscStrncpy(f->why, strerror(error), sizeof f->why);
 }
 
-/* Makes sure of room for so many bytes more, and for HDF5's own; file systems that grant none in advance are trusted. */
+/*
+   Reserves room on the disk for so many more bytes and HDF5's own data. A file system that cannot reserve room is
+   trusted to have it.
+*/
 static void Reserve(MpmHdf5 *f, PetscInt64 bytes)
 {
   hsize_t       size = 0;
@@ -141,7 +144,7 @@ PetscErrorCode MpmHdf5Failed(MpmHdf5 *f, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was reserved and not needed goes back to the disk. */
+/* Closes the file. Reserved room that was not needed goes back to the disk. */
 PetscErrorCode MpmHdf5Close(MpmHdf5 *f, PetscBool *failed)
 {
   PetscFunctionBegin;
@@ -157,7 +160,7 @@ PetscErrorCode MpmHdf5Close(MpmHdf5 *f, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rows [begin, begin + n) of an array that the first rank has open. */
+/* Writes rows [begin, begin + n) of an array that the first rank has open. */
 static void WriteRows(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, PetscInt64 begin, PetscInt64 n,
                       const void *values)
 {
@@ -200,7 +203,10 @@ static PetscErrorCode SendRows(MpmHdf5 *f, PetscInt64 rows, size_t width, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What has failed already still takes what the other ranks send. */
+/*
+   Writes the rows that the other ranks send. It receives them even after a failure, since the other ranks send them
+   anyway.
+*/
 static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, size_t width,
                                     PetscMPIInt ranks, const PetscInt64 rows[])
 {
@@ -314,7 +320,10 @@ PetscBool MpmHdf5ReadAttribute(const MpmHdf5 *f, const char object[], const char
   return ok;
 }
 
-/* An array of one dimension with numbers of the right class, and its length; more than the file holds is none. */
+/*
+   Opens an array of one dimension whose numbers have the right class, and finds its length. The length is -1 when there
+   is no such array, or when it claims to be longer than the file.
+*/
 static hid_t Find(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
 {
   hid_t   array, space, has;

@@ -1,6 +1,6 @@
 /*
-   Whether a file is one that MpmModesWrite has written, for this scene. The first rank alone looks; whatever it finds,
-   all ranks refuse together. mode_file.c then reads what is known to be there.
+   Checks that MpmModesWrite has written a file, for this scene. The first rank alone reads it; whatever it finds, all
+   ranks refuse together. mode_file.c then reads what is known to be there.
 */
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
@@ -19,7 +19,7 @@ typedef struct {
   char            why[1024]; /* "": nothing is wrong */
 } Check;
 
-/* Keeps the first thing that is wrong: the refusal says that one alone. */
+/* Keeps the first fault, since the refusal names only one. */
 __attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char format[], ...)
 {
   va_list arguments;
@@ -109,7 +109,7 @@ static PetscErrorCode SameScene(Check *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A field of the mode: as many numbers as there are particles, all of them finite. */
+/* Checks a field of the mode: it needs as many numbers as there are particles, all of them finite. */
 static PetscErrorCode Field(Check *c, const char group[], const char field[], const char part[], PetscReal *largest)
 {
   const PetscInt64 n = c->scene->layout.particles;
@@ -154,7 +154,7 @@ static PetscErrorCode Mode(Check *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A pipe is not opened: it would wait for its writer. */
+/* Examines the file. A pipe is refused, since opening it would wait for its writer. */
 static PetscErrorCode Examine(Check *c, const char path[])
 {
   struct stat is;

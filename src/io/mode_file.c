@@ -1,4 +1,4 @@
-/* Reading what MpmModesWrite has written; MpmModeFileCheck knows that it is there. */
+/* Reads what MpmModesWrite has written, after MpmModeFileCheck has checked it. */
 #include "io/mode_file.h"
 #include <mpmstab/errors.h>
 #include "march/march_private.h"
@@ -11,7 +11,7 @@ PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The file was whole when the program began; somebody may have changed it since. */
+/* Closes the file. It was whole when the program began, but somebody may have changed it since. */
 static PetscErrorCode CloseRead(const char path[], MpmHdf5 *file)
 {
   PetscBool failed;
@@ -35,7 +35,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads one field's real or imaginary part at this rank's particles: the file has it in the order of global ids. */
+/* Reads one field's real or imaginary part at this rank's particles. The file holds it in the order of global ids. */
 static PetscErrorCode ReadField(const MpmScene *scene, MpmHdf5 *file, const char name[], const MpmParticles *particles,
                                 PetscReal values[])
 {

@@ -1,4 +1,4 @@
-/* Eigenvectors of an operator, into a file from which a run can take its initial data. */
+/* Writes eigenvectors of an operator to a file, from which a run can take its initial data. */
 #include "io/mode_file.h"
 #include "scene/layout.h"
 #include <mpmstab/verdict.h>
@@ -18,7 +18,7 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes where the particles start, over which a mode's values are plotted. */
+/* Writes the particles' starting places, over which a mode's values can be plotted. */
 static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
 {
   PetscMPIInt rank;

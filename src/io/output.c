@@ -1,4 +1,4 @@
-/* Particle and node fields as HDF5, in the order of global ids, with XDMF beside them. */
+/* Writes particle and node fields as HDF5, in the order of global ids, and an XDMF file that describes them. */
 #include "io/datafile.h"
 #include "io/output.h"
 #include "base/textfile.h"
@@ -57,7 +57,7 @@ static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A vector as PLACE/NAME of the file, its blocks as rows. */
+/* Writes a vector as PLACE/NAME of the file, each block as a row. */
 static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, const char place[], const char name[])
 {
   const PetscReal *values;
@@ -144,7 +144,7 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One attribute of a particle or node grid, stored in the HDF5 file. */
+/* Describes one particle or node field, stored in the HDF5 file, as an XDMF attribute. */
 static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[], const char name[],
                           const char dimensions[])
 {

@@ -1,4 +1,4 @@
-/* Eigenvalues, modes, the symbol's curves and transient growth, as HDF5 and CSV. */
+/* Writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues as CSV. */
 #include "base/textfile.h"
 #include "io/mode_file.h"
 #include "io/spectrum_files.h"

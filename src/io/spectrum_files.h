@@ -3,8 +3,9 @@
 #include "analysis/spectrum.h"
 
 /*
-   MpmSpectrumWriteFiles - eigenvalues, modes, the symbol's curves and transient growth, as HDF5; eigenvalues as CSV.
+   MpmSpectrumWriteFiles - writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues
+   as CSV.
 
-   Collective. Writes the files that the scene names, and none where it names none.
+   Collective. It writes only the files that the request names.
 */
 PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);

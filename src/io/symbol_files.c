@@ -1,8 +1,8 @@
-/* The symbol's curves as HDF5 and CSV. */
+/* Writes the symbol's curves as HDF5 and CSV. */
 #include "base/textfile.h"
 #include "io/symbol_files.h"
 
-/* A curve over 0..half, continued to all phases: growth is even in beta. */
+/* Writes a curve over 0 .. half at all phases; growth is even in beta. */
 static PetscErrorCode WriteEven(const MpmSymbol *s, const char name[], PetscReal half[], PetscBool have,
                                 MpmDataFile *file)
 {

@@ -1,19 +1,21 @@
-/* The symbol's curves in files. */
+/* Files of the symbol's curves. */
 #pragma once
 #include "io/datafile.h"
 #include "symbol/predict.h"
 
 /*
-   MpmSymbolWrite - /symbol/beta (phases), /symbol/growth, /symbol/published and /symbol/corrected, and where the
-   factors are kept /symbol/factors (phases x 2 size: real and imaginary part of each factor in turn), over 0 <= beta
-   < 2 pi.
+   MpmSymbolWrite - writes curves over phases 0 <= beta < 2 pi: /symbol/beta, /symbol/growth, /symbol/published and
+   /symbol/corrected, and where the amplification factors are kept, /symbol/factors (phases x 2 size: real and imaginary
+   part of each amplification factor in turn).
 
-   Collective. NaN where a formula says nothing.
+   Collective. A number is NaN where a formula does not cover the phase.
 */
 PetscErrorCode MpmSymbolWrite(const MpmSymbol *symbol, const MpmPredictor *predictor, MpmDataFile *file);
 
 /*
-   Collective. Writes rows of beta, growth, growth without the null space of P2G (at rest; particle data that no node
-   feels), published and corrected growth, for 0 <= beta <= pi.
+   MpmSymbolWriteCsv - writes rows of beta, growth, growth without the null space of P2G (at rest; it is the particle
+   data that no node feels), published and corrected growth, for 0 <= beta <= pi.
+
+   Collective.
 */
 PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *symbol, const MpmPredictor *predictor, const char path[]);

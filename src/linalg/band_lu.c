@@ -1,9 +1,10 @@
 /*
-   LU with partial pivoting of a band, by LAPACK's dgbtrf. A ring of cells is folded: 0, n-1, 1, n-2, ... so that its
-   ends are neighbours; rows that were d apart are at most 2 d apart then. Against a fill-reducing ordering this keeps
-   twice as much, but in dense blocks, and it pivots. One rank does it all: there is no parallelism in a narrow band.
+   LU factorization of a band with partial pivoting, by LAPACK's dgbtrf. A ring of cells is folded in the order 0, n-1,
+   1, n-2, ... so that its two ends become neighbours; rows that were d apart are then at most 2 d apart. The factors
+   take twice the memory of those in a fill-reducing order, but they are dense blocks, and rows can be pivoted. One rank
+   does all of the work, since a narrow band has no parallelism.
 
-   Column j is stored from row j - lower - upper on: lower more rows than it has, for what pivoting brings in.
+   Column j is stored from row j - lower - upper on. These are lower rows more than the matrix has; pivoting fills them.
 */
 #include "linalg/band_lu.h"
 #include "linalg/complex_lapack.h"
@@ -13,7 +14,7 @@
 extern void DGBTRF(const PetscBLASInt *m, const PetscBLASInt *n, const PetscBLASInt *kl, const PetscBLASInt *ku,
                    double *ab, const PetscBLASInt *ldab, PetscBLASInt *ipiv, PetscBLASInt *info);
 
-/* Everything but the places of rows is on the first rank alone. */
+/* The first rank alone uses all members but n, lower, upper and folded, which give the place of a row. */
 typedef struct {
   PetscBLASInt  n, lower, upper; /* order, diagonals below and above */
   PetscBool     folded, first_rank;
@@ -29,14 +30,17 @@ static PetscInt RowLength(const Band *b)
   return 2 * b->lower + b->upper + 1;
 }
 
-/* Where row i of the matrix is in the band. */
+/* Returns the place of the matrix' row i in the band. */
 static PetscInt PlaceOf(const Band *b, PetscInt i)
 {
   if (!b->folded) return i;
   return i < (b->n + 1) / 2 ? 2 * i : 2 * (b->n - 1 - i) + 1;
 }
 
-/* The diagonals it has in its own order, and folded; the way that keeps less is taken. */
+/*
+   Counts the diagonals of the matrix in its own order and in the folded order, and takes the order that needs less
+   memory.
+*/
 static PetscErrorCode Measure(Mat matrix, Band *b)
 {
   Band     way[2]   = {{.folded = PETSC_FALSE}, {.folded = PETSC_TRUE}};
@@ -112,12 +116,12 @@ static PetscErrorCode FactorSymbolic(Mat factor, Mat matrix, IS rows, IS columns
   if (rank == 0)
     failed = PetscMalloc1((size_t)RowLength(b) * (size_t)b->n, &b->column) ||
              PetscMalloc3(b->n, &b->pivot, b->n, &b->first, b->n, &b->x);
-  PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, comm)); /* else the others would wait for the first rank */
+  PetscCallMPI(MPI_Bcast(&failed, 1, MPI_INT, 0, comm)); /* otherwise they would wait for the first rank */
   PetscCheck(!failed, comm, PETSC_ERR_MEM, "no memory for the factors of a band");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The whole matrix on the first rank, NULL on others. */
+/* Gathers the whole matrix on the first rank; on others whole holds no matrix. */
 static PetscErrorCode Gather(Mat matrix, const Band *b, Mat **whole)
 {
   IS all;
@@ -152,7 +156,7 @@ static PetscErrorCode Fill(Mat matrix, Band *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where little was pivoted, U does not reach as far as it might. */
+/* Finds the first nonzero of each column of U. Where few rows were swapped, U does not fill all of its room. */
 static void FindFirst(Band *b)
 {
   const PetscBLASInt above = b->lower + b->upper;
@@ -196,7 +200,10 @@ static PetscErrorCode FactorNumeric(Mat factor, Mat matrix, const MatFactorInfo 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* x = U^-1 L^-1 x; a row's exchange comes just before its elimination. LAPACK's dgbtrs calls BLAS for each column. */
+/*
+   Solves with the factors: x = U^-1 L^-1 x. Rows are swapped just before the elimination that needs it. This replaces
+   LAPACK's dgbtrs, which calls BLAS for each column.
+*/
 static void SolveBand(const Band *b, PetscReal *restrict x)
 {
   const PetscInt length = RowLength(b), above = b->lower + b->upper, n = b->n;

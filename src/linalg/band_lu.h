@@ -1,19 +1,19 @@
-/* LU factors of a matrix whose nonzeros are near its diagonal, or near a ring: for PETSc's PCLU. */
+/* Band LU: LU factors of a matrix whose nonzeros are near its diagonal, or near that of a ring, for PETSc's PCLU. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <petscmat.h>
 
-#define MPM_SOLVER_BAND "band" /* a MatSolverType, for MATSEQAIJ and MATMPIAIJ */
+#define MPM_SOLVER_BAND "band" /* a MatSolverType for MATSEQAIJ and MATMPIAIJ */
 
 /*
-   MpmBandLURegister - makes the type known to PETSc: -st_pc_factor_mat_solver_type band.
+   MpmBandLURegister - makes the solver type known to PETSc, for use as -st_pc_factor_mat_solver_type band.
 
    Not collective. Calling it again does nothing.
 */
 PetscErrorCode MpmBandLURegister(void);
 
 /*
-   MpmBandLUBytes - what the factors would take, on the first rank: it factors and solves alone.
+   MpmBandLUBytes - counts the bytes that the factors would take on the first rank, which factors and solves alone.
 
    Collective.
 */

@@ -1,4 +1,4 @@
-/* Names of LAPACK's and BLAS's complex routines: PETSc with real scalars wraps the real ones only. */
+/* Names of the complex routines of LAPACK and BLAS: PETSc with real scalars wraps only the real ones. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <petscblaslapack.h>

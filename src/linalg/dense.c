@@ -1,4 +1,4 @@
-/* Whole matrices on every rank. */
+/* Dense matrices that every rank holds whole. */
 #include "linalg/dense.h"
 #include <petscblaslapack.h>
 #include <math.h>
@@ -80,7 +80,7 @@ PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2])
     }
   }
   PetscCall(PetscFree3(a, re, im));
-  /* ranks whose LAPACK differs in the last digit must not part ways */
+  /* ranks whose LAPACK differs in the last digit must not decide differently */
   PetscCallMPI(MPI_Bcast(value, 2, MPIU_REAL, 0, PetscObjectComm((PetscObject)matrix)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /*
-   The eigenvalue problem A x = lambda x for SLEPc: which solver, which of its results are eigenpairs, in which order.
+   The eigenvalue problem A x = lambda x for SLEPc: this file chooses the solver, keeps those results that are
+   eigenpairs, and sorts them.
 */
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
@@ -9,13 +10,13 @@
 #include <math.h>
 
 #define DENSE_ORDER 4096
-#define ACCEPTED 1e-7 /* residual of what is listed */
+#define ACCEPTED 1e-7 /* largest residual of a listed pair */
 #define LARGEST 2     /* eigenvalues sought of largest magnitude */
-#define BASIS 64      /* vectors of the Krylov space for them: with fewer, neighbours on the outer edge do not part */
+#define BASIS 64      /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
 #define RESTARTS 200
-#define WORK 8e7         /* order x restarts: five minutes */
-#define LEFT_BESIDE 1e-7 /* a left vector is sought so near its eigenvalue, relative */
-#define LEFT_FOUND 1e-6  /* and is its own if the eigenvalue found is so near, over norm(A) */
+#define WORK 8e7         /* order x restarts: about five minutes */
+#define LEFT_BESIDE 1e-7 /* relative distance of the shift for a left vector from its eigenvalue */
+#define LEFT_FOUND 1e-6  /* largest distance, over norm(A), between the eigenvalues of A and of A transposed */
 
 MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
 {
@@ -50,7 +51,7 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* " (LU: band)", or nothing where no LU is. */
+/* Writes which LU is used, such as " (LU: band)", or nothing where there is none. */
 static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
 {
   KSP           ksp;
@@ -68,7 +69,7 @@ static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was done, in a line. */
+/* Describes in one line what the solver did. */
 static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscReal target[2], PetscInt found)
 {
   EPSType type;
@@ -94,7 +95,7 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* norm(A x - lambda x) / (norm(A) norm(x)), x = x[0] + i x[1], r: room. */
+/* The residual norm(A x - lambda x) / (norm(A) norm(x)) of x = x[0] + i x[1]. r is work space. */
 static PetscErrorCode Residual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
 {
   PetscReal norm[2], rest[2];
@@ -132,7 +133,10 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest abs first, a pair's upper half first: -abs, then the angle. Rounding must not decide. */
+/*
+   Sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The angle enters
+   the key with a small weight, so that rounding of the abs does not decide the order.
+*/
 static PetscErrorCode Sort(MpmEigen *e)
 {
   PetscReal *key, *old;
@@ -161,7 +165,7 @@ static PetscErrorCode Sort(MpmEigen *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Candidates that are eigenpairs. */
+/* Keeps those candidates that are eigenpairs. */
 static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[], const PetscReal im[])
 {
   Vec x[2], r;
@@ -199,7 +203,7 @@ static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found
     PetscCall(PetscFree2(re, im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (e->dense_re) { /* dense is NULL on a rank without rows */
+  if (e->dense_re) { /* not e->dense, which is NULL on a rank without rows */
     PetscCall(List(e, found, e->dense_re, e->dense_im));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -222,7 +226,7 @@ static PetscErrorCode SolveDense(MpmEigen *e, PetscInt *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A factorization that breaks down leaves the verdict open, it does not end the task. */
+/* Solves. A factorization that breaks down leaves the verdict open; it does not end the task. */
 static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
 {
   PetscErrorCode error;
@@ -237,7 +241,7 @@ static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the solver, options included, looked for the largest magnitudes of the matrix itself. */
+/* Finds whether the solver, with its options, looked for the eigenvalues of largest magnitude of the matrix itself. */
 static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
 {
   EPSWhich    which;

@@ -1,6 +1,7 @@
 /*
-   All eigenvalues and vectors by LAPACK's dgeev, which balances. SLEPc's lapack also sorts the Schur form, an exchange
-   of rows after the other, and takes its vectors one by one: twice the time, for an order that Sort() gives anyway.
+   All eigenvalues and vectors by LAPACK's dgeev, which balances. SLEPc's solver lapack takes twice the time: it also
+   sorts the Schur form by swapping rows one after the other, although Sort() sorts again, and it computes vectors one
+   by one.
 */
 #include "linalg/dense.h"
 #include "linalg/eigen_dense.h"

@@ -1,15 +1,15 @@
-/* Shift-and-invert near a target: the solver for T of ritz.h, and how T is factored. */
+/* Shift-and-invert near a target: sets up the solver for the matrix T of ritz.h, and chooses how T is factored. */
 #include "linalg/band_lu.h"
 #include "linalg/eigen_target.h"
 #include "base/memory.h"
 
 #define NEAR 1       /* eigenvalues sought near a target */
-#define NEAR_BASIS 8 /* vectors of the Krylov space near a target: the inverse has one eigenvalue far beyond others */
-#define BAND_FILL 16 /* numbers in a band's factors per nonzero, above which it is no band */
+#define NEAR_BASIS 8 /* vectors of the Krylov space: the inverse has one eigenvalue far beyond others */
+#define BAND_FILL 16 /* numbers in the factors per nonzero of T; with more, T is not treated as a band */
 
 /*
-   Band LU where T is a band, MUMPS for what is none, for what is too large for one of several ranks, and for solves with
-   the transposed, which two-sided solvers take.
+   Takes band LU where T is a band. Takes MUMPS where T is no band, where the factors are too large for one of several
+   ranks, and for two-sided solvers, which also solve with the transposed matrix.
 */
 static PetscErrorCode SetFactorization(Mat T, const char prefix[], PC pc)
 {
@@ -34,11 +34,14 @@ static PetscErrorCode SetFactorization(Mat T, const char prefix[], PC pc)
   PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PetscCall(PCFactorSetUpMatSolverType(pc));
   PetscCall(PCFactorGetMatrix(pc, &factor));
-  PetscCall(MatMumpsSetIcntl(factor, 14, 100)); /* room for pivots that are put off: T is nearly singular */
+  PetscCall(MatMumpsSetIcntl(factor, 14, 100)); /* percent more room for delayed pivots, as T is nearly singular */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The convergence test is SLEPc's own: relative to the eigenvalue of the inverse, not to that of T, which is near 0. */
+/*
+   The convergence test stays SLEPc's own. It is relative to the eigenvalue of the inverse, not to that of T, which is
+   near 0.
+*/
 PetscErrorCode MpmEigenTargetSet(EPS eps, PetscInt restarts)
 {
   ST          st;
@@ -65,7 +68,7 @@ PetscErrorCode MpmEigenTargetSet(EPS eps, PetscInt restarts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A small Krylov space where options have not asked for more eigenvalues or another one. */
+/* Sets a small Krylov space, unless options have asked for more eigenvalues or another space. */
 PetscErrorCode MpmEigenTargetBasis(EPS eps)
 {
   PetscInt wanted, vectors, projected;

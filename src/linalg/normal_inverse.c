@@ -1,6 +1,9 @@
 /*
-   (W^T W)^+ M by all eigenvalues and vectors, as D (D W^T W D)^+ D^-1 with D = M^-1/2: so scaled, light and heavy nodes
-   weigh alike, and only what no particle sees is singular.
+   (W^T W)^+ M by all eigenvalues and vectors, in the scaled form
+
+     D (D W^T W D)^+ D^-1   with D = M^-1/2
+
+   The scaling gives light and heavy nodes the same weight. Then only nodal data that no particle feels are singular.
 */
 #include "linalg/dense.h"
 #include <mpmstab/errors.h>
@@ -9,10 +12,10 @@
 #include <math.h>
 
 #define MOST_NODES 3000
-#define SINGULAR 1e-12   /* of the largest eigenvalue */
-#define NEGLIGIBLE 1e-18 /* of the largest number of the inverse */
+#define SINGULAR 1e-12   /* relative to the largest eigenvalue */
+#define NEGLIGIBLE 1e-18 /* relative to the largest number of the inverse */
 
-/* W^T W as a dense matrix on every rank. */
+/* Computes W^T W as a dense matrix on every rank. */
 static PetscErrorCode Square(Mat W, PetscReal square[])
 {
   Mat product;
@@ -24,7 +27,10 @@ static PetscErrorCode Square(Mat W, PetscReal square[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In place: eigenvectors, as columns, divided by the square roots of their eigenvalues; 0 where that is 0. */
+/*
+   Replaces a symmetric matrix by its eigenvectors, as columns, divided by the square roots of their eigenvalues. Where
+   an eigenvalue counts as 0 the column becomes 0.
+*/
 static PetscErrorCode HalfInverse(PetscInt n, PetscReal a[])
 {
   PetscBLASInt order, room, info;
@@ -49,7 +55,7 @@ static PetscErrorCode HalfInverse(PetscInt n, PetscReal a[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* This rank's rows of half half^T, without what is lost in rounding. */
+/* Fills this rank's rows of half half^T. Negligible numbers, which are rounding, are left out. */
 static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
 {
   PetscReal      *rows, largest = 0;
@@ -83,7 +89,7 @@ static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sqrt(M), and 1 over it, 0 where there is no mass. */
+/* Computes sqrt(M) and 1 / sqrt(M), which is 0 where there is no mass. */
 static PetscErrorCode Roots(Vec masses, Vec *root, Vec *inverse)
 {
   PetscInt   n;

@@ -1,13 +1,14 @@
-/* The inverse of the normal equations, for SOLVE over sparse registers. */
+/* The inverse of the normal equations, for the operation SOLVE of an assembled operator. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <petscmat.h>
 
 /*
-   MpmNormalInverse - (W^T W)^+ M for W (particles x nodes) and masses M on the nodes; eigenvalues of W^T W, scaled
-   by the masses, below 1e-12 of the largest are taken for 0. Numbers that are lost in rounding are left out. W is
-   overwritten.
+   MpmNormalInverse - computes (W^T W)^+ M for W (particles x nodes) and the masses M on the nodes.
 
-   Collective. Every rank diagonalises the whole matrix (LAPACK); refuses more than 3000 nodes.
+   Eigenvalues of W^T W, scaled by the masses, below 1e-12 of the largest count as 0. Negligible numbers are left out. W
+   is overwritten.
+
+   Collective. Every rank diagonalises the whole matrix (LAPACK). Refuses more than 3000 nodes.
 */
 PetscErrorCode MpmNormalInverse(Mat W, Vec masses, Mat *inverse);

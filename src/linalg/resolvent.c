@@ -1,7 +1,10 @@
 /*
-   One Schur form A = Q T Q^H for all points (Lui 1997; Trefethen 1999, Computation of pseudospectra): the singular
-   values of z - A are those of the triangle U = z - T, and 1 / sigma_min^2 is the largest eigenvalue of
-   U^-1 U^-H, two triangular solves, found by Lanczos with full orthogonalization.
+   One Schur form A = Q T Q^H serves all points z (Lui 1997; Trefethen 1999, Computation of pseudospectra). The singular
+   values of z - A are those of the triangle U = z - T, so
+
+     1 / sigma_min^2 = the largest eigenvalue of U^-1 U^-H
+
+   Applying this matrix is two triangular solves. Lanczos with full orthogonalization finds its largest eigenvalue.
 */
 #include "linalg/complex_lapack.h"
 #include "linalg/dense.h"
@@ -9,8 +12,8 @@
 #include "linalg/resolvent.h"
 #include <math.h>
 
-#define CONVERGED 1e-10 /* residual, relative to the largest eigenvalue */
-#define FIRST_LOOK 4    /* vectors; then again after each eighth more */
+#define CONVERGED 1e-10 /* largest residual, relative to the largest eigenvalue */
+#define FIRST_LOOK 4    /* vectors before the first test of convergence; later tests come after an eighth more */
 
 #define ZGEES MPM_LAPACK(zgees, ZGEES)
 #define ZTRSV MPM_LAPACK(ztrsv, ZTRSV)
@@ -26,7 +29,7 @@ extern void ZGEMV(const char *trans, const PetscBLASInt *m, const PetscBLASInt *
                   const double complex *a, const PetscBLASInt *lda, const double complex *x, const PetscBLASInt *incx,
                   const double complex *beta, double complex *y, const PetscBLASInt *incy);
 
-/* factor: A by columns on entry, its Schur form on return. */
+/* Computes the Schur form. factor holds A by columns on entry, and its Schur form on return. */
 static PetscErrorCode Schur(MpmResolvent *r)
 {
   PetscBLASInt   n, room = -1, one = 1, sorted, info;
@@ -89,7 +92,7 @@ static PetscReal Norm(PetscInt n, const double complex x[])
   return largest * sqrt(sum);
 }
 
-/* w = U^-1 U^-H v_k, made orthogonal to v_0 .. v_k, twice; its part along v_k. */
+/* Sets w = U^-1 U^-H v_k and makes it orthogonal to v_0 .. v_k, twice. Returns its component along v_k. */
 static PetscReal Expand(MpmResolvent *r, PetscBLASInt k)
 {
   const PetscBLASInt   n = (PetscBLASInt)r->n, one = 1, vectors = k + 1;
@@ -108,7 +111,10 @@ static PetscReal Expand(MpmResolvent *r, PetscBLASInt k)
   return along;
 }
 
-/* The largest eigenvalue of the tridiagonal matrix of k vectors, and its residual when the next has size beyond. */
+/*
+   Finds the largest eigenvalue theta of the tridiagonal matrix of k vectors, and its residual. beyond: norm of the next
+   vector before it is scaled.
+*/
 static PetscErrorCode Largest(MpmResolvent *r, PetscBLASInt k, PetscReal beyond, PetscReal *theta, PetscReal *residual)
 {
   PetscReal   *diagonal = r->room, *beside = r->room + k, *work = r->vectors + (size_t)k * k;

@@ -4,13 +4,14 @@
 #include <complex.h>
 #include <petscmat.h>
 
-/* Order up to which it is taken: a dense complex matrix, and work of its cube. */
+/* The largest order for which it is computed; it takes a dense complex matrix, and work like the cube of the order. */
 #define MPM_RESOLVENT_ORDER 1024
 
 /*S
-   MpmResolvent - a complex Schur form of A, and room to solve with z - A.
+   MpmResolvent - a complex Schur form of A, and work space to solve with z - A.
 
-   eigenvalue are its diagonal's. factor is minus its upper triangle, whose diagonal each point sets.
+   eigenvalue is the diagonal of the Schur form. factor is the negative of its upper triangle; each point z sets the
+   diagonal.
 S*/
 typedef struct {
   PetscInt        n;
@@ -19,13 +20,14 @@ typedef struct {
   PetscReal      *diagonal, *beside, *vectors, *room;
 } MpmResolvent;
 
-/* Collective. A must be finite; the Schur form is rank 0's, so that all ranks have the same. */
+/* Collective. A must be finite. All ranks get the Schur form of rank 0, so that they have the same numbers. */
 PetscErrorCode MpmResolventCreate(Mat A, MpmResolvent *resolvent);
 PetscErrorCode MpmResolventDestroy(MpmResolvent *resolvent);
 
 /*
-   MpmResolventSigma - the smallest singular value of z - A; 0 where that is below the range of its inverse square.
+   MpmResolventSigma - the smallest singular value of z - A. It is 0 where its inverse square leaves the range of
+   doubles.
 
-   Not collective. Relative error 1e-10, beside rounding of A, which moves it by about eps norm(A).
+   Not collective. The relative error is 1e-10. Rounding of A moves sigma by about eps norm(A) besides.
 */
 PetscErrorCode MpmResolventSigma(MpmResolvent *resolvent, double complex z, PetscReal *sigma);

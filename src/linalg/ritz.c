@@ -1,13 +1,13 @@
 /*
-   Eigenvalues of A near a + ib are those of T = (A - a I)^2 + b^2 I near 0. An eigenvector x of T need not be one of A
-   (where T's eigenvalue is real it mixes those of a + iw and a - iw), but the span of x and A x is A's own, since
-   (A - a I)^2 x is a multiple of x: Rayleigh-Ritz there gives eigenpairs of A.
+   The eigenvalues of A near a + ib are those of T = (A - a I)^2 + b^2 I near 0. An eigenvector x of T need not be one
+   of A: where T's eigenvalue is real, x mixes the eigenvectors for a + iw and a - iw. But the span of x and A x is
+   invariant under A, since (A - a I)^2 x is a multiple of x. So Rayleigh-Ritz on this span gives eigenpairs of A.
 */
 #include "linalg/small_eigen.h"
 #include "linalg/ritz.h"
 #include <math.h>
 
-#define REAL 1e-6 /* a target this close to the axis is on it */
+#define REAL 1e-6 /* a target is real when im is below this part of re */
 
 PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T)
 {
@@ -26,7 +26,7 @@ PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Appends what of x is new to the basis. */
+/* Appends to the basis the part of x that is orthogonal to it, unless that is negligible. */
 static PetscErrorCode Append(BV basis, PetscInt *n, Vec x)
 {
   PetscReal norm;
@@ -69,7 +69,7 @@ static PetscErrorCode Span(Mat A, EPS eps, BV basis, PetscInt *n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Eigenvalues and vectors of H = basis^T A basis. */
+/* Computes eigenvalues and vectors of H = basis^T A basis. */
 static PetscErrorCode SolveProjected(Mat H, PetscInt n, PetscReal re[], PetscReal im[], PetscReal coefficients[])
 {
   MpmSmallEigen      small;

@@ -1,16 +1,19 @@
-/* Rayleigh-Ritz with a complex target in real arithmetic: what MpmEigenSolve does near a target. */
+/* Rayleigh-Ritz with a complex target in real arithmetic, for MpmEigenSolve with MPM_EIGEN_TARGET. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <slepceps.h>
 
-/* Collective. T = (A - a I)^2 + b^2 I, or A - a I when b is 0. */
+/* Collective. Computes T = (A - a I)^2 + b^2 I, or A - a I when b is 0. */
 PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T);
 
 /*
-   MpmRitzExtract - eigenvalues (re, im) of A on the space spanned by the eps' eigenvectors X and A X.
+   MpmRitzExtract - computes eigenvalues (re, im) of A on the space spanned by the eigenvectors X of eps and by A X.
 
-   Collective. basis: an orthonormal basis of that space, n its dimension; the vector of value j is basis times
-   coefficients[2 n j + (0..n-1)] + i basis times the next n. Free the arrays with PetscFree.
+   Collective. basis: an orthonormal basis of that space. n: its dimension. The vector of value j is
+
+     basis times coefficients[2 n j + (0 .. n-1)] + i basis times coefficients[2 n j + n + (0 .. n-1)]
+
+   Free the arrays with PetscFree.
 */
 PetscErrorCode MpmRitzExtract(Mat A, EPS eps, BV *basis, PetscInt *n, PetscReal **re, PetscReal **im,
                               PetscReal **coefficients);

@@ -1,4 +1,4 @@
-/* All eigenvalues of a small complex matrix: zgeev. */
+/* All eigenvalues of a small complex matrix, by LAPACK's zgeev. */
 #include "linalg/complex_lapack.h"
 #include "linalg/small_eigen.h"
 #include <math.h>
@@ -29,7 +29,7 @@ PetscErrorCode MpmSmallEigenCreate(PetscInt n, MpmSmallEigen *s)
   PetscFunctionBegin;
   *s = (MpmSmallEigen){.n = n};
   PetscCall(PetscMalloc5(n * n, &s->matrix, n, &s->value, n * n, &s->right, n * n, &s->left, 2 * n, &s->rwork));
-  PetscCall(Call(s, PETSC_TRUE, -1, &size)); /* asks for the work space */
+  PetscCall(Call(s, PETSC_TRUE, -1, &size)); /* asks for the size of the work space */
   s->lwork = (PetscInt)creal(size);
   PetscCall(PetscMalloc1(s->lwork, &s->work));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,10 +1,10 @@
-/* Eigenvalues of one small dense complex matrix, by LAPACK. */
+/* Small dense complex matrices: their eigenvalues and vectors, by LAPACK. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>
 
 /*S
-   MpmSmallEigen - room for matrices of one size.
+   MpmSmallEigen - a matrix, its eigenvalues and vectors, and work space, for any number of matrices of one size.
 S*/
 typedef struct {
   PetscInt        n, lwork;
@@ -12,14 +12,16 @@ typedef struct {
   PetscReal      *rwork;
 } MpmSmallEigen;
 
-/* Not collective. */
+/* Not collective. MpmSmallEigenCreate allocates room for n x n matrices. */
 PetscErrorCode MpmSmallEigenCreate(PetscInt n, MpmSmallEigen *small);
 PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *small);
 
 /*
-   MpmSmallEigenSolve - eigenvalues of small->matrix (columns, destroyed) into small->value; with vectors, normed
-   right and left vectors into the columns of small->right and small->left. Infinite eigenvalues, and vectors 0, when
-   the matrix is not finite.
+   MpmSmallEigenSolve - computes the eigenvalues small->value of small->matrix, which is stored by columns and
+   overwritten.
+
+   With vectors it also fills the columns of small->right and small->left with right and left eigenvectors of norm 1.
+   When the matrix is not finite, all eigenvalues are infinite and all vectors are 0.
 
    Not collective.
 */

@@ -1,4 +1,4 @@
-/* The weights C1 and C2, the source term and the ringing content of a march. */
+/* Measures the weights C1 and C2, the source term and the ringing content of a march. */
 #include <mpmstab/errors.h>
 #include "march/transfer_diagnostics.h"
 #include "scheme/maps.h"
@@ -10,21 +10,21 @@ static MPI_Comm CommOf(const MpmTransferDiagnostics *x)
 }
 
 PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *request,
-                                            MpmTransferDiagnostics **exchange)
+                                            MpmTransferDiagnostics **diagnostics)
 {
   const MpmScene         *scene = march->scene;
   MpmTransferDiagnostics *x;
 
   PetscFunctionBegin;
-  *exchange = NULL;
+  *diagnostics = NULL;
   if (!request->weights && !request->source_term && !request->ringing) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(
       !request->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
       "within a step; allowed: more cells, or fewer ranks",
       scene->step.drift.value);
-  PetscCall(PetscNew(exchange));
-  x          = *exchange;
+  PetscCall(PetscNew(diagnostics));
+  x          = *diagnostics;
   x->march   = march;
   x->request = request;
   PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
@@ -34,15 +34,15 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **exchange)
+PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **diagnostics)
 {
   PetscFunctionBegin;
-  if (!*exchange) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDestroy(&(*exchange)->node));
-  PetscCall(VecDestroy(&(*exchange)->other));
-  PetscCall(VecDestroy(&(*exchange)->inverse_mass));
-  PetscCall(MpmNodalSolveDestroy(&(*exchange)->solve));
-  PetscCall(PetscFree(*exchange));
+  if (!*diagnostics) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&(*diagnostics)->node));
+  PetscCall(VecDestroy(&(*diagnostics)->other));
+  PetscCall(VecDestroy(&(*diagnostics)->inverse_mass));
+  PetscCall(MpmNodalSolveDestroy(&(*diagnostics)->solve));
+  PetscCall(PetscFree(*diagnostics));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -66,7 +66,10 @@ static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums phi_ip m_p of this rank's particles to the nodes: of all, and of those at the left of the node. */
+/*
+   Sums phi_ip m_p of this rank's particles to the nodes. all: from all particles; left: from those at the left of the
+   node.
+*/
 static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places, PetscReal left[], PetscReal all[])
 {
   const MpmBasis *basis = march->scheme->basis;
@@ -95,7 +98,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
 static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsSample *sample)
 {
   const MpmGrid *grid    = x->march->grid;
-  PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* C1 and nodes; -least, largest */
+  PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* of C1 and of nodes; -least and largest C1 */
   PetscReal     *array[2];
   MpmPlaces      places;
 
@@ -127,7 +130,7 @@ static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The square root of a ratio of sums over the ranks. */
+/* Returns the square root of a ratio of sums over the ranks. */
 static PetscErrorCode Ratio(const MpmTransferDiagnostics *x, PetscReal part, PetscReal whole, PetscReal *ratio)
 {
   PetscReal sums[2] = {part, whole};
@@ -138,7 +141,7 @@ static PetscErrorCode Ratio(const MpmTransferDiagnostics *x, PetscReal part, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* node holds P2G of the field at its places. */
+/* Measures the source term of a field. x->node holds P2G of the field at the particles' places. */
 static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscReal *source)
 {
   const MpmGrid *grid = x->march->grid;
@@ -155,7 +158,7 @@ static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of q, and of q less what y gives back to the particles: sums over this rank of m_p times the squares. */
+/* Sums over this rank's particles m_p times two squares: that of q less G2P of y, and that of q. */
 static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, const PetscReal q[], PetscReal y[],
                                 PetscReal sums[2])
 {
@@ -180,7 +183,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* node holds P2G of the field at its places. */
+/* Measures the ringing content of a field. x->node holds P2G of the field at the particles' places. */
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
   const MpmMarch  *march         = x->march;
@@ -206,11 +209,11 @@ static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscRe
   PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
   PetscCall(RestorePlaces(march, &places));
   PetscCall(Ratio(x, sums[0], sums[1], ringing));
-  if (reason <= 0) *ringing = NAN; /* as where particles almost coincide */
+  if (reason <= 0) *ringing = NAN; /* the solve does not converge where particles almost coincide */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* fmin and fmax leave NaN out. */
+/* Keeps the first, last and largest values. fmin and fmax ignore NaN. */
 static void Keep(MpmTransferDiagnostics *x, const MpmTransferDiagnosticsSample *sample)
 {
   MpmTransferDiagnosticsSample *most = &x->most;

@@ -1,9 +1,9 @@
-/* The result as a table for people. */
+/* Prints the result of a run as a table for people. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>
 
-/* A number that may be out of range is said to be so, not printed as inf. */
+/* Prints a number. One that is out of range is described as such, not printed as inf. */
 static PetscErrorCode PrintNumber(PetscReal value)
 {
   PetscFunctionBegin;
@@ -97,7 +97,7 @@ static PetscErrorCode PrintConserved(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a diagnostic was for each field; '-' where there was nothing to divide by. */
+/* Prints a diagnostic of one field; '-' stands where there was nothing to divide by. */
 static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
 {
   PetscFunctionBegin;
@@ -108,10 +108,10 @@ static PetscErrorCode PrintField(const char name[], const char when[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintExchange(const MpmRun *run)
+static PetscErrorCode PrintTransfer(const MpmRun *run)
 {
-  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
-                                     *most = &run->exchange_most;
+  const MpmTransferDiagnosticsSample *first = &run->transfer_first, *last = &run->transfer_last,
+                                     *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
   PetscFunctionBegin;
@@ -169,7 +169,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintGrowth(run));
   PetscCall(PrintErrors(run));
   PetscCall(PrintConserved(run));
-  PetscCall(PrintExchange(run));
+  PetscCall(PrintTransfer(run));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

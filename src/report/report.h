@@ -1,30 +1,36 @@
-/* What the tasks' tables and JSON objects have in common. */
+/* Parts that the tasks' tables and JSON objects share. */
 #pragma once
 #include <mpmstab/errors.h>
 #include "scene/request.h"
 #include "symbol/predict.h"
 #include <jansson.h>
 
-/* Collective. The task and its scene in two lines: scheme, grid and particles. */
+/* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
 
-/* Collective. A row of the growth table; text: the formula, or what the number rests on. NaN: text says why not. */
+/*
+   Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
+   the reason.
+*/
 PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char text[]);
 
-/* Collective. The rows of the closed forms, or why they say nothing. */
+/* Collective. Prints the rows of the closed forms, or the reason why they do not cover the scene. */
 PetscErrorCode MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
 
-/* Collective. In a sentence, where the published formula fails and whether the corrected one holds. */
+/* Collective. Prints in a sentence where the published formula fails and whether the corrected one holds. */
 PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
 
-/* Collective. Verdict, margin and evidence; condition: of the eigenvalue it rests on, NaN for none. */
+/*
+   Collective. Prints verdict, margin and evidence. condition: that of the eigenvalue on which the verdict rests; NaN
+   for none.
+*/
 PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
 
 /*
-   Not collective. MpmJsonScene: a new object with version, task, scheme and grid. MpmJsonSet: a number, left out when
-   it is not finite (JSON has none of those). MpmJsonSetPrediction: null when the formula does not cover the scene.
-   MpmJsonPredicted: the key 'predicted' (symbol NaN: none). MpmJsonSetFinding: verdict, growth and what they rest on.
-   MpmJsonSymbol: the key 'symbol'.
+   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid. MpmJsonSet adds a number, unless
+   it is not finite, which JSON cannot express. MpmJsonSetPrediction adds a growth, or null when the formula does not
+   cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonPredicted makes the value of
+   the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
 */
 PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s,
                             json_t **object);

@@ -1,4 +1,4 @@
-/* The largest stable Courant number in words, as JSON and as CSV. */
+/* The largest stable Courant number: prints it in words, and writes it as JSON and as CSV. */
 #include "report/results.h"
 #include "base/textfile.h"
 #include "report/report.h"
@@ -70,7 +70,7 @@ static PetscErrorCode PrintReason(PetscReal tolerance, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What holds at the scene's own Courant number. */
+/* Prints growth and verdict at the scene's own Courant number. */
 static PetscErrorCode PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
 {
   PetscFunctionBegin;
@@ -171,7 +171,7 @@ PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A table of limits, a row for each formulation and transfer, written as its numbers come. */
+/* A table of limits with a row for each formulation and transfer. Each number is printed as soon as it is found. */
 typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request;

@@ -1,4 +1,4 @@
-/* The share of unstable layouts in words, as JSON and as CSV. */
+/* The share of unstable layouts: prints it in words, and writes it as JSON and as CSV. */
 #include "report/results.h"
 #include "base/textfile.h"
 #include "report/report.h"

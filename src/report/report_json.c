@@ -1,4 +1,7 @@
-/* The result as one JSON object. Keys are a contract; a key that is absent was not computed. */
+/*
+   Writes the result of a run as one JSON object. Its keys are a contract; an absent key means that nothing was
+   computed.
+*/
 #include "report/report.h"
 #include "report/results.h"
 
@@ -29,7 +32,7 @@ static json_t *Errors(const MpmRun *run)
   return errors;
 }
 
-/* For each field first (NULL: left out), last and most of a diagnostic. */
+/* Makes an object with the first (NULL: left out), last and largest value of a diagnostic for each field. */
 static json_t *PerField(const MpmTable *table, const PetscReal first[], const PetscReal last[], const PetscReal most[])
 {
   json_t *fields = json_object();
@@ -45,10 +48,10 @@ static json_t *PerField(const MpmTable *table, const PetscReal first[], const Pe
   return fields;
 }
 
-static void SetExchange(json_t *object, const MpmRun *run)
+static void SetTransfer(json_t *object, const MpmRun *run)
 {
-  const MpmTransferDiagnosticsSample *first = &run->exchange_first, *last = &run->exchange_last,
-                                     *most = &run->exchange_most;
+  const MpmTransferDiagnosticsSample *first = &run->transfer_first, *last = &run->transfer_last,
+                                     *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
   if (run->request->weights) {
@@ -86,7 +89,7 @@ static json_t *Run(const MpmRun *run)
   json_object_set_new(object, "energy", energy);
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
-  SetExchange(object, run);
+  SetTransfer(object, run);
   if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
   if (run->blew_up_at_step != MPM_NEVER)
     json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));

@@ -1,4 +1,4 @@
-/* The scene, as every task's table and JSON object begin. */
+/* Describes the scene at the beginning of every task's table and JSON object. */
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "base/textfile.h"
@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#define WORTH_SAYING 1e-6 /* difference in abs(G) */
+#define WORTH_SAYING 1e-6 /* least difference in abs(G) that is printed */
 
-/* The option of a map's axis is no number of the scene: the map goes over it. */
+/* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
   for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
@@ -38,7 +38,7 @@ static PetscErrorCode PrintFields(const MpmScene *scene, const MpmRequest *reque
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is said of layout and material where they are not the default. */
+/* Describes layout and material where they are not the default. */
 static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
   const MpmMaterialKind material = s->layout.material.kind;
@@ -168,7 +168,7 @@ static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
   }
 }
 
-/* Key 'object.key' is a key inside an object, which the first of its keys makes. */
+/* Sets the value of a field. A key 'object.key' is inside an object, which the first of its keys creates. */
 static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
 {
   const char *key = value->field->json ? value->field->json : value->field->name, *dot = strchr(key, '.');
@@ -183,7 +183,7 @@ static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
   json_object_set_new(object, key, ValueJson(s, value));
 }
 
-/* Fields that not every scene shows come last. */
+/* Fields that only some scenes show come last. */
 PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
 {
   MpmValue values[MPM_MAX_VALUES];

@@ -1,4 +1,4 @@
-/* The task spectrum's table. */
+/* Prints the table of the task spectrum. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>

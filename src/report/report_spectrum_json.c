@@ -1,4 +1,4 @@
-/* The task spectrum as a JSON object. */
+/* Writes the result of the task spectrum as a JSON object. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>

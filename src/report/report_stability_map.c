@@ -1,11 +1,11 @@
-/* A stability map as a picture of letters, and as JSON, CSV and HDF5. */
+/* A stability map: prints it as a picture of letters, and writes it as JSON, CSV and HDF5. */
 #include "io/datafile.h"
 #include "base/textfile.h"
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>
 
-/* On a terminal: as many rows and columns at most; others are left out. */
+/* The largest number of rows and columns printed; others are left out. */
 #define MOST_ROWS 25
 #define MOST_COLUMNS 65
 
@@ -18,7 +18,7 @@ static char Letter(const MpmStabilityMap *map, PetscInt point)
   return excess < 1e-3 ? '-' : excess < 1e-2 ? '+' : excess < 1e-1 ? 'x' : '#';
 }
 
-/* The first axis goes up, the second to the right. */
+/* The first axis points up, the second to the right. */
 static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
 {
   const PetscInt rows = map->points[0], columns = map->points[1];

@@ -1,9 +1,9 @@
-/* What the task spectrum says of norm(A^n) and the pseudospectrum: table and JSON. */
+/* Prints norm(A^n) and the pseudospectrum in the table of the task spectrum, and adds them to its JSON object. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>
 
-#define GROWS 0.1 /* a fitted power above it */
+#define GROWS 0.1 /* a larger fitted power counts as growth */
 
 static PetscErrorCode PrintPowers(const MpmSpectrum *s)
 {
@@ -34,7 +34,9 @@ static PetscErrorCode PrintPowers(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Under drift the constant is that of the operator of a period, and says nothing of what lies between. */
+/*
+   Prints the Kreiss constant. Under drift it is that of the operator of a period, and does not cover the steps between.
+*/
 static PetscErrorCode PrintKreiss(const MpmSpectrum *s)
 {
   const MpmPseudospectrum *p     = s->pseudospectrum;
@@ -72,7 +74,7 @@ PetscErrorCode MpmTransientPrint(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* JSON has no number that is not finite. */
+/* JSON has no number that is not finite, so null stands for it. */
 static json_t *NumberOrNull(PetscReal value)
 {
   return isfinite(value) ? json_real(value) : json_null();

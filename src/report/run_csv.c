@@ -1,4 +1,4 @@
-/* The time series of a run: step, time, norm, energy, errors and diagnostics. */
+/* Writes the time series of a run: step, time, norm, energy, errors and diagnostics. */
 #include <mpmstab/errors.h>
 #include "report/run_csv.h"
 #include <math.h>
@@ -41,7 +41,7 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
+PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *diagnostics,
                             PetscReal log_norm, PetscReal energy, const MpmTextFile *csv)
 {
   const MpmScene   *scene   = run->scene;
@@ -59,12 +59,12 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   MpmTextFileCell(csv, log_norm / M_LN10);
   for (PetscInt f = 0; run->has_errors && f < n; f++) MpmTextFileCell(csv, error[f].l2);
   if (request->weights) {
-    MpmTextFileCell(csv, exchange->last.c1_mean);
-    MpmTextFileCell(csv, exchange->last.c1_min);
-    MpmTextFileCell(csv, exchange->last.c1_max);
+    MpmTextFileCell(csv, diagnostics->last.c1_mean);
+    MpmTextFileCell(csv, diagnostics->last.c1_min);
+    MpmTextFileCell(csv, diagnostics->last.c1_max);
   }
-  for (PetscInt f = 0; request->source_term && f < n; f++) MpmTextFileCell(csv, exchange->last.source[f]);
-  for (PetscInt f = 0; request->ringing && f < n; f++) MpmTextFileCell(csv, exchange->last.ringing[f]);
+  for (PetscInt f = 0; request->source_term && f < n; f++) MpmTextFileCell(csv, diagnostics->last.source[f]);
+  for (PetscInt f = 0; request->ringing && f < n; f++) MpmTextFileCell(csv, diagnostics->last.ringing[f]);
   fprintf(csv->stream, "\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

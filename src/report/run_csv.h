@@ -5,11 +5,16 @@
 #include "analysis/run.h"
 
 /*
-   Collective. Writes the header of a new file, or, in a run that resumes, the rows that its checkpoint holds (before;
-   NULL or "": none). Refuses rows whose columns are not those of this run.
+   MpmRunCsvBegin - writes the header of a new file. In a run that resumes it writes the rows that the checkpoint holds
+   (before; NULL or "" for none), and refuses rows whose columns are not those of this run.
+
+   Collective.
 */
 PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv);
 
-/* Collective. Writes a row, with the errors and the diagnostics that the run has; exchange may be NULL. */
-PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *exchange,
+/*
+   Collective. Writes a row with the errors and diagnostics that the run has. diagnostics is NULL for a run without
+   them.
+*/
+PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmTransferDiagnostics *diagnostics,
                             PetscReal log_norm, PetscReal energy, const MpmTextFile *csv);

@@ -1,6 +1,9 @@
 /*
-   Particle j of the ppc in cell n starts at x = (n + (j + offset + jitter (r - 1/2)) / ppc) h, r hashed from its number
-   g, and its part of a cell squeezed into the cluster.
+   Particle j of the ppc particles in cell n starts at
+
+     x = (n + (j + offset + jitter (r - 1/2)) / ppc) h
+
+   where r is a hash of the particle's number g. With a cluster, its place in the cell is scaled into the cluster.
 */
 #include "base/memory.h"
 #include "scheme/kernels.h"
@@ -41,7 +44,7 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, Pets
 
   MpmLayoutSite(layout, layout->first + id, &n, &j, &count);
   if (layout->jitter == 0 && offset->den && offset->den <= 1000000000)
-    /* rounded once, so that positions that meet a node meet it exactly */
+    /* rounded once, so that a position that should meet a node meets it exactly */
     place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(count * offset->den);
   else {
     const PetscReal displacement = layout->jitter * (MpmHash(layout->seed, layout->first + id) - 0.5);
@@ -50,13 +53,13 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, Pets
   if (part[1] - part[0] < 1) place = part[0] + (part[1] - part[0]) * place;
   shift = (PetscInt)floor(place);
   *xi   = place - shift;
-  if (*xi >= 1) { /* a place just left of a node, rounded onto it */
+  if (*xi >= 1) { /* just left of a node, and rounded onto it */
     *xi = 0;
     shift++;
   }
   *cell = n + shift;
   if (*cell == layout->grid.cells &&
-      !MpmLayoutIsPeriodic(layout)) { /* on the right end's node, whose cell is at its left */
+      !MpmLayoutIsPeriodic(layout)) { /* the node at the right end belongs to the cell at its left */
     *cell = layout->grid.cells - 1;
     *xi   = nextafter(1, 0);
   }

@@ -1,6 +1,6 @@
 /*
-   Density rho and stiffness E relative to the first material's, at a resting place x: mass = rho V, so that the wave
-   speed there is c sqrt(E / rho).
+   Density rho and stiffness E of a particle at resting place x, relative to the first material's. Its mass is rho V,
+   and the wave speed there is c sqrt(E / rho).
 */
 #include "scene/layout.h"
 #include "scene/material.h"
@@ -9,7 +9,7 @@
 const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
-/* The power of the ratios that holds at place x, in cells. */
+/* Returns the power to which the ratios are raised at place x, in cells. */
 static PetscReal Share(const MpmLayout *layout, PetscReal x)
 {
   const MpmMaterial *m = &layout->material;
@@ -26,7 +26,7 @@ static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
 
   if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
   MpmLayoutPlace(layout, id, &cell, &xi);
-  cell = (cell + layout->grid.cells) % layout->grid.cells; /* jitter may take it over the end of a periodic domain */
+  cell = (cell + layout->grid.cells) % layout->grid.cells; /* jitter may cross the end of a periodic domain */
   return pow(ratio, Share(layout, cell + xi));
 }
 

@@ -1,4 +1,7 @@
-/* A scene with an expect block is a test: what is missed is said, and the program fails. */
+/*
+   A scene with an expect block is a test: each expectation that is missed is printed, and the program ends with status
+   3.
+*/
 #include "task/expect.h"
 #include <math.h>
 

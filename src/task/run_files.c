@@ -1,7 +1,7 @@
 /*
    What the task run does beside the march: it reads a checkpoint or an eigenmode at the start, writes rows of CSV,
-   output steps and checkpoints, and gives all files their names at the end. The last checkpoint comes after the other
-   files, so that a checkpoint of the last step says that they are there.
+   output steps and checkpoints, and gives all files their names at the end. The checkpoint of the last step is written
+   after the other files; if it exists, so do they.
 */
 #include "task/run_files.h"
 #include "base/stop.h"
@@ -24,7 +24,7 @@ static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
   PetscBool there = PETSC_FALSE;
 
   PetscFunctionBegin;
-  /* a run of no steps has nothing to add to an output that ends with this step */
+  /* a run of no steps adds nothing to an output that ends with this step */
   if (march->step == files->request->steps) PetscCall(MpmOutputHasStep(files->request, march->step, &there));
   if (there)
     MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", files->request->output, march->step);
@@ -33,7 +33,7 @@ static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* before: rows in the checkpoint that the run resumes from; NULL: it does not resume. */
+/* before: the rows in the checkpoint from which the run resumes; NULL when it does not resume. */
 static PetscErrorCode OpenCsv(Files *files, const MpmRun *run, const char before[])
 {
   PetscFunctionBegin;
@@ -45,7 +45,7 @@ static PetscErrorCode OpenCsv(Files *files, const MpmRun *run, const char before
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every file was tried when the scene was read, and has its name only when the work is done. */
+/* Opens the files. Each was tried when the scene was read, and gets its own name only when the work is done. */
 static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 {
   Files            *files   = context;
@@ -71,16 +71,19 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 }
 
 static PetscErrorCode Sample(void *context, const MpmRun *run, const MpmMarch *march,
-                             const MpmTransferDiagnostics *exchange, PetscReal log_norm, PetscReal energy)
+                             const MpmTransferDiagnostics *diagnostics, PetscReal log_norm, PetscReal energy)
 {
   Files *files = context;
 
   PetscFunctionBegin;
-  if (files->request->csv[0]) PetscCall(MpmRunCsvRow(run, march, exchange, log_norm, energy, &files->csv));
+  if (files->request->csv[0]) PetscCall(MpmRunCsvRow(run, march, diagnostics, log_norm, energy, &files->csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Asks for signals only where there is a checkpoint to write. The checkpoint of the last step is written at the end. */
+/*
+   Writes a checkpoint when it is due or when a signal asks the run to stop. A run without checkpoints does not look for
+   signals. The checkpoint of the last step is written at the end.
+*/
 static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *march, PetscBool *stop)
 {
   const MpmRequest *request = files->request;
@@ -110,7 +113,7 @@ static PetscErrorCode Step(void *context, const MpmRun *run, MpmMarch *march, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A run that was stopped leaves its checkpoint alone. */
+/* Finishes the files. A run that was stopped keeps its checkpoint alone. */
 static PetscErrorCode End(void *context, const MpmRun *run, MpmMarch *march)
 {
   Files            *files   = context;

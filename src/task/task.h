@@ -1,4 +1,4 @@
-/* Tasks: what the program can be asked to do. */
+/* Tasks: what a user can ask the program to do. */
 #pragma once
 #include "scene/request.h"
 
@@ -12,7 +12,7 @@ typedef struct {
 
 extern const MpmTask MpmTasks[];
 
-/* The work of a task on its scene and request. missed: how many expectations are not met. */
+/* Does the work of a task on its scene and request. missed: the number of expectations that are not met. */
 typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                        PetscInt *missed);
 
@@ -25,7 +25,7 @@ typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *
 PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
                               int *status);
 
-/* Collective. Prints what the program is in ten lines. */
+/* Collective. Describes the program in ten lines. */
 PetscErrorCode MpmPrintUsage(void);
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);

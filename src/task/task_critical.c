@@ -1,4 +1,4 @@
-/* mpmstab critical [SCENE.yaml] [-option value]... */
+/* The task critical: mpmstab critical [SCENE.yaml] [-option value]... */
 #include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
@@ -10,7 +10,7 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   MpmCritical           critical;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* that is of the waves on the scene's grid */
+  expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
   PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &critical));
   if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, &critical));
   if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, &critical, MPI_Wtime() - started));

@@ -1,4 +1,4 @@
-/* mpmstab ensemble [SCENE.yaml] [-option value]... */
+/* The task ensemble: mpmstab ensemble [SCENE.yaml] [-option value]... */
 #include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
@@ -9,7 +9,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   MpmEnsemble *ensemble;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* that is of one layout */
+  expect.has_spectrum = PETSC_FALSE; /* it is about one layout */
   PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
   if (request->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
   if (request->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));

@@ -1,4 +1,4 @@
-/* mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
+/* The task list: mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
 #include "base/suggest.h"
 #include "scene/fields.h"
 #include "task/task.h"
@@ -53,7 +53,10 @@ static PetscErrorCode ListOptions(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a result rests on: an MPI's own text ends at its first comma or line. */
+/*
+   Prints the versions of the libraries that a result rests on. The version text of an MPI is cut at its first comma or
+   line end.
+*/
 static PetscErrorCode ListVersions(void)
 {
   char     mpi[MPI_MAX_LIBRARY_VERSION_STRING];

@@ -1,4 +1,4 @@
-/* mpmstab map [SCENE.yaml] [-option value]... */
+/* The task map: mpmstab map [SCENE.yaml] [-option value]... */
 #include "task/expect.h"
 #include "report/results.h"
 #include "task/task.h"
@@ -9,7 +9,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* that is of one point */
+  expect.has_spectrum = PETSC_FALSE; /* it is about one point */
   PetscCall(MpmStabilityMapCreate(scene, request, &map));
   if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
   if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));

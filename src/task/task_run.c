@@ -1,4 +1,4 @@
-/* mpmstab run [SCENE.yaml] [-option value]... */
+/* The task run: mpmstab run [SCENE.yaml] [-option value]... */
 #include <mpmstab/errors.h>
 #include "report/results.h"
 #include "task/expect.h"

@@ -1,4 +1,4 @@
-/* mpmstab spectrum [SCENE.yaml] [-option value]... */
+/* The task spectrum: mpmstab spectrum [SCENE.yaml] [-option value]... */
 #include "task/expect.h"
 #include "io/spectrum_files.h"
 #include "report/results.h"

@@ -1,4 +1,4 @@
-/* mpmstab symbol [SCENE.yaml] [-option value]... */
+/* The task symbol: mpmstab symbol [SCENE.yaml] [-option value]... */
 #include "task/expect.h"
 #include "report/report.h"
 #include "io/symbol_files.h"

@@ -1,4 +1,4 @@
-/* The list of tasks, what all tasks on a scene have in common, and the program's ten lines about itself. */
+/* The list of tasks, the steps that all tasks on a scene share, and the usage text. */
 #include <mpmstab/errors.h>
 #include "base/memory.h"
 #include "base/stop.h"
@@ -19,7 +19,7 @@ const MpmTask MpmTasks[] = {
     {NULL, NULL, NULL},
 };
 
-/* Refuses files that a run is to start from and cannot. */
+/* Refuses files from which a run is to start and cannot. */
 static PetscErrorCode CheckStart(const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;

@@ -1,4 +1,4 @@
-/* The program around fuzz targets. */
+/* The program around the fuzz targets. */
 #include "fuzz.h"
 #include <fcntl.h>
 #include <slepcsys.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* LeakSanitizer's, where it is linked */
+/* a function of LeakSanitizer, where that is linked */
 __attribute__((weak)) void __lsan_disable(void);
 __attribute__((weak)) void __lsan_enable(void);
 
@@ -39,10 +39,13 @@ static void Leave(void)
   (void)rmdir(folder);
 }
 
-/* In a folder of its own: an input may name files, which are tried. MPI leaks where it starts and where it ends. */
+/*
+   The target gets a folder of its own, since an input may name files, which are tried. Leaks of MPI at its start and
+   end are ignored.
+*/
 void FuzzStart(const char name[], const char file[])
 {
-  static char  program[] = "fuzz", quiet[] = "-no_signal_handler"; /* crashes are for libFuzzer and sanitizers */
+  static char  program[] = "fuzz", quiet[] = "-no_signal_handler"; /* crashes are for libFuzzer and the sanitizers */
   static char *words[] = {program, quiet, NULL}, **mine = words;
   const char  *parent = getenv("TMPDIR");
   int          n      = 2;

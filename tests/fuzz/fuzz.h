@@ -1,4 +1,4 @@
-/* What fuzz targets share: the program around them, a folder of their own, and what is no finding. */
+/* What fuzz targets share: the program around them, a folder of their own, and checks of what is a finding. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <stdint.h>
@@ -6,13 +6,18 @@
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Ends the program when something else than what the fuzzer does to its input fails, or when a finding is made. */
+/* Ends the program with a finding, or when something fails that is not the fuzzer's input. */
 void FuzzNeed(PetscBool condition, const char what[]);
 
-/* Starts SLEPc. From here on whatever fails but by a refusal is a finding, and so is a refusal that is no one line. */
+/*
+   Starts SLEPc. After this call every error that is no refusal is a finding, and so is a refusal of more than one line.
+*/
 void FuzzStart(const char name[], const char file[]);
 
-/* The target's folder, where 'file' is the input as a reader sees it; and back: names of inputs may be relative. */
+/*
+   FuzzEnter goes to the target's folder, in which 'file' is the input for a reader. FuzzReturn goes back, since names
+   of inputs may be relative.
+*/
 void FuzzEnter(void);
 void FuzzReturn(void);
 void FuzzWrite(const uint8_t *data, size_t size);

@@ -1,13 +1,12 @@
 /*
-   Fuzzes what reads checkpoints, and the march that goes on from them.
+   Fuzzes the functions that read checkpoints, and the march that resumes from them.
 
-   The first byte of an input says of which scene: a number below the number of scenes, or, with 128 added, that the
-   rest of the input is the file as it is. Else the rest are edits to the scene's own checkpoint (sealed.h), whose
-   seal is made right again: what is behind the seal is reached, and HDF5, which does not stand damaged files, has one
-   that is whole.
+   The first byte of an input is the number of a scene. With 128 added, the rest of the input is the file itself.
+   Otherwise the rest are edits to the scene's own checkpoint (checked.h), which then gets a right checksum. So the
+   fuzzer reaches what is behind the checksum, and HDF5, which may crash on damaged files, reads a whole one.
 */
 #include "fuzz.h"
-#include "sealed.h"
+#include "checked.h"
 #include "io/checkpoint.h"
 #include "march/conserved.h"
 #include "march/diagnostics.h"
@@ -22,7 +21,10 @@
 
 static const char checkpoint_file[] = "input.h5";
 
-/* Drift that fits the slack of the ghost layer, and drift that does not; walls, and particles that differ. */
+/*
+   There are scenes whose drift fits in the slack of the ghost layer and one whose drift does not, walls, and particles
+   that differ.
+*/
 static const char *const options[] = {
     "-formulation gas2 -cells 4 -courant 0.5",
     "-formulation gas2 -cells 6 -courant 0.2 -drift 0.3 -jitter 0.7",
@@ -31,9 +33,9 @@ static const char *const options[] = {
 };
 
 static MpmScene *scenes[PETSC_STATIC_ARRAY_LENGTH(options)];
-static Sealed    good[PETSC_STATIC_ARRAY_LENGTH(options)];
+static Checked   good[PETSC_STATIC_ARRAY_LENGTH(options)];
 
-/* Records what the task run would; follow: the state is still in range. */
+/* Records a sample as the task run would. follow: the state is still in range. */
 static PetscErrorCode Sample(MpmMarch *march, MpmRun *run, PetscBool *follow)
 {
   const PetscReal ln2 = M_LN2 * march->exponent;
@@ -59,7 +61,7 @@ static PetscErrorCode March(MpmMarch *march, MpmRun *run, PetscInt64 last, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Make(const char words[], MpmScene **scene, Sealed *sealed)
+static PetscErrorCode Make(const char words[], MpmScene **scene, Checked *checked)
 {
   MpmRun    run = {.blew_up_at_step = MPM_NEVER};
   MpmMarch *march;
@@ -75,7 +77,7 @@ static PetscErrorCode Make(const char words[], MpmScene **scene, Sealed *sealed)
   PetscCall(MpmCheckpointWrite(checkpoint_file, march, &run, "step,norm\n0,1\n"));
   PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmSeriesDestroy(&run.series));
-  SealedLoad(checkpoint_file, sealed);
+  CheckedLoad(checkpoint_file, checked);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,7 +93,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   return 0;
 }
 
-/* What the task run does with a checkpoint. */
+/* Resumes from a checkpoint as the task run does. */
 static PetscErrorCode GoOn(const MpmScene *scene, MpmMarch *march, MpmRun *run, char **csv)
 {
   PetscReal    changes[2];
@@ -137,12 +139,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   if (size && data[0] >= RAW)
     FuzzWrite(data + 1, size - 1);
   else {
-    Sealed sealed;
+    Checked checked;
 
-    SealedCopy(&good[which], &sealed);
-    if (size) SealedEdit(&sealed, data + 1, size - 1);
-    SealedWrite(&sealed, checkpoint_file);
-    SealedFree(&sealed);
+    CheckedCopy(&good[which], &checked);
+    if (size) CheckedEdit(&checked, data + 1, size - 1);
+    CheckedWrite(&checked, checkpoint_file);
+    CheckedFree(&checked);
   }
   ierr = ReadAndGoOn(scenes[which]);
   FuzzReturn();

@@ -1,9 +1,9 @@
 /*
-   Fuzzes what reads a scene: YAML, options, and every check up to a finished MpmScene. Nothing is allocated for its
-   cells or marched.
+   Fuzzes the functions that read a scene: YAML, options, and every check up to a finished MpmScene. No cells are
+   allocated, and nothing is marched.
 
-   The input is a scene. A first line such as '#symbol -cells 8 -drift 1/8' is a comment to YAML and the command line
-   here.
+   The input is a scene. Its first line may be one such as '#symbol -cells 8 -drift 1/8': for YAML it is a comment, and
+   here it is the command line.
 */
 #include "fuzz.h"
 #include "scene/settings.h"
@@ -23,7 +23,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
   return 0;
 }
 
-/* The words of the first line, when that is a comment. */
+/* Splits the first line into words, when it is such a comment. */
 static int Words(const uint8_t *data, size_t size, char line[], size_t room, char *words[])
 {
   int    n = 0;
@@ -44,7 +44,7 @@ static const char *TaskNamed(const char word[])
   return "run";
 }
 
-/* PETSc's own options would act on the fuzzer itself. */
+/* Takes the options, except for PETSc's own, which would act on the fuzzer itself. */
 static PetscErrorCode TakeOptions(const char task[], int n, char **words)
 {
   PetscFunctionBegin;
@@ -61,7 +61,7 @@ static PetscErrorCode TakeOptions(const char task[], int n, char **words)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What every reader of a scene relies on. */
+/* Checks what every function that gets a scene relies on. */
 static void CheckScene(const MpmScene *s, const MpmRequest *r)
 {
   const PetscInt64 places = (PetscInt64)s->layout.grid.cells * s->layout.ppc;

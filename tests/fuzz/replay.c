@@ -1,4 +1,4 @@
-/* A fuzz target's main without libFuzzer: each file given, or in a folder given, is one input. */
+/* The main of a fuzz target without libFuzzer. Each file given, or in a folder given, is one input. */
 #include <dirent.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -28,7 +28,7 @@ static void ReplayFile(const char path[])
   size = fread(data, 1, LARGEST, file);
   if (ferror(file)) Fail(path, "cannot be read");
   fclose(file);
-  fprintf(stderr, "%s\n", path); /* the last one named is the one that failed */
+  fprintf(stderr, "%s\n", path); /* the last name printed is the input that failed */
   (void)LLVMFuzzerTestOneInput(data, size);
   free(data);
 }

@@ -1,6 +1,7 @@
 /*
-   The flagship: for every example scene measured = spectrum = symbol, and A q = march(q). Unstable scenes: symbol and
-   spectrum to 1e-9, the measured rate within 2% of the logarithm. Stable ones: none of the three grows.
+   The main test: for every example scene measured growth, spectrum and symbol agree, and A q = march(q). For unstable
+   scenes symbol and spectrum agree to 1e-9, and the measured rate is within 2% of the logarithm. For stable scenes none
+   of the three grows.
 */
 #include "check.h"
 #include "analysis/spectrum.h"

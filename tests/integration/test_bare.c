@@ -1,6 +1,6 @@
 /*
-   Formulations that are not on the list: one without any closed form, exact solution or energy, with a field that no
-   node sees, goes through every task; ones with a wrong closed form are found out.
+   Formulations that are not in the list. One has no closed form, exact solution or energy, and a field that no node
+   feels; every task must accept it. Others have a wrong closed form, which must be found out.
 */
 #include "check.h"
 #include "analysis/run.h"
@@ -29,7 +29,7 @@ static const MpmFormulation bare = {.name            = "bare",
                                     .free_ends       = PETSC_TRUE,
                                     .materials       = PETSC_TRUE};
 
-/* A scene of usl's, with another formulation in its place. */
+/* Makes a scene of usl and replaces its formulation. */
 static PetscErrorCode SceneOf(const char options[], const MpmFormulation *f, MpmScene **scene)
 {
   PetscFunctionBegin;
@@ -66,7 +66,7 @@ static PetscErrorCode CheckBare(void)
   MpmPredictions predictions;
 
   PetscFunctionBegin;
-  PetscCall(CheckCritical("-formulation usl -initial random", 0.755928946)); /* 1 / sqrt(1 + 4 q), q = 3/16 */
+  PetscCall(CheckCritical("-formulation usl -initial random", 0.755928946)); /* 1 / sqrt(1 + 4 q) with q = 3/16 */
   PetscCall(CheckCritical("-formulation usl -initial random -drift 1/8", 0.755702));
   PetscCall(CheckCritical("-formulation usl -initial random -boundary fixed,free -cells 8", 0.761155));
   PetscCall(SceneOf("-formulation usl -initial random -cells 16 -courant 0.9 -steps 400 -powers 10", &bare, &scene));
@@ -86,7 +86,7 @@ static PetscErrorCode CheckBare(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* usl's own closed forms, and wrong ones: a limit too large or too small, abs(G) off by a part. */
+/* usl's own closed forms, and wrong ones: a limit that is too large or too small, an abs(G) that is slightly off. */
 static PetscReal TooLarge(const MpmCellSymbols *cell)
 {
   return 1.5 * MpmFormulationFind("usl")->limit(cell);

@@ -1,7 +1,8 @@
 /*
-   Bars between ends: observed orders against the exact solutions, the triangular tip displacement of the step-loaded
-   bar, energy; the transfers' limits in the march: xpic of order 1 is pic, of a large order nullspace; walls and
-   periodicity: a wave of half the domain's length between walls is the one with a node there.
+   Bars between ends. The tests compare observed orders with exact solutions, the tip's displacement of the step-loaded
+   bar with its triangular form, and energies. They check limits of the transfers in the march: xpic of order 1 is pic,
+   and of a large order nullspace. They compare walls with a periodic domain: a wave of half the domain's length between
+   walls is the periodic one with a node there.
 */
 #include "gather.h"
 #include "march/diagnostics.h"
@@ -23,7 +24,7 @@ static PetscErrorCode Errors(const char options[], PetscInt cells, MpmError erro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Orders of the first two fields, in l1, from cells to four times as many. */
+/* Checks the orders of the first two fields, in l1, from cells to four times as many. */
 static PetscErrorCode OrdersFrom(PetscInt cells, const char options[], PetscReal first, PetscReal second,
                                  PetscReal tolerance)
 {
@@ -50,7 +51,10 @@ static PetscErrorCode Orders(const char options[], PetscReal first, PetscReal se
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A bar whose free end is in the middle of a cell: where it ends the solution is of first order, and so is the rest. */
+/*
+   Checks a bar whose free end is in the middle of a cell. There the solution is of first order, and so it is
+   everywhere.
+*/
 static PetscErrorCode CheckPartlyFilled(void)
 {
   PetscReal worst[2];
@@ -71,7 +75,10 @@ static PetscErrorCode CheckPartlyFilled(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The load lifts the tip to twice its equilibrium and back in 4 L / c; displacement is counted from the equilibrium. */
+/*
+   The load lifts the tip to twice its equilibrium and back in 4 L / c. The displacement is measured from the
+   equilibrium.
+*/
 static PetscErrorCode Tip(PetscInt cells, PetscReal *worst)
 {
   const PetscReal sign[] = {-1, 0, 1, 0, -1, 0, 1, 0, -1}; /* at multiples of L / c, in units of A L / c */
@@ -111,7 +118,7 @@ static PetscErrorCode CheckTip(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Last over first energy after 20000 steps of a wave of 16/3 cells. */
+/* Compares the last energy with the first after 20000 steps of a wave of 16/3 cells. */
 static PetscErrorCode Energy(const char options[], PetscReal lo, PetscReal hi)
 {
   char      all[512];
@@ -129,7 +136,7 @@ static PetscErrorCode Energy(const char options[], PetscReal lo, PetscReal hi)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A filter that does nothing changes no energy: what the grid sees of the bar is there from the first step on. */
+/* A filter that does nothing must change no energy, from the first step on. */
 static PetscErrorCode CheckEnergyOfFilter(void)
 {
   static const char *const transfers[] = {"flip", "blend -blend_ratio 0.9999999999999"};
@@ -210,7 +217,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  /* vibrating bar; GRAD of the hat is constant over a cell, so stress is of first order */
+  /* the vibrating bar; GRAD of the hat is constant over a cell, so stress is of first order */
   PetscCall(Orders("-formulation usf -stagger -boundary fixed,free -courant 0.4 -time 1.7", 2, 1, 0.1));
   PetscCall(Orders("-formulation usl -stagger -boundary fixed -courant 0.4 -time 1.7", 2, 1, 0.1));
   PetscCall(Orders("-formulation musl -boundary fixed,free -courant 0.4 -time 1.7", 1, 1, 0.1));
@@ -222,7 +229,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckPartlyFilled());
   PetscCall(Orders("-formulation elastic -stagger -boundary fixed,free -courant 0.4 -time 1.7", 2, 2, 0.1));
   PetscCall(Orders("-formulation gas2 -stagger -basis quadratic -boundary fixed -courant 0.4 -time 1.7", 2, 2, 0.1));
-  /* there and back, turned over twice */
+  /* the pulse goes there and back, and is turned over twice */
   PetscCall(OrdersFrom(
       256, "-formulation usl -stagger -basis quadratic -boundary fixed,free -initial pulse -courant 0.4 -time 2", 2, 2,
       0.15));
@@ -231,13 +238,13 @@ static PetscErrorCode Test(int argc, char **argv)
                  2, 2, 0.15));
   PetscCall(OrdersFrom(256, "-formulation elastic -stagger -boundary free,fixed -initial pulse -courant 0.4 -time 2", 2,
                        2, 0.15));
-  /* step-loaded bar: jumps in velocity and stress, a kink in displacement */
+  /* the step-loaded bar, with jumps in velocity and stress and a kink in displacement */
   PetscCall(Orders("-formulation usl -boundary fixed,free -initial step -courant 0.4 -time 2.5", 0.6, 0.6, 0.1));
   PetscCall(Orders("-formulation usl -transfer pic -boundary fixed,free -initial step -courant 0.4 -time 2.5", 0.5, 0.5,
                    0.1));
   PetscCall(Orders("-formulation elastic -boundary fixed,free -initial step -courant 0.4 -time 2.5", 1, 0.6, 0.15));
   PetscCall(CheckTip());
-  /* energy at rest: usf and musl keep it (but for its swing within a step), usl and pic lose it */
+  /* energy at rest: usf and musl conserve it (but for its swing within a step), usl and pic lose it */
   PetscCall(Orders("-formulation usavg -basis quadratic -boundary fixed,free -courant 0.4 -time 1.7", 2, 2, 0.1));
   PetscCall(Energy("-formulation usavg -courant 0.5", 0.75, 1.25));
   PetscCall(Energy("-formulation usf -courant 0.5", 0.75, 1.25));

@@ -1,13 +1,13 @@
 /*
-   A run that goes on from a checkpoint is the uninterrupted one: to the last bit on as many ranks, to rounding on
-   another number of them.
+   A run that resumes from a checkpoint is the same as an uninterrupted one: to the last bit on as many ranks, and to
+   rounding on another number of ranks.
 */
 #include "gather.h"
 #include "io/checkpoint.h"
 
 #define FILE_NAME "test_checkpoint.h5"
 
-/* All that the next step sees of the particles, in the order in which this rank holds them. */
+/* Compares all particle data that the next step uses, in the order in which this rank holds them. */
 static PetscErrorCode SameBits(const MpmMarch *a, const MpmMarch *b, const char options[])
 {
   const char *names[MPM_MAX_FIELDS + 3] = {MpmFieldXi, DMSwarmField_pid};
@@ -56,7 +56,10 @@ static PetscErrorCode SameToRounding(const MpmMarch *a, const MpmMarch *b, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Interrupted on comm, gone on from on other; all ranks of comm are in other or it is on fewer. */
+/*
+   Interrupts a run on comm and resumes it on other; a rank that is not in one of them has MPI_COMM_NULL for it. same:
+   the result must be the uninterrupted one to the last bit.
+*/
 static PetscErrorCode GoOn(const char options[], MPI_Comm comm, MPI_Comm other, PetscBool same)
 {
   MpmRun    before = {.blew_up_at_step = 17, .energy_initial = 0.1}, after = {.energy_initial = 0};

@@ -1,4 +1,4 @@
-/* Momentum is conserved to rounding by every momentum scheme, transfer and basis; what is lost is noticed. */
+/* Every momentum scheme, with every transfer and basis, conserves momentum to rounding; a loss is noticed. */
 #include "check.h"
 #include "march/conserved.h"
 
@@ -43,7 +43,7 @@ static PetscErrorCode Test(int argc, char **argv)
           CHECK(changes[0] <= 1e-13 && changes[1] <= 1e-11, "%s: mass %g, momentum %g", options, changes[0],
                 changes[1]);
         }
-  /* no wall, and still: the first particle is on a node when 1/8 has made up a cell */
+  /* even without a wall momentum changes here: the first particle reaches a node when steps of 1/8 make up a cell */
   PetscCall(Change("-formulation usl -cells 14 -ppc 1 -fill 0,8 -drift 1/8 -initial random -steps 8", changes));
   CHECK(changes[1] > 1e-6, "force on a node without mass: momentum changes by %g", changes[1]);
   PetscCall(Change("-formulation usl -boundary fixed,free -initial random -steps 8", changes));

@@ -1,6 +1,7 @@
 /*
-   Largest stable Courant numbers: an independent program's, the closed forms of THEORY.md for the hat at random places,
-   closed form = search for every scheme, walls, an isolated particle, a partly filled end cell, drift.
+   The largest stable Courant numbers are compared with those of an independent program, with the closed forms of
+   THEORY.md for the hat at random places, and with the closed form of every scheme. Further cases: walls, an isolated
+   particle, a partly filled end cell, drift.
 */
 #include "oracle.h"
 #include "symbol/predict.h"
@@ -21,7 +22,10 @@ static PetscErrorCode Find(const char options[], MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The oracle bisects gas2, elastic and splines on 64 phases to 2e-3; what has a closed form is given to four digits. */
+/*
+   The oracle bisects gas2, elastic and splines on 64 phases to 2e-3. Limits with a closed form are given to four
+   digits.
+*/
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
 {
   const PetscBool coarse = strstr(row, "elastic") || strstr(row, "quadratic") || strstr(row, "cubic") ||
@@ -67,7 +71,7 @@ static PetscErrorCode CheckHat(int n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Search = closed form, for all that have one; where they have none for flip, both say 0. */
+/* Compares search and closed form, for every scheme that has a closed form. */
 static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t, const MpmBasis *b, const char rest[])
 {
   char        options[256];
@@ -83,7 +87,7 @@ static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t,
   CHECK(c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) &&
             c.stable_at >= c.closed * (1 - 1e-9),
         "%s: %.9g, closed form %.9g at %g, stable at %.9g", options, c.courant, c.closed, c.closed_beta, c.stable_at);
-  /* gas with a filter loses stability at the longest waves first, by less than tolerance */
+  /* gas with a filter loses stability first at the longest waves, by less than the tolerance */
   CHECK(c.stable_at <= c.closed * (1 + 1e-5) || c.stable_at - c.closed < (t->filter ? 0.04 : 2e-3),
         "%s: stable at %.9g, closed form %.9g", options, c.stable_at, c.closed);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,7 +103,7 @@ static PetscErrorCode CheckNumber(const char options[], PetscReal courant, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A lone particle at xi: usl falls to 0 with its distance from a face, usf and musl do not. */
+/* Checks a lone particle at xi: usl's limit goes to 0 with its distance from a face; those of usf and musl do not. */
 static PetscErrorCode CheckIsolated(PetscReal xi)
 {
   char        options[256];
@@ -115,8 +119,9 @@ static PetscErrorCode CheckIsolated(PetscReal xi)
 }
 
 /*
-   A bar whose last cell holds one particle of two, at xi = eps of its cell: the node behind it has mass eps alone, and
-   usl's limit goes to 0 with it; by how much is that of its one stiff mode, k^2 (1/eps + ...) <= 2.
+   Checks a bar whose last cell holds one particle of two, at xi = eps of its cell. The node behind it has only the mass
+   eps, and usl's limit goes to 0 with eps. It is the limit of the bar's one stiff mode, for which k^2 (1/eps + ...) <=
+   2.
 */
 static PetscErrorCode CheckPartlyFilled(void)
 {
@@ -132,7 +137,10 @@ static PetscErrorCode CheckPartlyFilled(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stable at Courant numbers all over the range below the limit, whatever the phase; unstable just above it. */
+/*
+   Checks that the limit found is the one given, and that the scheme is stable at Courant numbers all over the range
+   below.
+*/
 static PetscErrorCode CheckBelow(const char options[], PetscReal limit)
 {
   MpmCritical c;
@@ -161,7 +169,7 @@ static PetscErrorCode CheckDrift(void)
   MpmCritical c, half;
 
   PetscFunctionBegin;
-  PetscCall(Find("-drift 1/8 -courant 0.1", &c)); /* grows like k */
+  PetscCall(Find("-drift 1/8 -courant 0.1", &c)); /* growth is proportional to k */
   CHECK(c.courant > 0 && c.courant < 1e-5 && fabs(c.fading - 1) < 0.01, "gas2: %g, power %g", c.courant, c.fading);
   CHECK(c.asked.verdict == MPM_UNSTABLE && fabs(c.asked.growth - 1.0149) < 1e-4, "gas2: growth %.9g", c.asked.growth);
   PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2", &c));
@@ -170,18 +178,18 @@ static PetscErrorCode CheckDrift(void)
   PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2 -tolerance 4e-6", &half));
   CHECK(fabs(half.courant / c.courant - 2) < 0.05, "musl: four times the tolerance gives %g times",
         half.courant / c.courant);
-  PetscCall(Find("-formulation musl -basis quadratic -courant 0.2", &half)); /* at rest, and what motion would do */
+  PetscCall(Find("-formulation musl -basis quadratic -courant 0.2", &half)); /* at rest; moving: with drift */
   CHECK(half.threshold && fabs(half.moving - c.asked.growth) < 1e-9, "musl: %.9g when moving, %.9g", half.moving,
         c.asked.growth);
-  PetscCall(Find("-drift 1/2 -courant 0.1", &c)); /* two places take turns */
+  PetscCall(Find("-drift 1/2 -courant 0.1", &c)); /* each particle alternates between two places */
   CHECK(c.courant > 1 && c.threshold, "gas2 at 1/2: %g", c.courant);
-  /* windows that open and close: an independent program's, found by fine scans */
+  /* windows that open and close; an independent program found these limits by fine scans */
   PetscCall(CheckBelow("-basis cubic -drift 1/8", 1.0235));
   PetscCall(CheckBelow("-formulation usavg -basis gimp -drift 1/8", 0.68998));
   PetscCall(CheckBelow("-formulation usavg -basis quadratic -drift 1/8", 1.37901));
   PetscCall(CheckBelow("-basis cubic -drift 1/3", 0.069086)); /* waves of nearly two cells */
   PetscCall(CheckBelow("-formulation musl -transfer xpic -basis gimp -drift 1/8", 0.7718));
-  /* the same from the assembled operator, where the waves are those of the grid */
+  /* the limit of an assembled operator, where the waves are those of the grid */
   PetscCall(Find("-transfer nullspace -cells 4 -ppc 3 -jitter 0.2 -seed 72 -drift 2/5", &c));
   CHECK(c.courant < 0.45 && c.courant > 0.43 && c.asked.verdict == MPM_UNSTABLE, "jittered: %g", c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -202,10 +210,10 @@ static PetscErrorCode Test(int argc, char **argv)
       }
   /* Bai and Schroeder 2022, as THEORY.md quotes them */
   PetscCall(CheckNumber("-formulation usl -transfer apic -basis quadratic -ppc 1", 1, 2e-6));
-  /* theory of the two kinds of wall, to the digits given */
+  /* the theory of the two kinds of wall, to the digits given there */
   PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed,free", 2.0097, 2e-5));
   PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed_reaction-free", 1.9366, 2e-5));
-  /* between walls and for a random layout of jitter 0 the limit comes near to that of all phases */
+  /* between walls and on a random layout of jitter 0 the limit is close to that of all phases */
   PetscCall(CheckNumber("-formulation usl -ppc 2 -cells 32 -boundary fixed,free", 1 / sqrt(1.75), 2e-3));
   for (PetscReal xi = 0.3; xi > 1e-6; xi /= 7) PetscCall(CheckIsolated(xi));
   PetscCall(CheckPartlyFilled());

@@ -1,6 +1,6 @@
 /*
-   Ensembles: Wilson's interval by hand, one layout against the task spectrum, an earlier count of unstable bars, what
-   is undecided, and numbers that follow from the layouts' own.
+   Ensembles: Wilson's interval by hand, one layout against the task spectrum, an earlier count of unstable bars,
+   undecided layouts, and the totals against the layouts' own numbers.
 */
 #include "check.h"
 #include "analysis/ensemble.h"
@@ -22,7 +22,10 @@ static PetscErrorCode Close(MpmScene **scene, MpmEnsemble **e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By hand, with z = 1.96: 0 of n gives z^2 / (n + z^2); n - x of n mirrors x of n. */
+/*
+   Checks against numbers by hand, with z = 1.96. The interval of 0 of n ends at z^2 / (n + z^2); that of n - x of n
+   mirrors that of x of n.
+*/
 static void CheckWilson(void)
 {
   static const struct {
@@ -39,7 +42,10 @@ static void CheckWilson(void)
   }
 }
 
-/* A layout alone is what spectrum says of its seed; one that does not grow is a defective 1, split by rounding. */
+/*
+   Compares one layout with the task spectrum for its seed. A layout that does not grow has a defective 1, which
+   rounding splits.
+*/
 static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
 {
   char         alone[256];
@@ -53,13 +59,13 @@ static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
   PetscCall(CheckScene(options, &same));
   check_request.measure = PETSC_FALSE;
   PetscCall(MpmSpectrumCreate(same, &check_request, 0, &s));
-  if (verdict != MPM_UNDECIDED) /* what rounding decides is not the same on more ranks */
+  if (verdict != MPM_UNDECIDED) /* a verdict that rounding decides differs on more ranks */
     CHECK_NEAR(e->growth_max, s->growth, s->growth > 1 + 1e-6 ? 1e-10 : 1e-7);
   CHECK(e->finding.verdict == verdict && s->finding.verdict == verdict, "%s: %s, spectrum %s", options,
         MpmVerdictNames[e->finding.verdict], MpmVerdictNames[s->finding.verdict]);
   CHECK(e->growth_min == e->growth_max && e->growth_median == e->growth_max && e->worst_seed == scene->layout.seed,
         "%s: one layout is its own smallest and largest", options);
-  if (verdict == MPM_UNSTABLE) /* what the solvers leave over is rounding itself, and no two solvers leave the same */
+  if (verdict == MPM_UNSTABLE) /* the solvers' residuals are rounding, and differ from solver to solver */
     CHECK(fabs(log(e->finding.uncertainty / s->finding.uncertainty)) < log(4), "%s: uncertainty %.3g, spectrum %.3g",
           options, e->finding.uncertainty, s->finding.uncertainty);
   PetscCall(MpmSpectrumDestroy(&s));
@@ -68,7 +74,7 @@ static PetscErrorCode CheckOne(const char options[], MpmVerdict verdict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of 40 bars 11 grow, as counted before there was this task; the numbers follow from those of the layouts. */
+/* Of 40 bars 11 grow, as was counted before this task existed. The totals follow from the layouts' numbers. */
 static PetscErrorCode CheckCount(void)
 {
   MpmScene    *scene;
@@ -105,7 +111,7 @@ static PetscErrorCode CheckVerdicts(void)
   CHECK(e->finding.verdict == MPM_STABLE && e->share == 0 && e->interval[0] == 0, "%d unstable", (int)e->unstable);
   CHECK_NEAR(e->interval[1], 0.2775, 5e-5);
   PetscCall(Close(&scene, &e));
-  /* digits lost within the period: none is known to be unstable, all of them may be */
+  /* digits are lost within the period: no layout is known to be unstable, and all of them may be */
   PetscCall(
       EnsembleOf("-formulation elastic -cells 4 -ppc 1 -courant 1.2 -drift 1/300 -jitter 0.1 -layouts 2", &scene, &e));
   CHECK(e->finding.verdict == MPM_UNDECIDED && e->undecided == 2 && e->share == 0, "%d unstable, %d undecided",

@@ -1,4 +1,7 @@
-/* Flags raised within a step end it with one message, on all ranks; not those of a state that has left the doubles. */
+/*
+   Floating-point flags that are raised within a step end it with one message, on all ranks. Those of a state that has
+   left the range of doubles do not.
+*/
 #include "check.h"
 #include "base/float_check.h"
 #include <fenv.h>
@@ -17,7 +20,7 @@ static PetscErrorCode Keep(MPI_Comm comm, int line, const char *function, const 
   return code;
 }
 
-/* A step in which the last rank divides. */
+/* Makes a step in which the last rank divides. */
 static PetscErrorCode Step(PetscReal over, PetscReal under, MpmFloatCheck *check)
 {
   volatile PetscReal number = 0;
@@ -40,7 +43,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argv;
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(Keep, NULL));
-  (void)feraiseexcept(FE_INVALID); /* before the step: not its own */
+  (void)feraiseexcept(FE_INVALID); /* before the step, so not its own */
   CHECK(!Step(1, 3, &check), "%s", said);
   CHECK(Step(0, 0, &check) == PETSC_ERR_FP && strstr(said, "test, step 7: an invalid"), "0/0: '%s'", said);
   CHECK(Step(1, 0, &check) == PETSC_ERR_FP && strstr(said, "test, step 7: a division"), "1/0: '%s'", said);

@@ -1,6 +1,6 @@
 /*
-   Stability maps: each point is the symbol of the scene with its numbers, to the last bit and on any number of ranks; a
-   drift by a whole cell is none; what the formulas say at rest is where the map turns.
+   Stability maps: each point is the symbol of the scene with the point's numbers, to the last bit and on any number of
+   ranks. A drift by a whole cell has no effect. At rest the map turns unstable where the formulas say.
 */
 #include "check.h"
 #include "symbols.h"
@@ -28,7 +28,7 @@ static PetscErrorCode Close(MpmScene **scene, MpmStabilityMap **map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* texts: what the user would have written for one point's two numbers. */
+/* texts: the text that a user would write for each of the point's two numbers. */
 static PetscErrorCode CheckPoint(const char scheme[], const char axes[], PetscInt i, PetscInt j, const char texts[])
 {
   char             options[512];
@@ -68,9 +68,9 @@ static PetscErrorCode CheckPoints(void)
 }
 
 /*
-   gas2 is stable up to 2 / abs(mu) at rest where C1 = C2; a whole cell of drift is none. Where every step takes a
-   particle to the next one's place (half a cell), e stays 0 and growth begins at 1.837 (by hand, from the operator over
-   two steps); between, it grows at any Courant number.
+   gas2 at rest is stable up to 2 / abs(mu) where C1 = C2, and a drift of a whole cell changes nothing. With a drift of
+   half a cell every step takes a particle to the place of the next one; e stays 0, and growth begins at 1.837 (by hand,
+   from the operator over two steps). With other drifts it grows at any Courant number.
 */
 static PetscErrorCode CheckGas2(void)
 {
@@ -102,7 +102,10 @@ static PetscErrorCode CheckGas2(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* usf on hats: 1/sqrt(1 - 4q) if q <= 1/8, else 4 sqrt q, with q = mean of xi (1 - xi) (THEORY.md, section 4). */
+/*
+   The limit of usf on hats is 1 / sqrt(1 - 4 q) if q <= 1/8, else 4 sqrt(q), with q = mean of xi (1 - xi) (THEORY.md,
+   section 4).
+*/
 static PetscErrorCode CheckOffsets(void)
 {
   MpmScene        *scene;
@@ -117,7 +120,7 @@ static PetscErrorCode CheckOffsets(void)
 
     CHECK_NEAR(map->limits[j], limit, 1e-8);
     for (PetscInt i = 0; i < 40; i++) {
-      if (fabs(map->at[0][i] - limit) < 1e-3 * limit) continue; /* growth begins at a phase between those looked at */
+      if (fabs(map->at[0][i] - limit) < 1e-3 * limit) continue; /* growth begins between two of the phases computed */
       CHECK((map->verdict[6 * i + j] == MPM_UNSTABLE) == (map->at[0][i] > limit), "xi %g, k = %g: %.12g", xi,
             map->at[0][i], map->growth[6 * i + j]);
     }

@@ -1,6 +1,6 @@
 /*
-   Particles that differ in mass, volume and stiffness: the march against plain loops of the hat's maps, a bar that is
-   all second material against one that is all first, a wave at an interface against its reflection coefficient.
+   Particles that differ in mass, volume and stiffness. The march is compared with plain loops of the hat's maps, a bar
+   of the second material alone with one of the first, and a wave at an interface with its reflection coefficient.
 */
 #include "gather.h"
 
@@ -10,7 +10,7 @@ typedef struct {
   PetscReal *xi, *m, *V, *E, *v, *s;
 } Bar;
 
-/* g_i = sum_p S_ip w_p q_p (slope: h dS_ip/dx) on a ring of cells. */
+/* Computes g_i = sum_p S_ip w_p q_p, or with slope h dS_ip/dx for S_ip, on a ring of cells. */
 static void Sum(const Bar *b, const PetscReal w[], const PetscReal q[], PetscBool slope, PetscReal g[])
 {
   for (PetscInt i = 0; i < b->cells; i++) g[i] = 0;
@@ -23,7 +23,7 @@ static void Sum(const Bar *b, const PetscReal w[], const PetscReal q[], PetscBoo
   }
 }
 
-/* usl: v_i = P2G v; a_i = -k DIV s; v_p += G2P a_i; v_i += a_i; s_p += k E_p GRAD v_i. */
+/* A step of usl: v_i = P2G v; a_i = -k DIV s; v_p += G2P a_i; v_i += a_i; s_p += k E_p GRAD v_i. */
 static void Step(const Bar *b, PetscReal k)
 {
   PetscReal m[64], v[64], a[64];
@@ -92,7 +92,7 @@ static PetscErrorCode PlainLoop(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* At the last step; energy as MpmMarchNorms has it, a step later. */
+/* Gives the velocities at the last step, and the energy as MpmMarchNorms has it a step later. */
 static PetscErrorCode Velocities(const char options[], PetscInt64 *n, PetscReal **v, PetscReal *energy)
 {
   MpmScene *scene;
@@ -113,8 +113,8 @@ static PetscErrorCode Velocities(const char options[], PetscInt64 *n, PetscReal 
 }
 
 /*
-   Density 4 and stiffness 9 everywhere: waves are 3/2 times as fast, and have 4 times the energy. s = 0 at first with
-   initial mode and elastic v.
+   With density 4 and stiffness 9 everywhere, waves are 3/2 times as fast and have 4 times the energy. With initial mode
+   and elastic v, s is 0 at first.
 */
 static PetscErrorCode AllSecond(void)
 {
@@ -150,8 +150,8 @@ static PetscReal Gauss(PetscReal X)
 }
 
 /*
-   A wave from the first material meets one 4 times as dense at L/2: impedances 1 and 2, so (1 - 2) / (1 + 2) of its
-   velocity comes back and 2 / (1 + 2) goes on at half the speed. Returns the l2 error at time 0.4 L / c.
+   A wave from the first material meets one 4 times as dense at L/2. The impedances are 1 and 2, so (1 - 2) / (1 + 2) of
+   its velocity is reflected, and 2 / (1 + 2) goes on at half the speed. Returns the l2 error at time 0.4 L / c.
 */
 static PetscErrorCode InterfaceError(PetscInt cells, PetscReal *error)
 {

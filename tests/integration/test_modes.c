@@ -1,6 +1,6 @@
 /*
-   Modes: their wavenumbers name the phase whose symbol has their eigenvalue, what no node sees has the share it must,
-   and an eigenvector from a file grows at its own rate when it is marched.
+   Modes: the wavenumber of a mode is a phase whose symbol has its eigenvalue, its share in the null space of P2G is
+   right, and an eigenvector from a file grows at its own rate when it is marched.
 */
 #include "check.h"
 #include "analysis/spectrum.h"
@@ -28,7 +28,7 @@ static PetscErrorCode Closed(MpmScene **scene, MpmSpectrum **s, MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* For eigenvalues that only +-beta share. */
+/* Checks eigenvalues that only the phases +-beta share. */
 static PetscErrorCode CheckWavenumbers(const char options[], PetscInt first)
 {
   MpmScene    *scene;
@@ -57,8 +57,11 @@ static PetscErrorCode CheckWavenumbers(const char options[], PetscInt first)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* At rest: an eigenvalue other than 1 has no part in the null space of P2G iff P2G G2P keeps its complement; ppc 1 at the
-   nodes has no null space, so no share anywhere; random data of ppc 2 have half of their square in it. */
+/*
+   Checks null-space shares at rest. One particle a cell at the nodes has no null space, so no mode has a share. With
+   two particles a cell an eigenvalue other than 1 has no part in the null space of P2G exactly when P2G G2P keeps the
+   complement of the null space; random data have half of their square in it.
+*/
 static PetscErrorCode CheckShares(void)
 {
   MpmScene    *scene;
@@ -76,7 +79,7 @@ static PetscErrorCode CheckShares(void)
     CHECK(modes.null_share[j] >= 0 && modes.null_share[j] <= 1 + 1e-9, "mode %d: share %.12g", (int)j + 1,
           modes.null_share[j]);
     if (modes.null_share[j] > 1 - 1e-9) invisible++;
-    /* the grid sees what changes: u_p += k GRAD r_i is half out of the range of P2G^T */
+    /* u_p += k GRAD r_i is only half in the null space, so the grid feels what changes */
     if (hypot(s->eigen->re[j] - 1, s->eigen->im[j]) > 1e-3)
       CHECK(modes.null_share[j] < 0.95, "mode %d: share %.12g", (int)j + 1, modes.null_share[j]);
   }
@@ -85,7 +88,9 @@ static PetscErrorCode CheckShares(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Written by the spectrum, read by a run: the measured growth is that mode's, not the largest. */
+/*
+   Writes a mode by the spectrum and reads it by a run. The measured growth must be that of the mode, not the largest.
+*/
 static PetscErrorCode CheckGrows(const char options[], PetscInt mode)
 {
   char         text[512];

@@ -1,7 +1,7 @@
 /*
-   Growth of marched random data against an independent program's numbers (data/growth.csv), for the
-   formulations and bases there are: exponential rates within 2% of the logarithm, no exponential growth where
-   the oracle has none.
+   Growth of marched random data is compared with numbers of an independent program (data/growth.csv) for the
+   formulations and bases in it. Exponential rates must be within 2% of the logarithm, and there must be no exponential
+   growth where the oracle has none.
 */
 #include "oracle.h"
 #include "analysis/run.h"

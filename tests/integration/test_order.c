@@ -1,13 +1,17 @@
 /*
-   Observed orders of accuracy against exact solutions, and in dt alone against the same run with smaller
-   steps.
+   Observed orders of accuracy, against exact solutions and, in dt alone, against the same run with smaller steps.
 
-   At fixed Courant number gas errors are of first order for particles off the middle of their cells (GRAD is
-   constant over a cell) and of second order for one particle in the middle. Staggered, gas2 and elastic are
-   of second order in dt; started all at once, the field updated first stays half a step behind, a first-order
-   error. Elastic keeps a small first-order part all the same where P2G G2P is not the identity: det = 1 - 4
-   k^2 alpha (1 - alpha) s damps by an amount per time that goes with k. It is absent for particles on nodes,
-   alpha = 1.
+   At a fixed Courant number the errors of gas are of first order for particles off the middle of their cells, since
+   GRAD is constant over a cell, and of second order for one particle in the middle. Staggered, gas2 and elastic are of
+   second order in dt. When both fields start at the same time, the field updated first stays half a step behind, which
+   is an error of first order.
+
+   Elastic keeps a small error of first order where P2G G2P is not the identity: it damps by an amount per time
+   proportional to k, since
+
+     det = 1 - 4 k^2 alpha (1 - alpha) s
+
+   The error is 0 for particles on nodes, where alpha = 1.
 */
 #include "gather.h"
 #include "march/diagnostics.h"

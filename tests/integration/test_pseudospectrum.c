@@ -1,13 +1,14 @@
 /*
-   Pseudospectra: sigma(z) of operators against dense singular values; of a normal matrix and of a nilpotent one sigma and
-   the Kreiss constant in closed form. What scenes have between their norms: test_transient.c.
+   Pseudospectra: sigma(z) of operators is compared with dense singular values, and that of a normal and a nilpotent
+   matrix, with their Kreiss constants, with closed forms. For what lies between the norms of scenes see
+   test_transient.c.
 */
 #include "singular.h"
 #include "linalg/dense.h"
 #include <mpmstab/operator.h>
 #include "analysis/pseudospectrum.h"
 
-/* z - A as a real matrix of twice the order, [x -y; y x] for x + iy: each singular value twice. */
+/* Writes z - A as a real matrix of twice the order, [x -y; y x] for x + iy; it has each singular value twice. */
 static PetscErrorCode CheckSigma(const char what[], MpmResolvent *r, const PetscReal a[], double complex z)
 {
   const PetscInt n = r->n;
@@ -51,7 +52,7 @@ static PetscErrorCode CheckResolvent(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A matrix with value at (i, i + 1), the last row's at (n - 1, 0). */
+/* Makes a matrix with value at (i, i + 1) and last at (n - 1, 0). */
 static PetscErrorCode Shift(PetscInt n, PetscReal value, PetscReal last, Mat *A)
 {
   PetscInt begin, end;
@@ -66,7 +67,7 @@ static PetscErrorCode Shift(PetscInt n, PetscReal value, PetscReal last, Mat *A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A shift around a ring is normal: sigma(z) is the distance to the nearest root of unity, and K = 1. */
+/* A shift around a ring is normal, so sigma(z) is the distance to the nearest root of unity, and K = 1. */
 static PetscErrorCode CheckNormal(void)
 {
   MpmScene          *scene;
@@ -90,7 +91,7 @@ static PetscErrorCode CheckNormal(void)
   }
   PetscCall(MpmPseudospectrumDestroy(&p));
   PetscCall(MatDestroy(&A));
-  PetscCall(Shift(4, 1, 16, &A)); /* eigenvalues 2 i^k: outside, and the square holds them */
+  PetscCall(Shift(4, 1, 16, &A)); /* its eigenvalues 2 i^k are outside the circle and within the square */
   PetscCall(MpmPseudospectrumCreate(A, 3, 1e-6, &p));
   CHECK(isinf(p->kreiss) && p->re[2] > 2, "Kreiss constant %g, square to %g", p->kreiss, p->re[2]);
   PetscCall(MpmPseudospectrumDestroy(&p));
@@ -100,12 +101,15 @@ static PetscErrorCode CheckNormal(void)
 }
 
 /*
-   A = [0 c; 0 0]: norm((z - A)^-1) = (c + sqrt(c^2 + 4 r^2)) / (2 r^2), r = abs(z), and K is the largest of that times
-   r - 1.
+   Checks A = [0 c; 0 0], with r = abs(z):
+
+     norm((z - A)^-1) = (c + sqrt(c^2 + 4 r^2)) / (2 r^2)
+
+   K is the largest of that times r - 1.
 */
 static PetscErrorCode CheckNilpotent(PetscReal c)
 {
-  PetscReal          kreiss = 1; /* as r goes to infinity */
+  PetscReal          kreiss = 1; /* the limit as r goes to infinity */
   MpmScene          *scene;
   MpmPseudospectrum *p;
   Mat                A;

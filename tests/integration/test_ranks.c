@@ -1,6 +1,6 @@
 /*
-   Results by particle id on all ranks equal those on one, to rounding; no particle is lost; what the schemes
-   conserve is conserved. The one-rank run is made by every rank for itself.
+   Results by particle id on all ranks equal those on one rank, to rounding. No particle is lost, and what the schemes
+   conserve is conserved. Every rank makes the run on one rank for itself.
 */
 #include "gather.h"
 
@@ -26,7 +26,10 @@ static PetscErrorCode EqualsOneRank(const MpmScene *scene, const MpmMarch *march
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every particle is on exactly one rank, in a cell that the rank may see, in order, and the nodes weigh them all. */
+/*
+   Checks that every particle is on exactly one rank, in a cell that the rank may use and in order, and that the nodes
+   have the mass of all of them.
+*/
 static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
 {
   const MpmParticles *particles = march->particles;
@@ -49,8 +52,10 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* With as many particles in each cell, sum_p GRAD telescopes and sum_p G2P LAP vanishes: the sums of gas u
-   and r and of the bar's w stay what they were, at rest. Momentum stays always, but for walls. */
+/*
+   Checks conservation at rest. With as many particles in each cell, sum_p GRAD telescopes and sum_p G2P LAP vanishes,
+   so the sums of gas u and r and of the bar's w stay what they were. Momentum always stays, except with walls.
+*/
 static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *march, const char options[])
 {
   MpmMarch *start;
@@ -66,7 +71,7 @@ static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *m
     if (!momentum && (MpmSceneDrifts(scene) || scene->layout.jitter != 0 || scene->scheme.transfer->filter)) continue;
     if (scene->scheme.formulation->staggered != MPM_NONE && scene->scheme.formulation->wave == &MpmWaveSecondOrder &&
         f != scene->scheme.formulation->staggered)
-      continue; /* the bar's displacement moves with its momentum */
+      continue; /* the bar's displacement changes with its momentum */
     PetscCall(GatherField(start, scene->scheme.table->fields[f], &first));
     PetscCall(GatherField(march, scene->scheme.table->fields[f], &last));
     for (PetscInt64 p = 0; p < scene->layout.particles; p++) {
@@ -103,7 +108,10 @@ static PetscErrorCode Holds(const char formulation[], const char rest[], PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where cells are alike the first block's places serve all: the same comes out when each block's own are read. */
+/*
+   Where cells are alike, the places of the first block serve all blocks. The result must be the same when each block's
+   own places are read.
+*/
 static PetscErrorCode CheckAlike(const char rest[], PetscInt per_cell)
 {
   char      options[512];
@@ -137,7 +145,7 @@ static PetscErrorCode CheckAlike(const char rest[], PetscInt per_cell)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Rescaling by a power of two changes no digit of what follows. */
+/* Rescaling by a power of two must not change a digit of later results. */
 static PetscErrorCode CheckRescale(void)
 {
   MpmScene  *scene;
@@ -164,7 +172,10 @@ static PetscErrorCode CheckRescale(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A gas has no displacement rate, a bar no density: only the fields that the table names are registered. */
+/*
+   Checks that only the fields that the table names are registered. A gas has no displacement rate, and a bar no
+   density.
+*/
 static PetscErrorCode CheckFields(const char formulation[], const char other[])
 {
   char           options[64];
@@ -224,7 +235,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckFields("gas1", "w"));
   PetscCall(CheckFields("gas2", "w"));
   PetscCall(CheckFields("elastic", "r"));
-  PetscCall(CheckFields("usl", "c")); /* an affine part is there for apic alone */
+  PetscCall(CheckFields("usl", "c")); /* only apic has an affine part */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,6 @@
 /*
-   Every formulation with every transfer and basis: A q = march(q), spectrum = symbol, corrected = symbol; at rest,
-   jittered, drifting, and between walls, where there is no symbol.
+   For every formulation with every transfer and basis: A q = march(q), spectrum = symbol, corrected = symbol. The
+   layouts are at rest, jittered, drifting, and between walls, where there is no symbol.
 */
 #include "check.h"
 #include "linalg/eigen.h"
@@ -16,7 +16,7 @@ static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t, const Mpm
   return strstr(rest, "free") && !f->free_ends ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* The largest abs of all eigenvalues, per step. */
+/* Finds the largest abs of all eigenvalues, per step. */
 static PetscErrorCode Growth(const MpmOperator *op, PetscReal *growth)
 {
   MpmEigen *eigen;
@@ -40,7 +40,7 @@ static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
   PetscFunctionBegin;
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, op->layout, op->scheme, &op->step, &wish, &symbol));
   PetscCall(Growth(op, &growth));
-  /* defective eigenvalues at 1, in blocks of up to three, and periods of several steps */
+  /* eigenvalues at 1 may be defective, in blocks of up to three, and periods have several steps */
   CHECK_NEAR(growth, symbol->growth, (fabs(symbol->growth - 1) < 1e-4 ? 3e-5 : 1e-8) * symbol->growth);
   PetscCall(MpmPredictorCreate(op->layout, op->scheme, MpmStepDrifts(&op->step), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));

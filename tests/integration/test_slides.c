@@ -1,12 +1,13 @@
 /*
-   The march against the slides' algorithms and the momentum schemes, written here a second time as plain loops over
-   particles and nodes: the tables, the passes, the halo sums, drift and migration must all be right for these to agree.
+   The march is compared with the slides' algorithms and the momentum schemes, written here a second time as plain loops
+   over particles and nodes. They agree only if the tables, the passes, the halo sums, drift and migration are all
+   right.
 */
 #include "gather.h"
 
 typedef struct {
   PetscInt   cells, n;
-  PetscReal *a, *b, *ai, *bi, *ci, *mass; /* particle fields a, b; node fields */
+  PetscReal *a, *b, *ai, *bi, *ci, *mass; /* a, b: particle fields; the others: node fields */
   PetscReal *rest, *x;                    /* places at rest and now, in cells */
 } Plain;
 
@@ -65,7 +66,7 @@ static void AddValue(const Plain *s, PetscReal k, const PetscReal g[], PetscReal
   }
 }
 
-/* g_i = sum_p V_p h dphi_ip/dx q_p / sum_p V_p phi_ip. */
+/* Computes g_i = sum_p V_p h dphi_ip/dx q_p / sum_p V_p phi_ip. */
 static void Divergence(const Plain *s, const PetscReal q[], PetscReal g[])
 {
   for (PetscInt i = 0; i < s->cells; i++) g[i] = 0;
@@ -78,7 +79,7 @@ static void Divergence(const Plain *s, const PetscReal q[], PetscReal g[])
   for (PetscInt i = 0; i < s->cells; i++) g[i] = s->mass[i] > 0 ? g[i] / s->mass[i] : 0;
 }
 
-/* a = v, b = s; ai = v_i, ci = a_i / -k. */
+/* A step of a momentum scheme: a = v, b = s; ai = v_i, ci = a_i / -k. */
 static void MomentumStep(const char formulation[], PetscReal k, const Plain *s)
 {
   SumToNodes(s, s->a, s->ai);
@@ -120,7 +121,7 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
   }
 }
 
-/* x = rest + n delta in extended precision, so that particles meet nodes where the fractions say they do. */
+/* Computes x = rest + n delta in extended precision, so that particles meet nodes where the fractions say they do. */
 static void PlainDrift(const MpmScene *scene, PetscInt64 n, const Plain *s)
 {
   const long double moved = (long double)scene->step.drift.num * n / scene->step.drift.den;
@@ -172,14 +173,14 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 12 -steps 7",
       "-cells 12 -steps 7 -ppc 3 -offset 0 -courant 0.9",
       "-cells 13 -steps 9 -jitter 1 -seed 5",
-      "-cells 40 -steps 60 -drift 1/4 -courant 0.1",              /* meets nodes exactly */
-      "-cells 40 -steps 60 -drift -1/7 -courant 0.1 -jitter 0.8", /* to the left */
-      "-cells 64 -steps 90 -drift 0.83 -courant 0.05 -ppc 1",     /* migrates every few steps */
-      "-cells 18 -steps 12 -drift 7.3 -courant 0.05",             /* migrates in every step */
-      "-cells 3000 -steps 5 -ppc 3 -jitter 0.9",                  /* blocks, and passes that follow one another */
+      "-cells 40 -steps 60 -drift 1/4 -courant 0.1",              /* particles meet nodes exactly */
+      "-cells 40 -steps 60 -drift -1/7 -courant 0.1 -jitter 0.8", /* particles drift to the left */
+      "-cells 64 -steps 90 -drift 0.83 -courant 0.05 -ppc 1",     /* particles migrate every few steps */
+      "-cells 18 -steps 12 -drift 7.3 -courant 0.05",             /* particles migrate in every step */
+      "-cells 3000 -steps 5 -ppc 3 -jitter 0.9",                  /* several blocks, and passes one after another */
       "-cells 3000 -steps 40 -drift 0.7 -courant 0.05",
       "-cells 3000 -steps 40 -drift -13.1 -courant 0.05 -jitter 0.5",
-      "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5", /* no room for ghosts beyond the first */
+      "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5", /* there is no room for more than one layer of ghosts */
   };
 
   PetscFunctionBegin;

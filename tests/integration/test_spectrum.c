@@ -1,6 +1,6 @@
 /*
-   Spectra: against the oracle's growth and radii, against the symbol as a set, the three ways of solving against one
-   another, the null space against its dimension, and verdicts that must not be guessed.
+   Spectra: they are compared with the oracle's growth and radii, with the symbol as a set, the three ways of solving
+   with one another, and the null space with its dimension. Verdicts that cannot be known must be undecided.
 */
 #include "oracle.h"
 #include "symbols.h"
@@ -24,7 +24,7 @@ static PetscErrorCode Close(MpmScene **scene, MpmSpectrum **spectrum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Each of the symbol's factors is an eigenvalue too, so that the sets are the same. */
+/* Checks that each amplification factor of the symbol is an eigenvalue too, so that the sets are the same. */
 static PetscErrorCode CheckSets(const char row[], const MpmSpectrum *s)
 {
   PetscReal *factors, farthest = 0;
@@ -90,12 +90,12 @@ static PetscErrorCode CheckNullSpace(const char formulation[], int ppc, PetscInt
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells 16 -ppc %d", formulation, ppc));
   PetscCall(SpectrumOf(options, &scene, &s));
   CHECK(s->nullity == 2 * dimension, "%s: %d unseen", options, (int)s->nullity);
-  CHECK(s->at_one >= s->nullity + 2, "%s: %d eigenvalues at 1", options, (int)s->at_one); /* and the two constants */
+  CHECK(s->at_one >= s->nullity + 2, "%s: %d eigenvalues at 1", options, (int)s->at_one); /* two constants */
   PetscCall(Close(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The solvers for large orders, on an order where all eigenvalues are known. */
+/* Checks the solvers for large orders on an order at which all eigenvalues are known. */
 static PetscErrorCode CheckMethods(const char options[], MpmEigenMethod method)
 {
   MpmScene    *scene;
@@ -125,7 +125,7 @@ static PetscErrorCode CheckMethods(const char options[], MpmEigenMethod method)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The places of unknowns, so far from one another that no order given makes a band. */
+/* Scatters the unknowns so far from one another that neither order of the band solver makes a band. */
 static PetscErrorCode Scatter(Mat A, Mat *scattered)
 {
   PetscInt begin, end, n, *places;
@@ -142,7 +142,7 @@ static PetscErrorCode Scatter(Mat A, Mat *scattered)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Both factorizations give the same pairs; which one is taken is a matter of the matrix, unless an option says so. */
+/* Checks that both factorizations give the same pairs. The matrix decides which one is taken, unless an option does. */
 static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, const char option[], const char lu[])
 {
   MpmScene    *scene;
@@ -178,7 +178,10 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Above the dense orders a jittered layout has no symbol to compare with: the march must grow at the same rate. */
+/*
+   Above the order of dense solves a jittered layout has no symbol to compare with; the march must grow at the same
+   rate.
+*/
 static PetscErrorCode CheckLargest(void)
 {
   MpmScene    *scene;
@@ -195,7 +198,7 @@ static PetscErrorCode CheckLargest(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A solver that is not allowed to converge, or is asked for something else, leaves the verdict open. */
+/* A solver that may not converge, or is asked for something else, must leave the verdict open. */
 static PetscErrorCode CheckUndecided(const char options[], const char solver[])
 {
   MpmScene    *scene;
@@ -235,7 +238,7 @@ static void CheckVerdicts(void)
   CheckVerdict(INFINITY, NAN, NAN, MPM_UNSTABLE, "infinity");
 }
 
-/* A period beyond the range of doubles is one all the same, and its growth the symbol's. */
+/* A period whose product leaves the range of doubles is still solved, and its growth is the symbol's. */
 static PetscErrorCode CheckLongPeriod(void)
 {
   MpmScene    *scene;
@@ -253,8 +256,8 @@ static PetscErrorCode CheckLongPeriod(void)
 }
 
 /*
-   The condition number of a simple eigenvalue, from the block of its phase and from left vectors of the whole
-   operator.
+   Compares the condition number of a simple eigenvalue from the block of its phase with that from left vectors of the
+   whole operator.
 */
 static PetscErrorCode CheckCondition(void)
 {
@@ -272,7 +275,7 @@ static PetscErrorCode CheckCondition(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers that leave the range of doubles are no error of the program. */
+/* Numbers that leave the range of doubles must be no error of the program. */
 static PetscErrorCode CheckOffRange(const char options[])
 {
   MpmScene    *scene;
@@ -287,8 +290,8 @@ static PetscErrorCode CheckOffRange(const char options[])
 }
 
 /*
-   A period in which modes grow by more than doubles resolve, and die again: its product says 1, the march says
-   otherwise.
+   A period in which modes grow by more than doubles resolve, and decay again: its product has growth 1, but the march
+   shows that this is wrong.
 */
 static PetscErrorCode CheckHidden(const char options[])
 {
@@ -321,7 +324,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckMethods("-cells 40 -courant 0.5 -jitter 0.4", MPM_EIGEN_LARGEST));
   PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "", "(LU: band)"));
   PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "-st_pc_factor_mat_solver_type mumps", "(LU: mumps)"));
-  PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "-eps_two_sided", "(LU: mumps)")); /* solves with the transposed */
+  PetscCall(CheckFactors("-cells 1500", PETSC_FALSE, "-eps_two_sided", "(LU: mumps)")); /* solves with A^T */
   PetscCall(CheckFactors("-cells 1500", PETSC_TRUE, "", "(LU: mumps)"));
   PetscCall(CheckFactors("-cells 1501 -ppc 1 -basis quadratic -courant 2.5", PETSC_FALSE, "", "(LU: band)"));
   PetscCall(CheckFactors("-cells 700 -formulation musl -drift 1/8", PETSC_FALSE, "", "(LU: band)"));
@@ -335,7 +338,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckUndecided("-cells 32 -jitter 1", "-eps_type krylovschur -eps_nev 2 -st_type sinvert -eps_target 0.5"));
   PetscCall(CheckUndecided("-cells 1100 -jitter 1", "-eps_smallest_real"));
   PetscCall(CheckUndecided("-cells 1100 -jitter 1", "-eps_tol 1e-2"));
-  PetscCall(CheckUndecided("-cells 1100 -courant 1e-8", "-eps_nev 1")); /* a target beside the 1 of the null space */
+  PetscCall(CheckUndecided("-cells 1100 -courant 1e-8", "-eps_nev 1")); /* beside the 1 of the null space */
   PetscCall(CheckUndecided("-cells 40 -jitter 0.4",
                            "-eps_type krylovschur -eps_nev 2 -eps_ncv 4 -eps_max_it 1 -eps_tol 1e-15"));
   PetscCall(CheckUndecided("-cells 40 -courant 0.5",

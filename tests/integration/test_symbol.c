@@ -1,6 +1,6 @@
 /*
-   The symbol against the oracle, against the closed forms at random parameters, and against itself: any number of ranks
-   and any multiple of the phases give the same.
+   The symbol is compared with the oracle, with the closed forms at random parameters, and with itself: any number of
+   ranks and any multiple of the phases give the same.
 */
 #include "oracle.h"
 #include "symbols.h"
@@ -8,7 +8,7 @@
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 
-/* Where the oracle has 1 + 1e-8 it has a defective pair split by its rounding; ours is split by ours. */
+/* Where the oracle has 1 + 1e-8, its rounding has split a defective pair; our rounding splits it differently. */
 #define SPLIT 3e-8
 
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
@@ -32,7 +32,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* THEORY.md, section 4 at random Courant numbers, offsets and particles per cell. */
+/* Checks the closed forms of THEORY.md, section 4, at random Courant numbers, offsets and particles per cell. */
 static PetscErrorCode CheckClosedForms(const char formulation[], int n)
 {
   MpmScene      *scene;
@@ -61,7 +61,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Where the slides' formulas fail, and by how much: THEORY.md, section 4 by hand. */
+/* Checks where the slides' formulas fail and by how much, with numbers from THEORY.md, section 4, by hand. */
 static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal beta)
 {
   MpmScene     *scene;
@@ -121,7 +121,7 @@ static PetscErrorCode CheckRanksAndPhases(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Periods of a thousand steps: growth within a range, known or lost to rounding. */
+/* Checks periods of a thousand steps: growth is within a range, and is known or lost to rounding. */
 static PetscErrorCode CheckLongPeriod(const char options[], PetscReal lo, PetscReal hi, PetscBool off_range,
                                       PetscBool lost)
 {
@@ -153,9 +153,9 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckRanksAndPhases("-cells 16 -courant 0.2 -drift 1/8"));
   PetscCall(CheckRanksAndPhases("-formulation elastic -cells 15 -courant 1.45 -ppc 3"));
   PetscCall(CheckRanksAndPhases("-formulation gas1 -cells 1 -ppc 1"));
-  /* unstable steps whose product no double holds */
+  /* unstable steps whose product leaves the range of doubles */
   PetscCall(CheckLongPeriod("-cells 8 -courant 20 -drift 1/1000", 100, 2000, PETSC_TRUE, PETSC_FALSE));
-  /* steps that grow beyond double precision and die again: 1 by 150 digits, anything by 16 */
+  /* steps that grow beyond double precision and decay again; with 150 digits growth is 1, with 16 it can be anything */
   PetscCall(CheckLongPeriod("-formulation elastic -cells 16 -ppc 1 -courant 1.2 -drift 1/1000", 1.01, 2, PETSC_FALSE,
                             PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,7 +1,7 @@
 /*
    Tables that no built-in formulation has: a higher power of the Courant number, operations that accumulate, more
-   registers than any built-in table. March, operator and symbol must agree on them; what they do not support is
-   refused when the table is made.
+   registers than any built-in table. March, operator and symbol must agree on them. A table that they do not support is
+   refused when it is made.
 */
 #include "check.h"
 #include "linalg/dense.h"
@@ -9,9 +9,9 @@
 #include <mpmstab/symbol.h>
 
 /*
-   The elastic bar in w' = k w: u_tt = k^2 LAP u, so that only LAP carries the Courant number, squared. It has the
-   eigenvalues of the formulation elastic. LAP comes in two halves, of which the second accumulates. So many COPIES of
-   the two fields side by side have the same growth.
+   The elastic bar in w' = k w is u_tt = k^2 LAP u, so only LAP carries the Courant number, squared. It has the
+   eigenvalues of the formulation elastic. LAP is split into two halves, of which the second accumulates. COPIES copies
+   of the two fields side by side have the same growth.
 */
 enum { COPIES = 6, OPS = 8 };
 

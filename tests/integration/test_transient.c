@@ -1,6 +1,7 @@
 /*
-   Transient growth: norms of powers against LAPACK's of the dense products, at rest and under drift; growth like n of a
-   defective eigenvalue and norms near a limit in closed form; the Kreiss constant between its bounds.
+   Transient growth: norms of powers are compared with those of the dense products by LAPACK, at rest and under drift.
+   Growth like n of a defective eigenvalue and norms near a limit are compared with closed forms, and the Kreiss
+   constant with its bounds.
 */
 #include "singular.h"
 #include "linalg/dense.h"
@@ -11,7 +12,10 @@
 
 #define LAST 19
 
-/* product = A product, in the energy's variables: A is multiplied with sqrt(m), sqrt(V / E) from both sides. */
+/*
+   Computes product = A product in the variables of the energy: A is multiplied from both sides with sqrt(m) and sqrt(V
+   / E).
+*/
 static PetscErrorCode DenseStep(const MpmOperator *op, Mat A, PetscReal factor, PetscReal product[])
 {
   const PetscInt  n      = op->order;
@@ -54,7 +58,9 @@ static PetscErrorCode CheckNorm(const char options[], PetscInt step, PetscReal n
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Step by step: those of the period in turn, and where a period ends, the period's operator applied at once. */
+/*
+   Applies the steps of the period in turn. Where a period ends, it compares with the period's operator applied at once.
+*/
 static PetscErrorCode CheckNorms(const char options[])
 {
   MpmScene     *scene;
@@ -92,7 +98,7 @@ static PetscErrorCode CheckNorms(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A block [1 0; c 1] among states that keep their size: norm(A^n) = (c n + sqrt(c^2 n^2 + 4)) / 2. */
+/* A block [1 0; c 1] among states that keep their size has norm(A^n) = (c n + sqrt(c^2 n^2 + 4)) / 2. */
 static PetscErrorCode CheckLinear(const char options[], PetscReal c)
 {
   const PetscReal    last = 100, norm = (c * last + hypot(c * last, 2)) / 2;
@@ -118,7 +124,7 @@ static PetscErrorCode CheckLinear(const char options[], PetscReal c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* K <= sup norm(A^n) <= e N K, and of bounded powers neither the fit nor the circle's edge says otherwise. */
+/* Checks K <= sup norm(A^n) <= e N K. For bounded powers neither the fitted power nor edge_power may show growth. */
 static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
 {
   MpmScene          *scene;
@@ -143,9 +149,9 @@ static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
 }
 
 /*
-   gas2 with one particle in each cell's middle: at beta = pi/2 the eigenvalue's projector has the norm
-   1 / sqrt(1 - k^2 / 4), which K is next to, and the steps' invariant the condition (2 + k) / (2 - k), whose root no
-   norm exceeds and some come near.
+   gas2 with one particle in the middle of each cell. At beta = pi/2 the projector of the eigenvalue has the norm 1 /
+   sqrt(1 - k^2 / 4), and K is close to it. The steps' invariant has the condition (2 + k) / (2 - k); no norm exceeds
+   its root, and some come near it.
 */
 static PetscErrorCode CheckNearLimit(PetscReal k)
 {
@@ -173,7 +179,9 @@ static PetscErrorCode CheckNearLimit(PetscReal k)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Beyond the range of doubles the logarithm goes on: gas1 is normal enough for norm(A^n) = constant x growth^n. */
+/*
+   Beyond the range of doubles the logarithm is still known: gas1 is normal enough for norm(A^n) = constant x growth^n.
+*/
 static PetscErrorCode CheckOffRange(void)
 {
   const PetscReal growth = hypot(1, 200);
@@ -208,7 +216,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckNorms("-formulation gas1 -cells 8 -courant 3"));
   PetscCall(CheckNorms("-cells 8 -drift 1/8 -courant 0.1"));
   PetscCall(CheckNorms("-formulation usf -cells 8 -drift -2/3 -jitter 0.4"));
-  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/40")); /* a period that is not finished */
+  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/40")); /* the period is longer than the powers */
   PetscCall(CheckNorms("-formulation usl -cells 8 -counts 1,3 -material two -density_ratio 50 -stiffness_ratio 7"));
   PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/4 -courant 0.1 -material two -density_ratio 50"));
   PetscCall(CheckNorms("-formulation usf -cells 8 -ppc 1 -fill 3,4")); /* A = 1 */

@@ -1,6 +1,6 @@
 /*
-   Verdicts of runs whose stability is known: short, oscillating, emerging. A run may be too short to tell, then it must
-   say so; it must never tell the opposite. And runs that leave the range of doubles.
+   Verdicts of runs whose stability is known: short, oscillating, emerging. A run that is too short to tell must be
+   undecided, and it must never have the opposite verdict. Further cases are runs that leave the range of doubles.
 */
 #include "check.h"
 #include "analysis/run.h"
@@ -33,7 +33,7 @@ static PetscErrorCode CheckRange(void)
   MpmRun   *run;
 
   PetscFunctionBegin;
-  /* followed by rescaling: 1.5625 per step leaves 1e308 after about 1600 steps */
+  /* rescaling follows it: 1.5625 per step leaves 1e308 after about 1600 steps */
   PetscCall(RunOf("-courant 2.05 -initial random -steps 4000", &scene, &run));
   CHECK(run->blew_up_at_step > 1500 && run->blew_up_at_step < 1700, "left at step %d", (int)run->blew_up_at_step);
   CHECK(!run->lost && run->steps == 4000, "stopped at step %d", (int)run->steps);
@@ -41,13 +41,13 @@ static PetscErrorCode CheckRange(void)
   CHECK(isnan(run->energy_final) && isinf(run->energy_ratio), "energy %g", run->energy_final);
   PetscCall(MpmRunDestroy(&run));
   PetscCall(MpmSceneDestroy(&scene));
-  /* one step is too much for any rescaling */
+  /* one step grows too much for any rescaling */
   PetscCall(RunOf("-courant 1e300 -initial random", &scene, &run));
   CHECK(run->lost && run->steps == 1 && run->blew_up_at_step == 1 && run->verdict == MPM_UNSTABLE, "steps %d",
         (int)run->steps);
   PetscCall(MpmRunDestroy(&run));
   PetscCall(MpmSceneDestroy(&scene));
-  /* amplitudes and units far from 1 change nothing */
+  /* amplitudes and units far from 1 must change nothing */
   PetscCall(RunOf("-formulation elastic -amplitude 1e-200 -wave_speed 1e7 -length 1e-50", &scene, &run));
   CHECK_NEAR(run->energy_ratio, 0.9901, 2e-4);
   CHECK(run->verdict == MPM_STABLE && run->error[0].l2 < 2e-3, "%s, error %g", MpmVerdictNames[run->verdict],

@@ -1,9 +1,10 @@
 /*
-   Windows of growth under drift. Limits that were once found too large, because a window was stepped over; and random
-   schemes, scanned below their limits by brute force: ten times the phases of the search, small steps in Courant number,
-   ten times smaller where two factors are near each other. Nothing may grow there by more than twice the tolerance.
+   Windows of growth under drift. Some limits were once found too large, because a window was stepped over. Random
+   schemes are scanned below their limits by brute force: ten times the phases of the search, small steps in Courant
+   number, and ten times smaller ones where two amplification factors are near each other. Nothing may grow there by
+   more than twice the tolerance.
 
-   test_windows [SCHEMES [PHASES [FIRST]]]: how many random schemes, from which on, and how many phases of each.
+   test_windows [SCHEMES [PHASES [FIRST]]]: the number of random schemes, of phases of each, and of the first scheme.
 */
 #include "check.h"
 #include <mpmstab/critical.h>
@@ -13,10 +14,10 @@
 
 #define STEP 0.003
 #define FINER 10
-#define NEAR 0.01 /* distance of two factors, at which steps are finer */
-#define MOST 3.0  /* Courant number scanned to */
+#define NEAR 0.01 /* distance of two amplification factors at which steps become finer */
+#define MOST 3.0  /* largest Courant number of the scan */
 
-/* limit: the Courant number beyond which growth has been seen; the search must not print more. */
+/* limit: a Courant number beyond which growth has been seen; the search must not find a larger limit. */
 static PetscErrorCode CheckLimit(const char options[], PetscReal limit, PetscReal relative)
 {
   MpmScene       *scene;
@@ -47,7 +48,7 @@ static PetscErrorCode CheckLimits(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The verdict at a Courant number inside a window that 320 phases miss; growth: as seen at phases as near as need be. */
+/* Checks the verdict at a Courant number inside a window that 320 phases miss; growth is that of much closer phases. */
 static PetscErrorCode CheckAsked(const char options[], PetscReal growth)
 {
   MpmScene       *scene;
@@ -65,7 +66,7 @@ static PetscErrorCode CheckAsked(const char options[], PetscReal growth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A tolerance below what rounding makes of a defective pair gives no limit; the pair is at beta = pi. */
+/* A tolerance below the growth that rounding makes of a defective pair must give no limit. The pair is at beta = pi. */
 static PetscErrorCode CheckTolerance(const char options[], PetscBool undecided)
 {
   MpmScene       *scene;
@@ -108,7 +109,7 @@ static PetscErrorCode GrowthAt(Symbol *s, PetscReal courant, PetscReal beta, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The least Courant number below limit that is seen to grow by more than twice the tolerance; infinite for none. */
+/* Finds the least Courant number below limit that grows by more than twice the tolerance; infinite for none. */
 static PetscErrorCode Scan(Symbol *s, PetscReal limit, PetscInt phases, PetscReal *least, PetscReal *at)
 {
   const PetscReal most = 1 + 2 * s->tolerance;
@@ -140,7 +141,7 @@ static PetscInt Draw(PetscInt seed, PetscInt n, PetscInt of)
   return (PetscInt)(MpmHash(seed, n) * (PetscReal)of);
 }
 
-/* The options of random scheme n; "" when there is no such scheme. */
+/* Draws the options of random scheme n; "" when there is no such scheme. */
 static PetscErrorCode DrawScheme(PetscInt n, size_t room, char options[])
 {
   const char *const offsets[] = {"1/2", "0", "1e-9", "1/3"};

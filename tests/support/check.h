@@ -1,4 +1,4 @@
-/* Checks that say what failed; a test that fails nowhere is silent. */
+/* Checks that print what failed. A test that does not fail prints nothing. */
 #pragma once
 #include "scene/request.h"
 #include <math.h>
@@ -21,10 +21,10 @@ static int check_failures;
   CHECK(fabs((a) - (b)) <= (tolerance), "%.17g and %.17g differ by %.3g, allowed %.3g", (double)(a), (double)(b),      \
         fabs((double)((a) - (b))), (double)(tolerance))
 
-/* The request that came with the scene which CheckScene has made last. */
+/* The request that belongs to the scene which CheckScene made last. */
 static MpmRequest check_request;
 
-/* A scene from options such as "-cells 8 -drift 1/8", read as the program reads them. */
+/* Makes a scene from options such as "-cells 8 -drift 1/8", which are read as the program reads them. */
 static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
 {
   PetscFunctionBegin;

@@ -1,9 +1,12 @@
-/* Particle fields in the order of global ids, on every rank: what a run is compared by. */
+/* Gathers particle fields in the order of global ids on every rank, so that runs can be compared. */
 #pragma once
 #include "check.h"
 #include "march/march_private.h"
 
-/* Collective. values[id] for all particles of the march, in true size (2^exponent applied); free with PetscFree. */
+/*
+   Collective. Gives values[id] of all particles of the march, in true size (2^exponent applied). Free them with
+   PetscFree.
+*/
 static inline PetscErrorCode GatherField(const MpmMarch *march, const char name[], PetscReal **values)
 {
   const PetscInt64 *id;

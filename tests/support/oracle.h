@@ -1,10 +1,12 @@
-/* The rows of an independent program's numbers, as options of scenes. */
+/*
+   Reads the numbers of an independent program (the oracle), a row at a time, and the options of the scene of each row.
+*/
 #pragma once
 #include "check.h"
 
 typedef PetscErrorCode (*OracleCheck)(const char row[], const char options[], PetscReal oracle);
 
-/* Collective. Calls check for each row of growth.csv; at least fewest. */
+/* Collective. Calls check for each row of growth.csv, and fails when there are fewer than fewest rows. */
 static inline PetscErrorCode OracleGrowth(const char path[], const char more[], int fewest, OracleCheck check)
 {
   FILE  *file = fopen(path, "r");
@@ -30,7 +32,7 @@ static inline PetscErrorCode OracleGrowth(const char path[], const char more[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Collective. The same for radius.csv: jittered layouts. */
+/* Collective. Does the same for radius.csv, which has jittered layouts. */
 static inline PetscErrorCode OracleRadius(const char path[], int fewest, OracleCheck check)
 {
   FILE  *file = fopen(path, "r");
@@ -55,7 +57,7 @@ static inline PetscErrorCode OracleRadius(const char path[], int fewest, OracleC
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Collective. The same for critical.csv: the largest stable Courant number, periodic and at rest. */
+/* Collective. Does the same for critical.csv: the largest stable Courant number of periodic scenes at rest. */
 static inline PetscErrorCode OracleCritical(const char path[], int fewest, OracleCheck check)
 {
   FILE  *file = fopen(path, "r");

@@ -1,9 +1,9 @@
-/* Singular values of a dense matrix by LAPACK, to compare with. */
+/* Singular values of a dense matrix by LAPACK, for comparison. */
 #pragma once
 #include "check.h"
 #include <petscblaslapack.h>
 
-/* Smallest and largest singular value of an n x n matrix, which is lost. */
+/* Finds the smallest and largest singular value of an n x n matrix, which is overwritten. */
 static inline PetscErrorCode DenseSingular(PetscInt n, PetscReal a[], PetscReal ends[2])
 {
   PetscBLASInt order = (PetscBLASInt)n, one = 1, room = 10 * order, info;

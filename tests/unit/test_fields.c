@@ -1,10 +1,10 @@
-/* The table of fields: every line of it does what it says, whatever lines there are. */
+/* The table of fields: each field does what its entry says. */
 #include "check.h"
 #include "scene/fields.h"
 #include "scene/settings.h"
 #include "task/task.h"
 
-/* A word of an option that is not its default, or a value that is not: every field of a checkpoint needs one here. */
+/* For every field of a checkpoint, an option whose value is not the default. */
 static const char *const other[][2] = {
     {"formulation", "-formulation musl"},
     {"basis", "-basis quadratic"},
@@ -34,7 +34,7 @@ static const char *const other[][2] = {
     {"stagger", "-stagger"},
 };
 
-/* The text of a field in a checkpoint of a scene; empty when it is not there. */
+/* Finds the text of a field in the checkpoint of a scene; it is empty when there is none. */
 static PetscErrorCode KeyText(const MpmScene *scene, const char name[], size_t room, char text[])
 {
   MpmValue values[MPM_MAX_VALUES];
@@ -48,7 +48,7 @@ static PetscErrorCode KeyText(const MpmScene *scene, const char name[], size_t r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whatever a checkpoint is compared by has another text in a scene where it is another. */
+/* Checks that a field by which checkpoints are compared has another text in a scene where it has another value. */
 static PetscErrorCode CheckCheckpoint(const MpmField *field)
 {
   const char *options = NULL;
@@ -85,7 +85,10 @@ static PetscErrorCode Quietly(const char task[], const char options[], MpmScene 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An option that is read is refused when its value makes no sense, or, being the name of a file, is in the request. */
+/*
+   Checks that some task reads an option: it refuses a value that makes no sense, or its request has the file name
+   given.
+*/
 static PetscErrorCode CheckRead(const MpmField *field)
 {
   const PetscBool path = field->kind == MPM_PATH ? PETSC_TRUE : PETSC_FALSE;
@@ -114,7 +117,10 @@ static PetscErrorCode CheckRead(const MpmField *field)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In each record the places are 1, 2, 3 ..., each once; what compares scenes shows no request. */
+/*
+   Checks that the places of fields in each record are 1, 2, 3 ..., each once, and that only the record of files has
+   fields of the request.
+*/
 static PetscErrorCode CheckPlaces(void)
 {
   const MpmField *const tables[] = {MpmOptions, MpmDerived};
@@ -139,7 +145,10 @@ static PetscErrorCode CheckPlaces(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A drift that was kept as a number agrees with the fraction that it is now; no other text does. */
+/*
+   Checks that a drift which was written as a number agrees with the fraction that it is now, and that no other text
+   does.
+*/
 static PetscErrorCode CheckAgrees(void)
 {
   static const char *const texts[] = {"1/8", "0.125", "0.12500000000000003", "2/8"};
@@ -159,7 +168,10 @@ static PetscErrorCode CheckAgrees(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A scene from text is that of the same options; it leaves the command line alone, and tells what is wrong. */
+/*
+   Checks a scene from text: it equals the one from the same options, it leaves the command line alone, and it tells
+   what is wrong.
+*/
 static PetscErrorCode CheckText(void)
 {
   MpmScene      *scene = NULL;

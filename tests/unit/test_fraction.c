@@ -1,4 +1,4 @@
-/* Fractions: what is read, and that n delta is exact. */
+/* Fractions: how they are read, and that n delta is exact. */
 #include "check.h"
 
 static PetscErrorCode Reads(const char text[], PetscInt64 num, PetscInt64 den, PetscReal value)
@@ -30,7 +30,7 @@ static PetscErrorCode Multiple(const char text[], PetscInt64 n, PetscInt64 whole
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Point j of n from one to another, as num/den; den 0: as a double. */
+/* Checks point j of n from one fraction to another, which is num/den, or the double value when den is 0. */
 static PetscErrorCode Between(const char from[], const char to[], PetscInt j, PetscInt n, PetscInt64 num,
                               PetscInt64 den, PetscReal value)
 {
@@ -47,7 +47,7 @@ static PetscErrorCode Between(const char from[], const char to[], PetscInt j, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The product of three numbers as num/den; den 0: as a double. */
+/* Checks the product of three numbers, which is num/den, or the double value when den is 0. */
 static PetscErrorCode Product(const char a[], const char b[], const char c[], PetscInt64 num, PetscInt64 den,
                               PetscReal value)
 {
@@ -64,7 +64,7 @@ static PetscErrorCode Product(const char a[], const char b[], const char c[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A double as a fraction of a denominator up to most; den 0: there is none. */
+/* Checks a double as a fraction with a denominator up to most; den is 0 when there is none. */
 static PetscErrorCode Near(PetscReal value, PetscInt64 most, PetscInt64 num, PetscInt64 den)
 {
   const MpmFraction f = MpmFractionNear(value, most);
@@ -102,8 +102,8 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Multiple("-1/8", 8, -1, 0));
   PetscCall(Multiple("1/3", 3000000000000, 1000000000000, 0));
   PetscCall(Multiple("0.3", 10, 3, 0));
-  PetscCall(Multiple("-1e-300", 5, 0, 0)); /* its part rounds to 1, and 1 is a whole */
-  PetscCall(Multiple("0.14142135623730950488", 1000000, 141421, 0.35623730950488)); /* a double, without accumulation */
+  PetscCall(Multiple("-1e-300", 5, 0, 0)); /* the part rounds to 1, which is a whole */
+  PetscCall(Multiple("0.14142135623730950488", 1000000, 141421, 0.35623730950488)); /* rounded once */
   PetscCall(Between("0", "1/2", 3, 33, 3, 64, 3.0 / 64));
   PetscCall(Between("-1/3", "1/7", 2, 4, -1, 63, -1.0 / 63));
   PetscCall(Between("0.05", "2.5", 2, 50, 3, 20, 0.15));

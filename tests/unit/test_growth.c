@@ -1,4 +1,4 @@
-/* Growth of made-up series whose kind is known. */
+/* Fits growth to made-up series whose kind is known. */
 #include "check.h"
 #include "analysis/growth.h"
 
@@ -73,7 +73,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Fits("fast exponential", Fast, 100000, MPM_EXPONENTIAL, exp(0.11), 1e-9));
   PetscCall(Fits("emerging", Emerging, 400, MPM_EXPONENTIAL, exp(0.05), 2e-3));
 
-  /* too few samples, or a state that vanished: nothing is said */
+  /* with too few samples, or when the state has vanished, nothing is measured */
   for (PetscInt64 t = 0; t < 6; t++) PetscCall(MpmSeriesAppend(&series, t, 0, 0));
   PetscCall(MpmGrowthFit(&series, 1e-6, PETSC_FALSE, &growth));
   CHECK(!growth.measured && MpmGrowthVerdict(&growth, 1e-6) == MPM_UNDECIDED, "a verdict from six steps");

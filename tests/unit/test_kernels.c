@@ -12,7 +12,7 @@ typedef struct {
   PetscReal xi[N], q[N], node[CELLS + 2 * PAD], mass[CELLS + 2 * PAD];
 } Cloud;
 
-/* A block of particles, until the next one. */
+/* Places a block of particles. It holds until the next call. */
 static const MpmBlock *At(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[],
                           PetscReal width)
 {
@@ -44,7 +44,7 @@ static void CheckConstants(const MpmBasis *basis, PetscReal width)
     total += c.mass[i];
     sum += c.node[i];
   }
-  CHECK_NEAR(total, N, 1e-12); /* partition of unity: every particle gives its whole mass */
+  CHECK_NEAR(total, N, 1e-12); /* partition of unity: a particle gives all of its mass to the nodes */
   for (PetscInt p = 0; p < N; p++) sum -= c.q[p];
   CHECK_NEAR(sum, 0, 1e-13);
 
@@ -58,7 +58,7 @@ static void CheckAffine(const MpmBasis *basis, PetscReal width)
 {
   Cloud c;
 
-  /* G2P reproduces 3 + 2x, GRAD gives 2 with a = 1 and h = 1; both add to what was there, times a */
+  /* G2P reproduces 3 + 2x, and GRAD gives 2, with a = 1 and h = 1. Both add a times this to what was there. */
   Scatter(&c);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) c.node[i] = 3 + 2.0 * (i - PAD);
   basis->kernel[MPM_G2P](At(basis, N, c.cell, c.xi, width), 0.5, c.q, c.node + PAD);
@@ -86,15 +86,15 @@ static void CheckAdjoint(const MpmBasis *basis, PetscReal width)
   for (PetscInt p = 0; p < N; p++) right += a.q[p] * b.q[p];
   CHECK_NEAR(left, right, 1e-12);
 
-  /* with and without masses it is the same sum */
+  /* the sum is the same with and without masses */
   Scatter(&b);
   basis->p2g_mass(At(basis, N, b.cell, b.xi, width), b.q, b.node + PAD, b.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(a.node[i], b.node[i], 1e-14);
 }
 
 /*
-   GRAD and DIV are adjoint; sum_i phi_ip (x_i - x_p) = 0; the affine part of 3 + 2x is 2 (per cell), and what
-   P2G_AFFINE spreads of it has no sum.
+   GRAD and DIV are adjoint. The first moment vanishes: sum_i phi_ip (x_i - x_p) = 0. The affine part of 3 + 2x is 2
+   (per cell), and the sum over the nodes of what P2G_AFFINE gives them for it is 0.
 */
 static void CheckMoments(const MpmBasis *basis, PetscReal width)
 {
@@ -115,7 +115,7 @@ static void CheckMoments(const MpmBasis *basis, PetscReal width)
 
   Scatter(&a);
   basis->kernel[MPM_P2G_AFFINE](At(basis, N, a.cell, a.xi, width), 1, a.q, a.node + PAD);
-  for (PetscInt p = 0; p < N; p++) { /* by the definition: phi from G2P of one node's 1 */
+  for (PetscInt p = 0; p < N; p++) { /* phi by its definition, from G2P of a nodal field that is 1 at one node */
     for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) {
       PetscReal unit[CELLS + 2 * PAD] = {0}, phi = 0;
 
@@ -133,8 +133,8 @@ static void CheckMoments(const MpmBasis *basis, PetscReal width)
 }
 
 /*
-   phi is continuous for every basis, and the integral of its slope; the slope is continuous too but for the hat, whose
-   jump belongs to the cell at the right.
+   For every basis phi is continuous, and the integral of its slope. The slope is continuous too, except for the hat,
+   where the value at the node is that of the cell at the right.
 */
 static void CheckContinuity(const MpmBasis *basis)
 {
@@ -163,7 +163,7 @@ static void CheckContinuity(const MpmBasis *basis)
 
 #define ROWS MPM_BLOCK /* particles */
 
-/* Particles in the order of their cells: all maps at once give what they give one particle at a time. */
+/* Checks particles in the order of their cells: all maps at once give the same as one particle at a time. */
 static void CheckRuns(const MpmBasis *basis, const PetscInt counts[], PetscInt ncounts, PetscInt skip, PetscReal width)
 {
   static const MpmOpKind kinds[] = {MPM_P2G, MPM_P2G_AFFINE, MPM_DIV, MPM_G2P, MPM_G2P_AFFINE, MPM_GRAD};
@@ -205,7 +205,7 @@ static void CheckAllRuns(const MpmBasis *basis)
     for (PetscInt skip = 0; skip < counts[c][0]; skip++) CheckRuns(basis, counts[c], ncounts[c], skip, 0.2);
 }
 
-/* Two in the first cell, the next one empty, then two in each. */
+/* Checks two particles in the first cell, none in the next, and two in each later one. */
 static void CheckGap(const MpmBasis *basis)
 {
   PetscInt  cell[128];
@@ -219,7 +219,7 @@ static void CheckGap(const MpmBasis *basis)
   }
   basis->kernel[MPM_P2G](At(basis, 128, cell, xi, 0.25), 1, q, node + PAD);
   for (PetscInt i = 0; i < 80; i++) sum += (i - PAD) * node[i];
-  CHECK_NEAR(sum, 0, 1e-11); /* linear reproduction: where they are */
+  CHECK_NEAR(sum, 0, 1e-11); /* linear reproduction: the sum is that of the places */
 }
 
 static void CheckPlace(void)

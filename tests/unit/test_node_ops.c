@@ -1,4 +1,7 @@
-/* Node operations that follow the particles chunk by chunk leave what they leave when they come one after the other. */
+/*
+   Node operations that run chunk by chunk behind the particles give the same as operations that run one after the
+   other.
+*/
 #include "check.h"
 #include "march/march_nodes.h"
 
@@ -13,7 +16,7 @@ static void Fill(PetscReal node[FIELDS][ROOM])
     for (PetscInt i = 0; i < ROOM; i++) node[f][i] = MpmHash(40 + f, i) - 0.5;
 }
 
-/* In chunks of so many nodes, or (0) not before all are complete. */
+/* Runs a pass in chunks of so many nodes; with 0, the operations wait until all nodes are complete. */
 static PetscErrorCode Run(const MpmPass *pass, PetscInt chunk, PetscReal node[FIELDS][ROOM])
 {
   MpmGrid      grid                   = {.ghost = GHOST, .nodes = NODES};
@@ -52,7 +55,9 @@ static PetscErrorCode Follows(const MpmPass *pass)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  /* as elastic's; an ADD to what LAP looked at; a LAP of what another has changed, a COPY over what it looked at */
+  /*
+     a pass like elastic's; an ADD to what LAP reads; a LAP of what another has changed, and a COPY over what it reads
+  */
   const MpmPass elastic = {.nnode_ops = 2,
                            .node_op   = {{MPM_LAP, 0.3, 2, 0, 1, 0}, {MPM_COPY, 1, 1, 2, 1, 0, PETSC_TRUE}}};
   const MpmPass behind  = {.nnode_ops = 2,

@@ -1,4 +1,4 @@
-/* Compiled passes: as few as the algorithms allow, with nothing a scene does not need. */
+/* Compiled passes: there are as few as the algorithms allow, and they do nothing that a scene does not need. */
 #include "check.h"
 #include "march/traffic.h"
 
@@ -42,7 +42,10 @@ static PetscErrorCode Compiles(const char name[], const char more[], PetscInt pa
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the nodes hold already is not summed again: musl's second P2G is the next step's first, until particles move. */
+/*
+   Checks that what the nodes hold already is not summed again. The second P2G of musl is the first of the next step, as
+   long as particles do not move.
+*/
 static PetscErrorCode SumsOnce(const char options[], PetscInt sums)
 {
   MpmScene   *scene;
@@ -61,7 +64,10 @@ static PetscErrorCode SumsOnce(const char options[], PetscInt sums)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* One step bounds the state's largest number: follow the tables by hand for k = 1/2. */
+/*
+   Checks the bound on the state's largest number after one step. The bounds are found from the tables by hand, for k =
+   1/2.
+*/
 static PetscErrorCode Bounds(const char options[], PetscReal bound)
 {
   MpmScene *scene;
@@ -73,7 +79,10 @@ static PetscErrorCode Bounds(const char options[], PetscReal bound)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counted by hand for two particles a cell: cell and place 12; fields 16 if they change; nodes as said below. */
+/*
+   Checks the bytes moved per particle and step. They are counted by hand for two particles a cell: 12 for cell and
+   place, 16 for each field that changes, and those of the nodes as noted below.
+*/
 static PetscErrorCode Moves(const char options[], PetscBool alike, PetscReal bytes)
 {
   MpmScene   *scene;
@@ -109,17 +118,20 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Bounds("-formulation gas2", 3));
   PetscCall(Bounds("-formulation elastic", 3)); /* w: 1 + 4k; u: 1 + k (1 + 4k) */
   PetscCall(Bounds("-formulation usl", 4));     /* a: 4k; v: 1 + 4k; s: 1 + 2k (1 + 4k) */
-  /* both node fields change, mass; under drift that changes too */
+  /* both node fields change, and the mass does not; under drift it changes too */
   PetscCall(Moves("-formulation gas2", PETSC_FALSE, 12 + 32 + (32 + 8) / 2));
   PetscCall(Moves("-formulation gas2", PETSC_TRUE, 32 + (32 + 8) / 2));
   PetscCall(Moves("-formulation gas2 -drift 1/8", PETSC_TRUE, 32 + (32 + 16) / 2));
-  /* old node fields beside the new */
+  /* the old node fields are kept beside the new ones */
   PetscCall(Moves("-formulation gas1", PETSC_TRUE, 32 + (48 + 8) / 2));
-  /* u, w and its old, a, mass: LAP and ADD follow the particles */
+  /* u, w and the old w, a, mass; LAP and ADD follow the particles */
   PetscCall(Moves("-formulation elastic", PETSC_TRUE, 32 + (16 + 24 + 16 + 8) / 2));
   PetscCall(Moves("-formulation usl -material two -density_ratio 4 -stiffness_ratio 2", PETSC_FALSE,
                   12 + 32 + 16 + (48 + 8) / 2));
-  /* two passes: v, s, v_i and its old, a_i, mass; s again, a_i, mass; ADD comes after a wall, so it is a sweep */
+  /*
+     two passes: v, s, v_i and the old v_i, a_i, mass; then s again, a_i, mass. ADD comes after a wall, so it is a
+     sweep.
+  */
   PetscCall(Moves("-formulation usl -boundary fixed", PETSC_TRUE, 32 + 8 + (16 + 8 + 8 + 8 + 16 + 8 + 24) / 2));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

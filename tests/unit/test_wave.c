@@ -1,7 +1,9 @@
 /* The exact solutions satisfy their equations, by central differences, and have the amplitude they claim. */
 #include "check.h"
 
-/* What moves is at rest at a fixed end, what is stretched is slack at a free one. */
+/*
+   Checks the conditions at the ends: velocity and displacement vanish at a fixed end, strain and stress at a free end.
+*/
 static void CheckEnds(const MpmWave *wave, const MpmProfile *p, PetscBool second_order, int left, int right,
                       PetscReal t)
 {
@@ -19,7 +21,10 @@ static void CheckEnds(const MpmWave *wave, const MpmProfile *p, PetscBool second
   }
 }
 
-/* A bar released from stress -A at time 0: the four stages of its period, at places and times by hand. */
+/*
+   Checks a bar that is released from stress -A at time 0: the four stages of its period, at places and times found by
+   hand.
+*/
 static void CheckStep(void)
 {
   const MpmProfile p = {
@@ -44,7 +49,7 @@ static void CheckStep(void)
   CHECK_NEAR(MpmWaveSecondOrder.amplitude(&p, 0), 1.5, 1e-15);
 }
 
-/* left, right: 0 periodic, -1 fixed, 1 free. */
+/* left and right: 0 for periodic, -1 for a fixed end, 1 for a free end. */
 static void CheckEquations(const MpmWave *wave, MpmInitial initial, PetscBool second_order, int left, int right)
 {
   const PetscReal  waves = !left ? 3 : left == right ? 1.5 : 1.25;

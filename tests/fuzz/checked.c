@@ -1,4 +1,4 @@
-#include "sealed.h"
+#include "checked.h"
 #include "fuzz.h"
 #include "base/checksum.h"
 #include <float.h>
@@ -9,17 +9,20 @@
 #define MOST_EDITS 64
 #define MOST_NUMBERS 2048
 
-/* In this order, there or not, whatever else there is after them: inputs name arrays by their number. */
+/*
+   The first arrays have fixed numbers, since inputs name arrays by number. One that is not in the file is MISSING;
+   other arrays follow.
+*/
 static const char *const first_names[] = {"scene",       "where", "numbers",        "series_step", "series_state",
                                           "series_grid", "csv",   "rank_particles", "rank_nodes",  "DMSwarm_pid",
                                           "cell",        "xi",    "inverse_mass",   "node_0",      "node_1"};
 
-static void LoadArray(hid_t file, const char name[], Sealed *sealed)
+static void LoadArray(hid_t file, const char name[], Checked *checked)
 {
-  Array      *a     = &sealed->array[sealed->n++];
+  Array      *a     = &checked->array[checked->n++];
   const hid_t array = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(array), type = H5Dget_type(array);
 
-  FuzzNeed(sealed->n <= MOST_ARRAYS && strlen(name) < sizeof a->name, "raise MOST_ARRAYS");
+  FuzzNeed(checked->n <= MOST_ARRAYS && strlen(name) < sizeof a->name, "raise MOST_ARRAYS");
   (void)strcpy(a->name, name);
   a->width = H5Tget_size(type);
   a->type  = H5Tget_class(type) == H5T_FLOAT ? H5T_NATIVE_DOUBLE : a->width == 1 ? H5T_NATIVE_CHAR : H5T_NATIVE_INT64;
@@ -31,42 +34,42 @@ static void LoadArray(hid_t file, const char name[], Sealed *sealed)
   (void)H5Dclose(array);
 }
 
-static void AddMissing(const char name[], Sealed *sealed)
+static void AddMissing(const char name[], Checked *checked)
 {
-  Array *a = &sealed->array[sealed->n++];
+  Array *a = &checked->array[checked->n++];
 
   *a = (Array){.type = H5T_NATIVE_INT64, .width = 8, .data = calloc(1, 8), .shape = MISSING};
   (void)strcpy(a->name, name);
 }
 
-static PetscBool Has(const Sealed *sealed, const char name[])
+static PetscBool Has(const Checked *checked, const char name[])
 {
-  for (int i = 0; i < sealed->n; i++)
-    if (!strcmp(sealed->array[i].name, name)) return PETSC_TRUE;
+  for (int i = 0; i < checked->n; i++)
+    if (!strcmp(checked->array[i].name, name)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
-void SealedLoad(const char path[], Sealed *sealed)
+void CheckedLoad(const char path[], Checked *checked)
 {
   const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   H5G_info_t  root;
   char        name[32];
 
   FuzzNeed(file >= 0 && H5Gget_info(file, &root) >= 0, "no checkpoint");
-  sealed->n = 0;
+  checked->n = 0;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(first_names); i++)
     if (H5Lexists(file, first_names[i], H5P_DEFAULT) > 0)
-      LoadArray(file, first_names[i], sealed);
+      LoadArray(file, first_names[i], checked);
     else
-      AddMissing(first_names[i], sealed);
+      AddMissing(first_names[i], checked);
   for (hsize_t i = 0; i < root.nlinks; i++) {
     (void)H5Lget_name_by_idx(file, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);
-    if (!Has(sealed, name)) LoadArray(file, name, sealed);
+    if (!Has(checked, name)) LoadArray(file, name, checked);
   }
   (void)H5Fclose(file);
 }
 
-void SealedCopy(const Sealed *from, Sealed *to)
+void CheckedCopy(const Checked *from, Checked *to)
 {
   *to = *from;
   for (int i = 0; i < to->n; i++) {
@@ -78,10 +81,10 @@ void SealedCopy(const Sealed *from, Sealed *to)
   }
 }
 
-void SealedFree(Sealed *sealed)
+void CheckedFree(Checked *checked)
 {
-  for (int i = 0; i < sealed->n; i++) free(sealed->array[i].data);
-  sealed->n = 0;
+  for (int i = 0; i < checked->n; i++) free(checked->array[i].data);
+  checked->n = 0;
 }
 
 typedef struct {
@@ -101,7 +104,7 @@ static uint64_t Number(Bytes *b, int bytes)
   return value;
 }
 
-/* Where readers may stumble: 8 bytes of an integer or a double. */
+/* Values with which readers may go wrong, as the 8 bytes of an integer or a double. */
 static uint64_t Special(const Array *a, uint8_t which)
 {
   static const int64_t integers[] = {-1,        0,         1,         2,         7,         8,
@@ -138,7 +141,7 @@ static void Set(Array *a, hsize_t i, uint64_t bits)
   if (i < a->n) memcpy(a->data + i * a->width, &bits, a->width);
 }
 
-/* Longer: what is there again and again. */
+/* Changes the length. A longer array repeats its contents. */
 static void SetLength(Array *a, hsize_t n)
 {
   uint8_t *data = calloc(n + 1, a->width);
@@ -205,14 +208,14 @@ static void EditArray(Array *a, Bytes *b)
     for (uint8_t n = Byte(b), j = 0; j < n; j++) Set(a, i + j, Byte(b));
 }
 
-void SealedEdit(Sealed *sealed, const uint8_t *data, size_t size)
+void CheckedEdit(Checked *checked, const uint8_t *data, size_t size)
 {
   Bytes bytes = {data, data + size};
 
   for (int edits = 0; edits < MOST_EDITS && bytes.next < bytes.end; edits++) {
     const int a = Byte(&bytes) % MOST_ARRAYS;
 
-    if (a < sealed->n) EditArray(&sealed->array[a], &bytes);
+    if (a < checked->n) EditArray(&checked->array[a], &bytes);
   }
 }
 
@@ -236,7 +239,7 @@ static hid_t SpaceInFile(const Array *a)
   return a->shape == MATRIX ? H5Screate_simple(2, matrix, NULL) : H5Screate_simple(1, &length, NULL);
 }
 
-/* A file that declares what HDF5 does not take has no such array. */
+/* Writes an array. When HDF5 does not accept a declaration, the file has no such array. */
 static void WriteArray(hid_t file, const Array *a)
 {
   const PetscBool copied =
@@ -255,7 +258,7 @@ static void WriteArray(hid_t file, const Array *a)
   (void)H5Pclose(layout);
 }
 
-void SealedWrite(const Sealed *sealed, const char path[])
+void CheckedWrite(const Checked *checked, const char path[])
 {
   const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
   int         error;
@@ -264,8 +267,8 @@ void SealedWrite(const Sealed *sealed, const char path[])
   (void)H5Pset_userblock(creation, MPM_CHECKSUM_BYTES);
   file = H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT);
   FuzzNeed(file >= 0 ? PETSC_TRUE : PETSC_FALSE, "no file to write to");
-  for (int i = 0; i < sealed->n; i++) {
-    const Array *a = &sealed->array[i];
+  for (int i = 0; i < checked->n; i++) {
+    const Array *a = &checked->array[i];
 
     if (a->shape == GROUP)
       (void)H5Gclose(H5Gcreate2(file, a->name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
@@ -276,5 +279,5 @@ void SealedWrite(const Sealed *sealed, const char path[])
   }
   (void)H5Fclose(file);
   (void)H5Pclose(creation);
-  FuzzNeed(!MpmChecksumWrite(PETSC_COMM_WORLD, path, &error) && !error, "no seal");
+  FuzzNeed(!MpmChecksumWrite(PETSC_COMM_WORLD, path, &error) && !error, "no checksum");
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks the slides' diagnostics of run (weights, source_term, ringing) against numpy, from the run's own HDF5 output.
 
-check_exchange.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
+check_transfer_diagnostics.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
 import csv
 import json
@@ -83,7 +83,7 @@ def compare(rows, file, fields, drift, basis):
 
 def run(mpiexec, mpmstab, number, ranks):
     scene, fields, drift, basis, _ = SCENES[number]
-    name = f"exchange_{number}_{ranks}"
+    name = f"diagnostics_{number}_{ranks}"
     asked = ["-source_term", "true", "-ringing", "true"] + (["-weights", "true"] if basis == "linear" else [])
     files = ["-csv", name + ".csv", "-json", name + ".json", "-output", name + ".h5", "-output_every", "1"]
     done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "run", *scene.split(), "-cells", str(CELLS), "-steps",
