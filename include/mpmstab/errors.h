@@ -6,7 +6,8 @@
    Exit status of a program.
 
    MPM_EXIT_DONE    - the work is done
-   MPM_EXIT_FAILED  - an error that is not the user's: of this library, PETSc, MPI, or a report that could not be printed
+   MPM_EXIT_FAILED  - an error that is not the user's: of this library, PETSc, MPI, or a report that could not be
+                      printed
    MPM_EXIT_REFUSED - bad input: an option, a scene or a file
    MPM_EXIT_MISSED  - the work is done, but something came out that is not what the scene expects
    MPM_EXIT_STOPPED - a signal ended the work early; shells report this number for a program that SIGTERM has ended
@@ -38,8 +39,8 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv);
    Collective: all processes call it, as the last function of this library.
 
    Input Parameters:
-+  error  - what the work of the program has returned. PETSC_ERR_USER_INPUT says that input was refused. Another error is
-            not one of input; MPI_Abort then ends all processes with MPM_EXIT_FAILED.
++  error  - what the work of the program has returned. PETSC_ERR_USER_INPUT says that input was refused. Another error
+            is not one of input; MPI_Abort then ends all processes with MPM_EXIT_FAILED.
 -  status - the exit status if there was no error
 
    Returns: status; or MPM_EXIT_REFUSED after refused input, or when PETSc finds fault with an option at its end; or
