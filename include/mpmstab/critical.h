@@ -68,8 +68,8 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 #define MPM_CRITICAL_STEP 0.003      /* the largest step in the Courant number under drift */
 
 /*
-   MpmCriticalFind - searches for the largest stable Courant number, from small ones upwards. alone: asked and moving
-   are left out.
+   MpmCriticalFind - searches for the largest stable Courant number, from small ones upwards. With alone, asked and
+   moving are left out on uniform layouts.
 
    Collective on PETSC_COMM_WORLD.
 

@@ -1,4 +1,4 @@
-/* Two-by-two analyses that more than one formulation uses. */
+/* Closed forms of two-by-two amplification matrices, for more than one formulation. */
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
 
