@@ -7,8 +7,8 @@
 #include "scene/request.h"
 
 /*S
-   MpmTransferDiagnosticsSample - the diagnostics at one step; NaN where they were not asked for, there is nothing to divide by, or
-   the solve with P W does not converge.
+   MpmTransferDiagnosticsSample - the diagnostics at one step; NaN where they were not asked for, there is nothing to
+   divide by, or the solve with P W does not converge.
 
    c1_*: the weight C1 of the left cell's particles in a node's P2G (C2 = 1 - C1): P2G GRAD f = C1 (f_i - f_{i-1}) +
    C2 (f_{i+1} - f_i); mean, least and largest of all nodes. For each particle field: source, the norm over the nodes of
@@ -24,8 +24,8 @@ typedef struct {
 } MpmTransferDiagnosticsSample;
 
 /*S
-   MpmTransferDiagnostics - what the diagnostics of a march need: node vectors, and the solve with P W. first, last: at the first
-   and the last step measured; most: the largest of all (c1_min: the least).
+   MpmTransferDiagnostics - what the diagnostics of a march need: node vectors, and the solve with P W. first, last: at
+   the first and the last step measured; most: the largest of all (c1_min: the least).
 S*/
 typedef struct {
   MpmMarch                    *march;

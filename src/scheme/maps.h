@@ -4,7 +4,7 @@
 #include <mpmstab/formulation.h>
 #include <mpmstab/boundary.h>
 
-#define MPM_MAX_REACH 8 /* the largest MpmMapReach of a basis */
+#define MPM_MAX_REACH 8 /* a bound of MpmMapReach */
 
 /* Not collective. The number of nodes that a particle can have weights at. */
 static inline PetscInt MpmMapReach(const MpmBasis *basis)

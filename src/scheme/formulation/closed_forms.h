@@ -7,8 +7,8 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det);
 
 /*
    Not collective. MpmStressAheadGrowth is the larger abs of the two amplification factors, and MpmStressAheadLimit is
-   the largest stable Courant number. They are for schemes that update the stress from the velocity that the particles
-   keep (usf, musl, usavg). With s = k^2 kappa and f = filter:
+   the largest stable Courant number. They are for schemes that update the stress from P2G of the particles' velocity,
+   not from a nodal velocity that was advanced on the grid (usf, musl, usavg). With s = k^2 kappa and f = filter:
 
      trace = 1 + f - alpha s,    det = f
 */
@@ -26,7 +26,7 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
   .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                                                             \
   .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum
 
-/* The closed forms of schemes that update the stress from the velocity that the particles keep. */
+/* The closed forms of schemes that update the stress from P2G of the particles' velocity. */
 #define STRESS_AHEAD                                                                                                   \
   .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
   .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit

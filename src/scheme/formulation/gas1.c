@@ -41,7 +41,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->filter) - 1;
 
-  if (size < 1e-13 || cell->filter == 0) return INFINITY; /* rounding keeps mu from 0 */
+  if (size < 1e-13 || cell->filter == 0) return INFINITY; /* mu is 0 up to rounding */
   return room / (re + sqrt(re * re + size * size * room));
 }
 

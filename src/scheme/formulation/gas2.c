@@ -8,7 +8,7 @@
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
 
-#define ROUNDING 1e-13 /* error of mu and of f */
+#define ROUNDING 1e-13 /* rounding error of mu and of f */
 
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
