@@ -1,4 +1,4 @@
-/* Particles in a DMSwarm of type BASIC, with their own places and owners: DMSWARM_PIC does not support one dimension. */
+/* Particles in a DMSwarm of type BASIC, with own places and owners: DMSWARM_PIC does not support one dimension. */
 #include "march/particles.h"
 #include <math.h>
 
