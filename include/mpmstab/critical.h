@@ -1,4 +1,4 @@
-/* The largest stable Courant number of a scene, and what limits it. */
+/* Critical: the largest stable Courant number, and the mode that limits it. */
 #pragma once
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
@@ -100,7 +100,7 @@ PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, 
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                        MpmCritical *critical);
 
-/* Growth per step at a Courant number. */
+/* Computes growth per step at a Courant number. */
 typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);
 
 /* The Courant numbers of a search: from, then on by ratio but by no more than width, up to to. */

@@ -57,29 +57,32 @@ int MpmFinalize(PetscErrorCode error, int status);
    Collective: every process has the same input and refuses it alike. With the handler of MpmErrorsInstall, the first
    process prints the message, as one line.
 
-   Input Parameters: a printf format and its arguments. The message names the option or file, the value
-   and what is allowed.
+   Input Parameters: a printf format and its arguments. The message names the option or file, the value and what is
+   allowed.
 M*/
 #define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 
-/* Collective. MpmRefuse with the rest of the arguments, unless the condition holds. */
+/* Collective. Calls MpmRefuse with the rest of the arguments, unless the condition holds. */
 #define MpmCheckInput(condition, ...)                                                                                  \
   do {                                                                                                                 \
     if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                           \
   } while (0)
 
 /*@C
-   MpmErrorsInstall - installs an error handler of PETSc that prints a refusal of input as one line on standard error,
+   MpmErrorsInstall - installs an error handler of PETSc. It prints a refusal of input as one line on standard error,
    from the first process, and any other error as PETSc does, with its stack trace.
 
-   Not collective. Part of MpmInitialize. PetscPopErrorHandler removes the handler.
+   Not collective. MpmInitialize calls it. PetscPopErrorHandler removes the handler.
 @*/
 PetscErrorCode MpmErrorsInstall(void);
 
 /*@C
    MpmPrint - prints on standard output, from the first process.
 
-   Not collective. Input Parameters: a printf format and its arguments. There is no error to check here:
-   MpmFinalize asks once whether all output has arrived.
+   Not collective.
+
+   Input Parameters: a printf format and its arguments.
+
+   It returns no error: MpmFinalize asks once whether all output has arrived.
 @*/
 void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));

@@ -20,7 +20,7 @@ typedef struct {
   DM        da;
   PetscSF   halo; /* roots: owned nodes; leaves: ghost nodes; indices count from the beginning of the local array */
   PetscInt  cells, first, count, nodes, ghost;
-  PetscBool wall[2]; /* whether this rank has the wall at the left, at the right */
+  PetscBool wall[2]; /* this rank has the wall at the left, at the right */
   PetscBool periodic;
   PetscInt *starts;
 } MpmGrid;
@@ -52,7 +52,7 @@ static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIIn
   return cells / size * rank + PetscMin(rank, cells % size);
 }
 
-/* Not collective. A node field's local array, indexed by local node, ghosts included. */
+/* Not collective. The local array of a node field, indexed by local node, with its ghosts. */
 PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array);
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array);
 

@@ -77,7 +77,7 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* cells -1 to count - 1, and the end */
+  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* for cells -1 to count - 1, and the end */
   for (PetscInt p = 0; p < particles->count; p++) next[cell[p] + 2]++;
   for (PetscInt c = 0; c <= grid->count; c++) next[c + 1] += next[c];
   for (PetscInt p = 0; p < particles->count; p++) order[next[cell[p] + 1]++] = p;

@@ -32,7 +32,7 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 /* Not collective. The symbols at a phase that the closed forms are functions of. */
 MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *predictor, PetscReal beta);
 
-/* Not collective. abs(G) at a Courant number and a phase; NaN where the formula says nothing. */
+/* Not collective. abs(G) at a Courant number and a phase, as the slides print it and corrected; NaN where undefined. */
 PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
 PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
 

@@ -12,7 +12,7 @@
 #include <math.h>
 
 #define MOST_PPC 512
-#define SHARES_MAXIMUM 1e-12 /* growths that differ by less share the maximum */
+#define SHARES_MAXIMUM 1e-12 /* relative: growths that differ by less are taken for equal */
 #define NEAR 10              /* in tolerances: up to this growth - 1 the error of a defective eigenvalue is computed */
 
 /* noisy: memory for a second matrix where a period has more than one step, else NULL. */
@@ -63,7 +63,7 @@ static PetscErrorCode Factors(Reader *r, PetscBool vectors, PetscInt *largest)
 /* Moves the count amplification factors nearest to a number to the end of the n. */
 static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal number)
 {
-  for (PetscInt i = n - 1; i >= n - count; i--) { /* the nearest of those left comes to place i */
+  for (PetscInt i = n - 1; i >= n - count; i--) { /* the nearest of those that are left goes to place i */
     for (PetscInt j = 0; j < i; j++) {
       if (cabs(value[j] - number) < cabs(value[i] - number)) {
         const double complex kept = value[i];
@@ -313,7 +313,7 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscCall(Parts(comm, s, width, &counts, &begins));
   PetscCallMPI(
       MPI_Allgatherv(scaled, (PetscMPIInt)(width * s->count), MPIU_REAL, *factors, counts, begins, MPIU_REAL, comm));
-  /* the table is real: G(-beta) is the conjugate of G(beta) */
+  /* the table is real, so G(-beta) is the conjugate of G(beta) */
   for (PetscInt m = s->half + 1; m < s->phases; m++)
     for (PetscInt j = 0; j < width; j++)
       (*factors)[width * m + j] = (*factors)[width * (s->phases - m) + j] * (j % 2 ? -1 : 1);

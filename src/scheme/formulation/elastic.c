@@ -43,7 +43,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
   return MpmQuadraticRadius(1 + f - alpha * s, f * (1 - alpha * (1 - alpha) * s));
 }
 
-/* trace >= -(1 + det) (Jury). */
+/* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal alpha = cell->alpha, f = cell->filter;

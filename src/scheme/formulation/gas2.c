@@ -1,7 +1,9 @@
 /*
-   Formulation 2 of the slides: one-dimensional gas flow, the density update sees the new velocity.
+   Formulation 2 of the slides: one-dimensional gas flow. The density update uses the new velocity.
 
-     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho, so that both updates carry a plus sign; c = a.
+     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho and c = a
+
+   With this r both updates carry a plus sign.
 
    Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 2; after Brackbill 1988.
 */
