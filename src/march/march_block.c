@@ -1,8 +1,8 @@
 /*
    Takes one block of particles through the operations of a pass, while it is in the first-level cache.
 
-   In a uniform layout, moving or not, cells are alike: the particles of any block lie in their cells as those of the
-   first block do. So their places are found once a pass, and not read from memory.
+   In a uniform layout, moving or not, all cells are alike. The particles of any block then lie in their cells as those
+   of the first block do. So their places are found once a pass, and not read from memory.
 */
 #include "march/march_stage.h"
 

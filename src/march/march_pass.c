@@ -60,7 +60,10 @@ static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A stage reads what the stages before it in the group have summed. The first stage has none before it (NULL). */
+/*
+   A stage reads the sums of the stages before it in the group, and else the node fields as they were. The first stage
+   has none before it (NULL).
+*/
 static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before, const MpmPass *pass, PetscInt64 step,
                                  MpmStage *s)
 {

@@ -33,8 +33,8 @@ struct MpmMarch_ {
 };
 
 /*
-   Not collective. A lower bound of the bytes that the particles and nodes of a march take on all ranks together, with
-   those of its output.
+   Not collective. A lower bound of the bytes that the particles and nodes of a march take on all ranks together. With
+   output it includes those of the run's output.
 */
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
 
