@@ -2,7 +2,7 @@
 #pragma once
 #include <mpmstab/scene.h>
 
-/* The state of a run: a grid, particles, and the passes of a step. */
+/* MpmMarch - the state of a run: a grid, particles, and the passes of a step. */
 typedef struct MpmMarch_ MpmMarch;
 
 /*
@@ -24,8 +24,8 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
 
 /*S
-   MpmNorms - norms of the state in units of 2^exponent, where exponent is that of the march; energy in units of its
-   square.
+   MpmNorms - norms of the state. With the exponent of the march, state and grid are in units of 2^exponent, and energy
+   is in units of 4^exponent.
 
    state  - the square root of the integral of the squares of all particle fields
    energy - the formulation's energy, without the velocity_unit of its wave; NaN for a formulation without one

@@ -13,8 +13,8 @@
    nops, room    - the number of operations, and of those that ops has memory for
    ops           - the operations
    nstate        - particle registers [0, nstate) are the state, which goes on from step to step
-   nparticles    - particle registers [nstate, nparticles) are scratch. They hold nothing from one operation sequence
-                   P2G or G2P to the next.
+   nparticles    - particle registers [nstate, nparticles) are scratch: SCALE sets them to 0, G2P fills them, P2G sends
+                   them to nodes, and after that they hold nothing
    nnodes        - the number of node registers
    unfiltered    - the number of state fields that no filter acts on
    fields        - the names of the state fields, NULL-terminated

@@ -59,7 +59,7 @@ typedef struct {
    Fields have the numbers of the formulation's particle fields. Field 2 of a first-order problem is h u_x, the affine
    part that some transfers give to velocities.
 
-   Not collective, all three.
+   Not collective: value, amplitude and velocity_unit.
 S*/
 typedef struct {
   const char *equations;
