@@ -1,16 +1,19 @@
-/* Basis functions: which nodes a particle sees, and the maps written for them. */
+/* Basis functions: which nodes a particle has weights at, and the maps between particles and nodes. */
 #pragma once
 #include <mpmstab/formulation.h>
 
-#define MPM_BLOCK 256 /* particles that go through a pass together, at most */
+#define MPM_BLOCK 256 /* the largest number of particles in a block */
 
 /*S
-   MpmBlock - where a block of particles is: what kernels need to know of them besides the data.
+   MpmBlock - the places of a block of particles. The kernels of a basis need them besides the data.
 
-   Particles come in the order of their cells for speed (any order is correct). xi[p] in [0,1) is a particle's place in
-   its cell, first[p] the local index of the first node that it sees; half_width is half of a particle's width, in cells, for
-   bases that have one. Particles [begin, end) come in runs of length: those of a run see the same nodes, those of the
-   next run the nodes one further on. begin = end = n: nothing of the kind.
+   n          - the number of particles, at most MPM_BLOCK. Their order is that of their cells for speed; any order is
+                correct.
+   xi         - xi[p] in [0,1): the place of particle p in its cell, in cells
+   first      - first[p]: the local index of the first node that particle p has a weight at
+   half_width - half of a particle's width, in cells; only bases with wide set use it
+   begin, end, length - particles [begin, end) come in runs of length particles each. Those of a run have the same first
+                node; the first node of the next run is one further on. begin = end = n: there are no such runs.
 S*/
 typedef struct {
   PetscInt         n, begin, end, length, first[MPM_BLOCK];
@@ -19,28 +22,42 @@ typedef struct {
 } MpmBlock;
 
 /*
-   Every map between particles and nodes has this shape:
+   MpmKernel - a map between the particles of a block and the nodes. phi_ip is the basis function of node i at particle
+   p, and a is the argument:
 
-     P2G         node[]     += a sum over particles of phi_ip particle[p]
-     P2G_AFFINE  node[]     += a sum over particles of phi_ip particle[p] (x_i - x_p) / h
-     DIV         node[]     += a h sum over particles of dphi_ip/dx particle[p]
-     G2P         particle[] += a sum_i phi_ip node[i]
-     G2P_AFFINE  particle[] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
-     GRAD        particle[] += a h sum_i dphi_ip/dx node[i]
+     P2G         node[i]     += a sum_p phi_ip particle[p]
+     P2G_AFFINE  node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) / h
+     DIV         node[i]     += a h sum_p dphi_ip/dx particle[p]
+     G2P         particle[p] += a sum_i phi_ip node[i]
+     G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
+     GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
 
-   What goes to nodes is not yet divided by mass. Node i is at the left of cell i. All arrays are distinct.
+   Not collective. The kernel does not divide the sums at nodes by the nodal masses. Node i is the left end of cell i.
+   No two arrays overlap.
 */
 typedef void (*MpmKernel)(const MpmBlock *block, PetscReal a, PetscReal particle[], PetscReal node[]);
 
-/* P2G and the nodal masses in one go, for particles that have moved: mass[] += sum over particles of phi_ip. */
+/*
+   MpmMassKernel - P2G with a = 1 and the nodal masses in one loop, for particles that have moved and have equal masses:
+
+     node[i] += sum_p phi_ip particle[p],    mass[i] += sum_p phi_ip
+
+   Not collective.
+*/
 typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[], PetscReal node[], PetscReal mass[]);
 
 /*S
-   MpmBasis - a basis: its reach and its maps.
+   MpmBasis - a family of basis functions, one function a node. The function of node i is centred on the node, which is
+   the left end of cell i.
 
-   A particle in cell i sees the nodes i - reach_left to i + reach_right; node i is at the left of cell i, where its
-   function has its middle. slope_sum bounds h sum_i abs(dphi_ip/dx). kernel[] is by kind of operation; first_nodes
-   says for particles in cells where the nodes begin that they see.
+   name, summary, reference - the word of the option basis, a line about it, and its source
+   reach_left, reach_right  - a particle in cell i has weights at nodes i - reach_left to i + reach_right at most
+   slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
+   kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
+   p2g_mass    - P2G with the nodal masses
+   first_nodes - for n particles at xi in cells cell, the first node that each has a weight at
+   hat         - the functions are hats, for which the slides' formulas are
+   wide        - the functions depend on the width of the particle
 S*/
 typedef struct {
   const char   *name, *summary, *reference;
@@ -49,12 +66,12 @@ typedef struct {
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
   void (*first_nodes)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscInt first[]);
-  PetscBool hat;  /* the slides' formulas are for this basis */
-  PetscBool wide; /* its functions depend on the particle's width */
+  PetscBool hat;
+  PetscBool wide;
 } MpmBasis;
 
 /* Not collective. All bases, NULL-terminated. */
 extern const MpmBasis *const MpmBases[];
 
-/* Not collective. Looks a basis up by name; NULL when there is none. */
+/* Not collective. The basis of a name, or NULL when there is none. */
 const MpmBasis *MpmBasisFind(const char name[]);

@@ -1,4 +1,4 @@
-/* The one place that knows about differences between versions of PETSc, and between compilers. */
+/* Differences between versions of PETSc, and between compilers. No other file knows of them. */
 #pragma once
 #include <petscsys.h>
 
@@ -7,12 +7,12 @@
 #define PETSC_SUCCESS 0
 #endif
 
-/* 'Leave it as it is' for KSPSetTolerances(): named so by 3.22, which deprecates the old name, PETSC_DEFAULT. */
+/* KSPSetTolerances() leaves a tolerance as it is for PETSC_CURRENT. PETSc before 3.22 calls it PETSC_DEFAULT. */
 #ifndef PETSC_CURRENT
 #define PETSC_CURRENT PETSC_DEFAULT
 #endif
 
-/* C11's, which glibc's complex.h has for gcc alone. */
+/* CMPLX is C11. glibc's complex.h defines it for gcc alone. */
 #ifdef __clang__
 #define CMPLX(re, im) __builtin_complex((double)(re), (double)(im))
 #endif

@@ -1,27 +1,35 @@
-/* The largest stable Courant number of a scene, and what limits it. */
+/* Critical: the largest stable Courant number, and the mode that limits it. */
 #pragma once
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 
 /*S
-   MpmCritical - the result of the task critical.
+   MpmCritical - the result of the task critical. Growth is per step, and counts as none up to 1 + tolerance.
 
-   courant: the largest Courant number up to which growth stays within 1 + tolerance, or the closed form's where that is
-   less (growth within tolerance); 0 when there is none, infinite when none was found that is unstable. Growth is within
-   tolerance at stable_at and beyond it at unstable_at. beta: phase of the mode that grows there first (NaN: none, or
-   its trace has no phase); null_share: the part of it that no node sees (NaN: not known). threshold: whether below
-   stable_at there is no growth at all; if not, it fades as the Courant number to the power of fading, and only
-   tolerance gives a limit. At rest such a scheme has courant 0.
-
-   moving: growth at the scene's own Courant number if particles at rest drifted by MPM_CRITICAL_DRIFT (NaN: not asked).
-
-   courant is NaN where it is undecided: disputed says that search and closed form contradict each other; rounding,
-   where it is not 0, is the growth per step that rounding alone may make at the limit found, which is more than
-   tolerance. doubtful: under drift a Courant number below the limit at which factors could not be told apart, so that a
-   window may be missed there; infinite for none.
-
-   closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
-   the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
+   courant     - the largest Courant number up to which there is no growth, or the limit of the closed form where that
+                 is less. 0: there is no stable Courant number. Infinite: none that is unstable was found. NaN:
+                 undecided.
+   stable_at, unstable_at - there is no growth at stable_at, and growth at unstable_at
+   beta        - the phase of the mode that grows first at unstable_at; NaN: no mode does, or its trace has no phase
+   null_share  - the part of this mode in the null space of P2G, which is particle data that no node feels; NaN: not
+                 known
+   threshold   - below stable_at there is no growth at all, but for rounding
+   fading      - without a threshold, growth - 1 fades as the Courant number to this power, and the limit comes from
+                 tolerance alone. At rest such a scheme has courant 0.
+   moving      - growth at the scene's own Courant number if particles at rest drifted by 1 / MPM_CRITICAL_DRIFT; NaN:
+                 it was not asked for
+   disputed    - courant is undecided because search and closed form contradict each other
+   rounding    - where it is not 0: the growth that rounding alone may make at the limit found. It is more than
+                 tolerance, so that courant is undecided.
+   doubtful    - under drift, a Courant number below the limit at which amplification factors could not be told apart,
+                 so that a window of instability may have been missed there; infinite: there is none
+   closed, closed_beta - limit and phase by the closed form; NaN without one
+   cell        - the symbols that the closed form takes at closed_beta
+   asked       - growth and verdict at the scene's own Courant number
+   assembled   - the result comes from the eigenvalues of the assembled operator; else from the symbol
+   order       - the number of unknowns of the assembled operator
+   evaluations - the number of times that growth was computed
+   seconds     - the time that the search took
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
@@ -34,8 +42,8 @@ typedef struct {
 } MpmCritical;
 
 /*S
-   MpmCriticalCase - whose limit is sought: a scheme on a layout, with the drift of step. step.courant is only where
-   growth is asked for besides. Growth per step up to 1 + tolerance counts as none.
+   MpmCriticalCase - the case whose limit is sought: a scheme on a layout, with the drift of step. The Courant number of
+   step matters only where growth at it is asked for besides. Growth per step up to 1 + tolerance counts as none.
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -51,59 +59,68 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
       .layout = &scene->layout, .scheme = &scene->scheme, .step = scene->step, .tolerance = tolerance};
 }
 
-/* Courant numbers that are looked at, and how many phases in (0, pi] at first. */
+/* The Courant numbers between which a search looks, and the number of phases in (0, pi] that it begins with. */
 #define MPM_CRITICAL_PHASES 160
 #define MPM_CRITICAL_FROM 1e-4
 #define MPM_CRITICAL_TO 64.0
-#define MPM_CRITICAL_PRECISION 1e-10 /* of a bracket through the symbol, relative */
-#define MPM_CRITICAL_DRIFT 8         /* one cell in so many steps, where it is asked what motion does */
-#define MPM_CRITICAL_STEP 0.003      /* under drift, at most */
+#define MPM_CRITICAL_PRECISION 1e-10 /* relative width of a bracket by the symbol */
+#define MPM_CRITICAL_DRIFT 8         /* steps a cell: the drift of MpmCritical's moving */
+#define MPM_CRITICAL_STEP 0.003      /* the largest step in the Courant number under drift */
 
 /*
-   MpmCriticalFind - searches upwards; scheme alone: without growth at the scene's own Courant number.
+   MpmCriticalFind - searches for the largest stable Courant number, from small ones upwards. With alone, asked and
+   moving are left out on uniform layouts.
 
-   Collective on PETSC_COMM_WORLD. Through the symbol on uniform layouts: the limit of each phase, the least of them
-   refined over all phases (golden section), so that it does not depend on those looked at first. At rest a phase that
-   is unstable stays so; under drift windows of instability open where two factors meet, and close again, so steps are
-   small (MPM_CRITICAL_STEP) and each near approach is looked at more closely.
-   Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
-   that.
+   Collective on PETSC_COMM_WORLD.
+
+   On uniform layouts it uses the symbol. It finds the limit of each phase, and refines the least of them over all
+   phases by golden section, so that the result does not depend on the phases it began with. At rest a phase that is
+   unstable stays so. Under drift windows of instability open where two amplification factors meet, and close again. So
+   steps are small there (MPM_CRITICAL_STEP), and each near approach of two amplification factors is looked at more
+   closely.
+
+   On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized.
+
+   Errors: refuses (PETSC_ERR_USER_INPUT) an operator whose order is too large for that.
 */
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
 
 /*
-   MpmCriticalSurvey - the limit of every formulation, transfer and basis at a case's layout and drift, in its scheme's
-   place; bases vary fastest. Calls row with each as it comes.
+   MpmCriticalSurvey - the limit of every formulation, transfer and basis on a case's layout and with its drift, in
+   place of its own scheme. Bases vary fastest. It calls row with each result as it comes.
 
-   Collective on PETSC_COMM_WORLD. Refuses layouts without a symbol.
+   Collective on PETSC_COMM_WORLD.
+
+   Errors: refuses (PETSC_ERR_USER_INPUT) layouts without a symbol.
 */
 typedef PetscErrorCode (*MpmCriticalRow)(void *context, const MpmScheme *scheme, const MpmCritical *critical);
 PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, void *context);
 
-/* Not collective. Sets closed, closed_beta and cell: the least of the closed form over all phases. */
+/* Not collective. Sets closed, closed_beta and cell: the least limit of the closed form over all phases. */
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                        MpmCritical *critical);
 
-/* Growth per step at a Courant number. */
+/* Computes growth per step at a Courant number. */
 typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);
 
-/* Where a search looks: from, then on by a ratio but by no more than width, to the end. */
+/* The Courant numbers of a search: from, then on by ratio but by no more than width, up to to. */
 typedef struct {
   PetscReal from, to, ratio, width;
 } MpmCriticalSteps;
 
 /*
-   MpmCriticalCross - where growth first leaves 1 + tolerance: [stable_at, unstable_at], infinite when nowhere; 0 when
-   there is no stable Courant number, found by halving where growth is beyond at the first. Then bisection.
+   MpmCriticalCross - the bracket [stable_at, unstable_at] in which growth first leaves 1 + tolerance. unstable_at is
+   infinite when growth leaves it nowhere. Where it has left it at the first Courant number already, smaller ones are
+   tried by halving; stable_at is 0 when none of them is stable. The bracket is then bisected to a relative precision.
 
-   Collective when growth is. A window of instability narrower than a step may be missed.
+   Collective when growth is. A window of instability that is narrower than a step may be missed.
 */
 PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
                                 const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2]);
 
 /*
-   MpmCriticalThreshold - whether growth at half the limit found is none but for rounding, and if not, with which power
-   of the Courant number it fades.
+   MpmCriticalThreshold - sets threshold and fading. There is a threshold when growth at half of unstable_at is none but
+   for rounding. Without one, fading is the power of the Courant number with which growth - 1 fades.
 
    Collective when growth is.
 */
@@ -111,13 +128,21 @@ PetscErrorCode MpmCriticalThreshold(MpmCriticalGrowth growth, void *context, Pet
                                     MpmCritical *critical);
 
 /*
-   Not collective. Phase m of those looked at, more of them near 0 and pi, where what happens may be squeezed against
-   the end; and the phase looked at d after that of beta.
+   Not collective.
+
+   MpmCriticalPhase  - phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may
+                       be confined to a narrow range of phases.
+   MpmCriticalBeside - the phase d places after phase beta in this sequence
 */
 PetscReal MpmCriticalPhase(PetscReal m);
 PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);
 
-/* Not collective. Golden section: the place in [lo, hi] of the least value of a function with one minimum there. */
+/*
+   MpmGoldenSection - the place in [lo, hi] of the least value of a function that has one minimum there, by golden
+   section.
+
+   Collective when f is.
+*/
 typedef PetscErrorCode (*MpmFunction)(void *context, PetscReal x, PetscReal *value);
 PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, PetscReal hi, PetscReal *x,
                                 PetscReal *value);

@@ -6,7 +6,8 @@
    Exit status of a program.
 
    MPM_EXIT_DONE    - the work is done
-   MPM_EXIT_FAILED  - an error that is not the user's: of this library, PETSc, MPI, or a report that could not be printed
+   MPM_EXIT_FAILED  - an error that is not the user's: of this library, PETSc, MPI, or a report that could not be
+                      printed
    MPM_EXIT_REFUSED - bad input: an option, a scene or a file
    MPM_EXIT_MISSED  - the work is done, but something came out that is not what the scene expects
    MPM_EXIT_STOPPED - a signal ended the work early; shells report this number for a program that SIGTERM has ended
@@ -38,8 +39,8 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv);
    Collective: all processes call it, as the last function of this library.
 
    Input Parameters:
-+  error  - what the work of the program has returned. PETSC_ERR_USER_INPUT says that input was refused. Another error is
-            not one of input; MPI_Abort then ends all processes with MPM_EXIT_FAILED.
++  error  - what the work of the program has returned. PETSC_ERR_USER_INPUT says that input was refused. Another error
+            is not one of input; MPI_Abort then ends all processes with MPM_EXIT_FAILED.
 -  status - the exit status if there was no error
 
    Returns: status; or MPM_EXIT_REFUSED after refused input, or when PETSc finds fault with an option at its end; or
@@ -56,29 +57,32 @@ int MpmFinalize(PetscErrorCode error, int status);
    Collective: every process has the same input and refuses it alike. With the handler of MpmErrorsInstall, the first
    process prints the message, as one line.
 
-   Input Parameters: a printf format and its arguments. The message names the option or file, the value
-   and what is allowed.
+   Input Parameters: a printf format and its arguments. The message names the option or file, the value and what is
+   allowed.
 M*/
 #define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
 
-/* Collective. MpmRefuse with the rest of the arguments, unless the condition holds. */
+/* Collective. Calls MpmRefuse with the rest of the arguments, unless the condition holds. */
 #define MpmCheckInput(condition, ...)                                                                                  \
   do {                                                                                                                 \
     if (PetscUnlikely(!(condition))) MpmRefuse(__VA_ARGS__);                                                           \
   } while (0)
 
 /*@C
-   MpmErrorsInstall - installs an error handler of PETSc that prints a refusal of input as one line on standard error,
+   MpmErrorsInstall - installs an error handler of PETSc. It prints a refusal of input as one line on standard error,
    from the first process, and any other error as PETSc does, with its stack trace.
 
-   Not collective. Part of MpmInitialize. PetscPopErrorHandler removes the handler.
+   Not collective. MpmInitialize calls it. PetscPopErrorHandler removes the handler.
 @*/
 PetscErrorCode MpmErrorsInstall(void);
 
 /*@C
    MpmPrint - prints on standard output, from the first process.
 
-   Not collective. Input Parameters: a printf format and its arguments. There is no error to check here:
-   MpmFinalize asks once whether all output has arrived.
+   Not collective.
+
+   Input Parameters: a printf format and its arguments.
+
+   It returns no error: MpmFinalize asks once whether all output has arrived.
 @*/
 void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));

@@ -1,9 +1,9 @@
 /*
    A formulation is data: a table of linear operations, one for each line of the algorithm as it is published.
 
-   March, operator and symbol each interpret such a table: one runs its operations, one assembles them to a matrix, one
-   applies them to a Fourier mode. They know the operations and nothing of gas or bar. What they read is the
-   formulation's table after transfer and boundary have been worked into it (see table.h).
+   March, operator and symbol each interpret such a table. The march runs its operations, the operator assembles them to
+   a matrix, and the symbol applies them to a Fourier mode. They know the operations and nothing of gas or bar. Each of
+   them takes the formulation's table after MpmTableCreate has added transfer and boundary (see table.h).
 
    Source of the maps: Berzins, Kirby and Gritton, Stability Analysis of Material Point Method, 2013, and the papers
    named in each formulation's file.
@@ -13,13 +13,13 @@
 #include <mpmstab/wave.h>
 #include <complex.h>
 
-/* How many particle registers a table may have, and how many node registers: fields and scratch together. */
+/* The largest number of particle registers of a table, and of its node registers. Scratch counts too. */
 #define MPM_MAX_FIELDS 64
 #define MPM_NONE -1
 
 /*E
-   MpmOpKind - the operations of a table. a is the operation's factor times a power of the Courant number (MpmOpValue),
-   and '=' becomes '+=' where the operation accumulates.
+   MpmOpKind - the operations of a table. a is the operation's factor times a power of the Courant number (MpmOpValue).
+   Where the operation accumulates, '=' becomes '+='.
 
    From particles to nodes. The sum is divided by the nodal mass sum_p phi_ip m_p, and is 0 where there is no mass:
    MPM_P2G        - node = a sum_p phi_ip m_p particle
@@ -35,15 +35,16 @@
    On particles, and on nodes. f is another node field:
    MPM_SCALE      - particle *= a
    MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
-   MPM_COPY       - node = a f; accumulating, it adds a f
+   MPM_COPY       - node = a f
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
    MPM_WALL       - node = a f at the wall node of one end (side) alone
    MPM_DRIFT      - x_p += U0 dt
 
-   In the tables of formulations only. What they stand for depends on transfer and boundary (see table.h):
+   In the tables of formulations only. MpmTableCreate replaces them by operations that depend on transfer and boundary:
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
    MPM_IMPOSE     - node = 0 at fixed ends
-   MPM_REACT      - the increment of a node field at fixed ends
+   MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
+                    was imposed
 E*/
 typedef enum {
   MPM_P2G,
@@ -63,23 +64,24 @@ typedef enum {
   MPM_REACT
 } MpmOpKind;
 
-#define MPM_OP_KINDS (MPM_DRIFT + 1) /* the kinds that the interpreters of a table meet */
+#define MPM_OP_KINDS (MPM_DRIFT + 1) /* the number of kinds that occur in an MpmTable */
 
 /*E
-   MpmProperty - what particles may differ in, in units of a particle of the first material that fills 1 / ppc of a
-   cell.
+   MpmProperty - a property in which particles may differ. Its unit is that of a particle of the first material that
+   fills 1 / ppc of a cell.
 E*/
 typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_PROPERTIES } MpmProperty;
 
-/* Where an operation's operand lives. */
+/* The place of a register that an operation reads or writes. */
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
 
 /*S
-   MpmOpTraits - what an interpreter may ask of a kind of operation without naming it.
+   MpmOpTraits - the traits of a kind of operation. An interpreter of a table can ask for them without naming the kind.
 
-   dst and src say where its operands live. weight is the property of particles that multiplies what they give or get.
-   An operation between nodes is a stencil: the numbers that multiply the nodes at -1, 0 and 1; halo is how far it
-   reaches.
+   dst, src - the places of the registers that the operation writes and reads
+   weight   - the property of particles that multiplies what they give or get
+   stencil  - of an operation between nodes: the numbers that multiply the nodes at -1, 0 and 1
+   halo     - the reach of the stencil, in nodes
 S*/
 typedef struct {
   MpmPlace    dst, src;
@@ -88,19 +90,22 @@ typedef struct {
   PetscReal   stencil[3];
 } MpmOpTraits;
 
-/* Not collective. The traits of a kind that the interpreters meet. */
+/* Not collective. The traits of a kind that occurs in an MpmTable. */
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind);
 
-/* Names for the powers of the Courant number k = c dt / h that an operation carries; any other power may be given. */
+/* Names for powers of the Courant number k = c dt / h. An operation may carry any other power too. */
 enum { MPM_ONE, MPM_COURANT, MPM_COURANT_SQUARED };
 
 /*S
    MpmOp - one line of a table.
 
-   dst and src are numbers of particle or node registers; traits of the kind say which. axis is the direction that an
-   operation acts along: DIV, GRAD, LAP, the affine maps and WALL have one, and in one dimension it is 0. accumulates
-   says that the operation adds to dst instead of replacing it. The operation is multiplied with factor times the
-   Courant number to the power coefficient. side is the end of the axis at which a WALL acts: 0 left, 1 right.
+   axis        - the direction that DIV, GRAD, LAP, the affine maps and WALL act along; in one dimension it is 0
+   dst, src    - the numbers of the registers that it writes and reads; the traits of the kind say whether they are
+                 registers of particles or of nodes
+   accumulates - the operation adds to dst instead of replacing it
+   coefficient - the power of the Courant number that multiplies the operation
+   factor      - the number that multiplies the operation besides
+   side        - the end of the axis at which a WALL acts: 0 left, 1 right
 S*/
 typedef struct {
   MpmOpKind kind;
@@ -111,7 +116,7 @@ typedef struct {
   PetscInt  side;
 } MpmOp;
 
-/* Not collective. An operation's number a at a Courant number: factor x courant^coefficient. */
+/* Not collective. The number a of an operation: factor times the Courant number to the power coefficient. */
 PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 
 /*
@@ -143,9 +148,9 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 /* clang-format on */
 
 /*
-   The energy 1/2 int (...) dx as a sum of squares: of a particle field, or of a node field's difference over
-   a cell. Both are in the units of the particle fields; velocity_unit of MpmWave makes velocities of them.
-   A particle's square counts by its mass, a stress's by volume over stiffness.
+   MpmEnergyTerm - a term of the energy per density, 1/2 int (...) dx: the square of a particle field, or of a node
+   field's difference over a cell. Both are in the units of the particle fields; velocity_unit of MpmWave makes
+   velocities of them. The square at a particle is multiplied by its mass, that of a stress by volume over stiffness.
 */
 typedef struct {
   MpmPlace  place;
@@ -154,12 +159,13 @@ typedef struct {
 } MpmEnergyTerm;
 
 /*S
-   MpmCellSymbols - what a uniform layout at rest enters the closed forms with, at a phase beta.
+   MpmCellSymbols - symbols of the maps at a phase beta, for a uniform layout at rest. The closed forms are functions of
+   them.
 
-   alpha: symbol of P2G G2P, the mean over a cell's particles of abs(phi symbol)^2. kappa: of -DIV GRAD, the mean of
-   abs(h GRAD symbol)^2. mu: of P2G GRAD; for the hat mu = e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
-   filter (f in the formulas): what is left of a node field's mode when its particles have been through the transfer's
-   filter, 1 for flip.
+   alpha  - the symbol of P2G G2P: the mean over a cell's particles of abs(symbol of phi)^2
+   kappa  - the symbol of -DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2
+   mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
+   filter - the filter symbol (see MpmTransfer), 1 for flip; f in the formulas
 S*/
 typedef struct {
   PetscReal      beta, alpha, kappa, filter;
@@ -169,16 +175,29 @@ typedef struct {
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
-   staggered names the particle field that is updated first in a step and so lags half a step in a second-order start,
-   or MPM_NONE. affine: the field that transfers with an affine part give one to, or MPM_NONE. conserved: the particle
-   field whose sum over masses no step changes without walls, or MPM_NONE. free_ends: whether an end may be left free.
-   materials: whether particles may differ in density and stiffness. published (NULL: the slides do not treat it) and
-   corrected give abs(G) at a phase; published returns NaN where the formula says nothing. published_slip says in a
-   sentence what is wrong with the published one; published_centred: it also takes particles for centred, C1 = C2.
-   limit is the largest stable Courant number at a phase, infinite where there is none.
+   name, summary, reference - the word of the option formulation, a line about it, and its source
+   particle_fields, node_fields - the names of the registers, NULL-terminated
+   nops, ops       - the table of operations
+   staggered       - the particle field that is updated first in a step, or MPM_NONE. It lags half a step in a start of
+                     second order.
+   affine          - the particle field that a transfer with an affine part gives one to, or MPM_NONE
+   conserved       - the particle field whose sum over masses no step changes in a domain without walls, or MPM_NONE
+   free_ends       - an end may be left free
+   materials       - particles may differ in density and stiffness
+   nenergy, energy - the terms of the energy
+   wave            - the continuous problem
+   published       - abs(G) at a phase as the slides print it, NaN where the formula says nothing; NULL where the slides
+                     do not treat the formulation
+   published_limit - the Courant number up to which the slides say that it is stable; 0: never
+   published_slip  - says in a sentence what is wrong with the published formula
+   published_centred - the published formula also takes particles for centred, C1 = C2
+   corrected       - abs(G) at a phase, by the same analysis done right
+   limit           - the largest stable Courant number at a phase, infinite where there is none
+   published_text, corrected_text, limit_text - the formulas as text
 
-   Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0): without it nothing is compared with
-   a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the norm.
+   Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
+   with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the
+   norm.
 S*/
 typedef struct {
   const char          *name, *summary, *reference;
@@ -190,7 +209,7 @@ typedef struct {
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
-  PetscReal            published_limit; /* up to which the slides say it is stable; 0: never */
+  PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
@@ -201,7 +220,7 @@ typedef struct {
 /* Not collective. All formulations, NULL-terminated, in the order of the slides. */
 extern const MpmFormulation *const MpmFormulations[];
 
-/* Not collective. Looks a formulation up by name; NULL when there is none. */
+/* Not collective. The formulation of a name, or NULL when there is none. */
 const MpmFormulation *MpmFormulationFind(const char name[]);
 
 /* Not collective. Whether a formulation's table has an operation of a kind. */

@@ -1,6 +1,6 @@
 /*
-   Exact fractions, for drifts and offsets. Whether a particle is exactly at a node, and after how many steps particles
-   are back in their places, must not depend on rounding.
+   Exact fractions, for drifts and offsets. Two questions must not depend on rounding: whether a particle is exactly at
+   a node, and after how many steps particles have the same places in cells again.
 */
 #pragma once
 #include <mpmstab/compat.h>
@@ -29,9 +29,9 @@ typedef struct {
 PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscBool *ok);
 
 /*@C
-   MpmFractionBetween - point j of n equally spaced points, n > 1: point 0 is from, point n - 1 is to.
+   MpmFractionBetween - point j of n equally spaced points, n > 1. Point 0 is from, and point n - 1 is to.
 
-   Not collective. The point is a ratio where both ends are and its terms are at most 1e15 in size, else a double.
+   Not collective. The point is a ratio if both ends are and if its terms are at most 1e15 in size. Else it is a double.
 @*/
 MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n);
 
@@ -43,17 +43,17 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
 @*/
 void MpmFractionMultiple(const MpmFraction *fraction, PetscInt64 n, PetscInt64 *whole, PetscReal *part);
 
-/*
-   MpmFractionProduct - the product of n fractions, exact where its terms are short.
+/*@C
+   MpmFractionProduct - the product of n fractions, n at most 8.
 
-   Not collective. A factor with den 0 is no ratio, and then neither is the product; its value is the product of the
-   values. n is at most 8.
-*/
+   Not collective. The product is a ratio if all factors are and if its terms are at most 1e15 in size. Else den is 0,
+   and value is the product of the values.
+@*/
 MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[]);
 
-/*
-   MpmFractionNear - a double as the fraction of a denominator up to most that is the same double, if there is one.
+/*@C
+   MpmFractionNear - the fraction with a denominator up to most whose double is value. If there is none, den is 0.
 
    Not collective.
-*/
+@*/
 MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most);

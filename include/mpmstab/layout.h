@@ -1,4 +1,4 @@
-/* Layout: the grid, the particles in it at rest, and what they are made of. */
+/* Layout: the grid, the places of the particles at rest, and their materials. */
 #pragma once
 #include <mpmstab/boundary.h>
 #include <mpmstab/formulation.h>
@@ -7,8 +7,12 @@
 #define MPM_MAX_COUNTS 64
 
 /*S
-   MpmCounts - numbers of particles in cells 0 .. n - 1, repeated over the grid; before: in the cells before each of
-   them. n = 1: as many in every cell. voids: some have none.
+   MpmCounts - numbers of sites for particles in the cells, as a pattern that repeats over the grid.
+
+   n      - the number of cells in the pattern; 1 when all cells have the same number
+   of     - of[i]: the number of sites in cell i of the pattern
+   before - before[i]: the number of sites in the cells of the pattern before cell i; before[n]: in all of them
+   voids  - some cells have none
 S*/
 typedef struct {
   PetscInt   n, of[MPM_MAX_COUNTS];
@@ -17,8 +21,13 @@ typedef struct {
 } MpmCounts;
 
 /*S
-   MpmMaterial - what particles are made of: density and stiffness of the second material over the first's, and the
-   cells between which it is.
+   MpmMaterial - the materials of the particles.
+
+   kind      - MPM_MATERIAL_UNIFORM: all are of the first material. MPM_MATERIAL_TWO: those that rest inside the
+               inclusion are of the second. MPM_MATERIAL_GRADED: the ratios go as ratio^s, where s = x / L between ends
+               and s = 1 - abs(2 x / L - 1) in a periodic domain.
+   density, stiffness - of the second material over those of the first
+   inclusion - the places between which the second material is, in cells
 S*/
 typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
 
@@ -30,10 +39,23 @@ typedef struct {
 /*S
    MpmLayout - a grid and the particles that rest in it. Lengths are in cells.
 
-   Sites fill all cells, counts of them in each; particle id is at site first + id, and particles is how many there are.
-   ppc is the number of sites in the fullest cell. offset and jitter are in particle spacings, and seed is what jitter
-   and random initial data are hashed from. cluster is the part of its cell that particles are spread over. half_width
-   is half of a particle's width. varies says in which properties particles differ. name is the option's word.
+   Particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is hashed from seed
+   and the number of the site; cluster then squeezes the places of a cell together. Sites fill all cells and are
+   numbered cell by cell. Particles take a part of them.
+
+   name       - the word of the option layout
+   grid       - cells, nodes and ends
+   counts     - the numbers of sites in the cells
+   ppc        - the number of sites in the fullest cell
+   sites      - the number of sites
+   first      - the site of particle 0; particle id is at site first + id
+   particles  - the number of particles
+   seed       - jitter and random initial data are hashed from it
+   offset, jitter - in particle spacings
+   cluster    - the part of its cell that particles are spread over; all of it is 0, 1
+   half_width - half of a particle's width
+   material   - the materials of the particles
+   varies     - varies[property]: particles differ in this property
 S*/
 typedef struct {
   const char  *name;
@@ -53,17 +75,20 @@ static inline PetscBool MpmLayoutIsPeriodic(const MpmLayout *layout)
   return layout->grid.ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Not collective. Whether every cell has its particles. */
+/* Not collective. Whether there is a particle at every site, and a site in every cell. */
 static inline PetscBool MpmLayoutIsFull(const MpmLayout *layout)
 {
   return layout->particles == layout->sites && !layout->counts.voids ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Not collective. Whether all cells are alike and there is no end, so that Fourier modes do not mix. */
+/* Not collective. Whether all cells are alike and there are no ends, so that Fourier modes do not mix. */
 PetscBool MpmLayoutIsUniform(const MpmLayout *layout);
 
-/* Not collective. Gives every cell the same number of particles. */
+/* Not collective. Gives every cell ppc particles, of width 1 / ppc. The layout's pattern must have one cell. */
 void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc);
 
-/* Not collective. The property that an operation weighs particles with, or MPM_NO_PROPERTY where all have the same. */
+/*
+   Not collective. The property that multiplies what particles give or get in an operation, or MPM_NO_PROPERTY where it
+   is the same for all particles.
+*/
 MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind);

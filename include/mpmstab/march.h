@@ -1,32 +1,45 @@
-/* March: the explicit loop. Reads a table's passes; knows nothing of gas or bar. */
+/* March: the explicit loop over time steps. It runs the operations of a table and knows nothing of gas or bar. */
 #pragma once
 #include <mpmstab/scene.h>
 
-/* A scene in motion: its grid, its particles and the passes of a step. */
+/* MpmMarch - the state of a run: a grid, particles, and the passes of a step. */
 typedef struct MpmMarch_ MpmMarch;
 
 /*
-   MpmMarchCreate - grid, particles and passes for a scene, ready for the first step.
+   MpmMarchCreate - makes the grid and the particles of a scene, with its initial data, ready for the first step.
 
-   Collective. Refuses a grid too small for the ranks.
+   Collective. The scene must outlive the march, which is destroyed with MpmMarchDestroy. With initial data eigenmode
+   the fields are 0.
+
+   Errors: refuses (PETSC_ERR_USER_INPUT) a grid that is too small for the ranks.
 */
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 
-/* Collective. One step; sample asks for the sums that MpmMarchNorms needs. */
+/*
+   MpmMarchStep - takes one time step.
+
+   Collective. sample asks for the sums of squares that MpmMarchNorms needs.
+*/
 PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
 
 /*S
-   MpmNorms - sizes of the state, in units of 2^exponent (energy: of its square).
+   MpmNorms - norms of the state. With the exponent of the march, state and grid are in units of 2^exponent, and energy
+   is in units of 4^exponent.
 
-   state: square root of the integral of the squares of all particle fields. energy: the formulation's,
-   without the velocity_unit of its wave. grid: square root of the energy that the grid sees, the energy's terms
-   taken on the node fields. What no node sees changes nothing, so whatever grows exponentially grows there;
-   growth by rigid motion or in the null space of P2G, which is linear, does not show there.
+   state  - the square root of the integral of the squares of all particle fields
+   energy - the formulation's energy, without the velocity_unit of its wave; NaN for a formulation without one
+   grid   - the square root of the energy's terms, taken on node fields; without an energy, the node fields that
+            particles are sent to. All exponential growth shows in it. Linear growth by rigid motion or in the null
+            space of P2G, which is particle data that no node feels, does not.
 S*/
 typedef struct {
   PetscReal state, energy, grid;
 } MpmNorms;
 
-/* Collective. Valid after a sampled step, and before the first. */
+/*
+   MpmMarchNorms - the norms of the state after a sampled step, or before the first step.
+
+   Collective.
+*/
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms);

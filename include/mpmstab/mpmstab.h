@@ -1,5 +1,6 @@
 /*
-   The whole public interface. A program makes a scene, which is a problem with all its numbers, and asks questions of it.
+   The whole public interface. A program makes a scene, which is a problem with all its numbers, and asks questions of
+   it.
 
      errors.h       how a program begins and ends, and how bad input comes back as an error code
      scene.h        a scene from options, text or a file
@@ -7,18 +8,18 @@
      symbol.h       amplification factors over the phase, on uniform layouts
      operator.h     the operator of a step, or of a period of drift, as a sparse matrix
      march.h        the explicit loop over time steps
-     verdict.h      stable, unstable or undecided, and what that rests on
+     verdict.h      stable, unstable or undecided, and what the verdict rests on
 
-   What a scene is made of:
+   The parts of a scene:
 
      layout.h       the grid and the particles at rest
      scheme.h       formulation.h with a basis (basis.h) and a transfer (transfer.h); Courant number and drift
      table.h        formulation, transfer and boundary (boundary.h) as one list of operations
      wave.h         the continuous problem and its exact solutions
 
-   What the others share: fraction.h, compat.h.
+   fraction.h and compat.h serve the others.
 
-   examples/library has a first program, and how to compile it.
+   examples/library has a first program, and says how to compile it.
 */
 #pragma once
 #include <mpmstab/basis.h>

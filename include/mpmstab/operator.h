@@ -1,22 +1,32 @@
-/* Operator: the second reader. A formulation's table over sparse matrices gives the map from state to state. */
+/* Operator: a table applied to sparse matrices. The result maps the state before a step to the state after it. */
 #pragma once
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
 #include <petscmat.h>
 
 /*S
-   MpmOperator - the assembled operator of a scheme on a layout: of one step, or under drift of the period after which the particles
-   are back in their places.
+   MpmOperator - the assembled operator of a scheme on a layout: the map of one step or, under drift, of the period
+   after which the particles have the same places in cells again.
 
-   The state is numbered particle by particle: row = fields x global id + field, units as in THEORY.md. A is parallel
-   AIJ; a rank holds the particles of its part of the cells. The operator is A times 2^exponent, so that long periods
-   of unstable schemes stay in range. balanced is D A D^-1, in variables whose squares make the energy: where masses
-   or stiffnesses differ by orders of magnitude A is badly scaled and eigenvalues are lost to rounding. D = unit holds
-   powers of two, so nothing is rounded; unit is NULL and balanced is A where particles are alike. p2g (nodes x
-   particles) is at the first step; bytes is what A takes on all ranks.
+   layout, scheme, step - as given to MpmOperatorCreate
+   A        - parallel AIJ; the operator is A times 2^exponent, so that long periods of unstable schemes stay in range.
+              The state is numbered particle by particle: row = fields x global id + field, in the units of THEORY.md. A
+              rank holds the particles that rest in its part of the cells.
+   balanced - D A D^-1, the operator in variables whose squares add up to the energy. Where masses or stiffnesses differ
+              by orders of magnitude, A is badly scaled, and rounding spoils its eigenvalues. Where particles are alike,
+              balanced is A.
+   unit     - the diagonal of D: powers of two, so that nothing is rounded. NULL where particles are alike.
+   p2g      - P2G at the first step: nodes x particles
+   fields   - the number of fields of the state
+   order    - the order of A: fields x particles
+   period   - the number of steps in a period (MpmStepPeriod)
+   exponent - see A
+   nonzeros - the number of nonzeros of A
+   bytes    - the memory that A takes on all ranks together
+   assemble_s - the time that assembly took, in seconds
 
    Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
-*/
+S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
@@ -28,42 +38,52 @@ typedef struct {
 } MpmOperator;
 
 /*
-   MpmOperatorCreate - assembles a scheme's operator on a layout, with the Courant number and the drift of step.
+   MpmOperatorCreate - assembles the operator of a scheme on a layout, with the Courant number and the drift of step.
 
-   Collective. layout and scheme must outlive the operator. Refuses drifts without a short period, and operators that
-   would fill the memory.
+   Collective. layout and scheme must outlive the operator, which is destroyed with MpmOperatorDestroy.
+
+   Errors: refuses (PETSC_ERR_USER_INPUT) drifts without a short period (MpmStepPeriod), and operators that would fill
+   the memory.
 */
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                  MpmOperator **op);
 PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
 
-/* Collective. Sets balanced and unit from A; part of MpmOperatorCreate. */
+/* Collective. Sets balanced and unit from A. MpmOperatorCreate calls it. */
 PetscErrorCode MpmOperatorBalance(MpmOperator *op);
 
 /*
-   MpmOperatorWeigh - W A W^-1, W^2 = m of a velocity (or displacement, or apic's c), V / E of a stress: the 2-norm of
-   what comes out is the norm of A in which a state is measured by its energy, where every field has a part in it.
+   MpmOperatorWeigh - computes W A W^-1 with W diagonal. W^2 is m for a velocity, a displacement or the affine part of
+   apic, and V / E for a stress. The 2-norm of the result is then the norm of A in which a state is measured by its
+   energy, if every field has a part in the energy.
 
-   Collective. A is op->A or a step; where particles are alike it is A itself. Destroy with MatDestroy.
-   MpmOperatorNorm says in a few words which norm that is; not collective.
+   Collective. A is op->A or the matrix of a step. Where particles are alike the result is A itself. It is destroyed
+   with MatDestroy.
+
+   MpmOperatorNorm - says in a few words which norm that is. Not collective.
 */
 PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed);
 const char    *MpmOperatorNorm(const MpmOperator *op);
 
 /*
-   MpmOperatorStep - the matrix of one step of the period, times 2^-exponent.
+   MpmOperatorStep - the matrix of one step of the period; the step's operator is A times 2^exponent.
 
-   Collective. Destroy with MatDestroy.
+   Collective. A is destroyed with MatDestroy.
 */
 PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, PetscInt *exponent);
 
-/* Collective. Takes a vector of the balanced operator, real and imaginary part, back to the state, of norm 1 again. */
+/*
+   MpmOperatorToState - turns an eigenvector of balanced, with real and imaginary part, into one of A of 2-norm 1.
+
+   Collective.
+*/
 PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im);
 
 /*
-   MpmOperatorMismatch - largest norm(A q - march(q)) relative to the larger of norm(q) and norm(A q), over periods that
-   start from random data: whether the operator is the code that runs.
+   MpmOperatorMismatch - compares the operator with the march, which is the code that runs. The result is the largest
+   norm(A q - march(q)), relative to the larger of norm(q) and norm(A q), over three periods that start from random
+   data.
 
-   Collective. NaN when the march leaves the range of doubles.
+   Collective. The result is NaN when the march leaves the range of doubles.
 */
 PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch);

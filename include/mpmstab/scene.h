@@ -1,6 +1,6 @@
 /*
-   Scene: one problem, its physics and its numerics, checked and never changed afterwards. What a task is to do with it
-   (how many steps, which files, what must come out) is no part of it.
+   Scene: one problem, its physics and its numerics. It is checked when it is made and never changed afterwards. A
+   task's own settings (how many steps, which files, what must come out) are no part of it.
 */
 #pragma once
 #include <mpmstab/errors.h>
@@ -11,14 +11,13 @@
    MpmScene - one problem. Length and time are in units of the user's choice; everything else follows from them
    (THEORY.md, section 1).
 
-   layout, scheme, step - what the interpreters of a table take: march, operator and symbol; they are in units of cells
-                          and steps
-   boundary             - what holds at the ends, as text
+   layout, scheme, step - the arguments of march, operator and symbol; they are in units of cells and steps
+   boundary             - the conditions at the ends, as text
    dim                  - the number of space dimensions
    length, cell_width   - of the domain and of a cell, in units of length
    wave_speed, dt       - c in length / time, and the time step
-   initial, mode, amplitude, stagger - the data that a run starts from: which, of which wave, how large, and whether
-                          the field that is updated first starts half a step early
+   initial, mode, amplitude - the initial data, the number of their Fourier mode, and their size
+   stagger              - the field that is updated first starts half a step early
 S*/
 typedef struct {
   MpmLayout  layout;
@@ -35,9 +34,10 @@ typedef struct {
    MpmSceneFromText - makes a scene from YAML text: the keys that 'mpmstab list options' prints, one 'key: value' a line
    or all in braces, such as "{formulation: usl, cells: 16, ppc: 2}".
 
-   Collective on PETSC_COMM_WORLD: every rank gives the same text. What is not given has its default. The command line
-   is not read. Keys that say what a task is to do (steps, output, tolerance) must exist, and their values are not
-   looked at.
+   Collective on PETSC_COMM_WORLD: every rank gives the same text.
+
+   Keys that are not given have their defaults. The command line is not read. Keys that belong to a task (steps, output,
+   tolerance) must exist, and their values are not looked at.
 
    Errors: PETSC_ERR_USER_INPUT, with a message that names the key, its value and what is allowed; *scene is then NULL.
 */
@@ -53,7 +53,7 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene);
 /* Not collective. Frees a scene and sets the pointer to NULL. */
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 
-/* Not collective. Whether particles move against the grid. */
+/* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
 {
   return MpmStepDrifts(&scene->step);
@@ -65,7 +65,7 @@ static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
   return MpmLayoutIsPeriodic(&scene->layout);
 }
 
-/* Not collective. Whether every cell has its particles. */
+/* Not collective. Whether there is a particle at every site, and a site in every cell. */
 static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 {
   return MpmLayoutIsFull(&scene->layout);
@@ -74,22 +74,22 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 /*
    MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.
 
-   Not collective. It is known from some initial data, for particles that are all alike, in a domain that is filled from
-   end to end, or for a bar from the left end to a free end inside the domain.
+   Not collective. It is known from initial data mode, pulse and step, for particles that are all alike, in a domain
+   that is filled from end to end, or for a bar from the left end to a free end inside the domain.
 */
 PetscBool MpmSceneHasExact(const MpmScene *scene);
 
 /* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);
 
-/* Not collective. The numbers of particles in the cells of the pattern, with commas between them. */
+/* Not collective. The numbers of particles in the cells of the pattern, as text with commas between them. */
 #define MPM_COUNTS_TEXT (8 * MPM_MAX_COUNTS)
 PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[]);
 
 /*
-   MpmSceneExponent - the power of two that a run divides the state by at its start, so that its largest field is of
-   order 1 whatever the scene's units are.
+   MpmSceneExponent - the exponent of the power of two by which a run divides the state at its start, so that its
+   largest field is of order 1 in any units.
 
-   Not collective. Values and errors that are printed are multiplied by it again.
+   Not collective. Values and errors that are printed are multiplied by that power again.
 */
 PetscInt MpmSceneExponent(const MpmScene *scene);

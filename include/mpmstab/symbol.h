@@ -1,14 +1,17 @@
 /*
-   Symbol: the third reader. On a uniform layout Fourier modes do not mix; the table over one mode gives a small
-   matrix.
+   Symbol: amplification factors of Fourier modes. On a uniform layout Fourier modes do not mix. A table applied to one
+   mode gives a small matrix, and its eigenvalues are the amplification factors.
 */
 #pragma once
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
 
 /*S
-   MpmSymbolWish - what is asked of a symbol: phases of them in [0, 2 pi), keep the factors and not only the growth, and
-   the tolerance within which growth counts as none (see defective_error).
+   MpmSymbolWish - what a caller wants of a symbol.
+
+   phases    - the number of phases in [0, 2 pi)
+   keep      - the amplification factors are kept, not only the growth
+   tolerance - growth per step up to 1 + tolerance counts as none; only defective_error depends on it
 S*/
 typedef struct {
   PetscInt  phases;
@@ -17,23 +20,34 @@ typedef struct {
 } MpmSymbolWish;
 
 /*S
-   MpmSymbol - amplification factors over the phases beta = 2 pi m / phases, of one step, or under drift of a period.
+   MpmSymbol - amplification factors of one step, or under drift of one period, over the phases beta = 2 pi m / phases.
 
-   A rank computes the phases [first, first + count) of 0 <= m <= phases / 2; those above have the conjugate factors.
-   growth is the largest abs(factor)^(1/period) over all phases, condition the condition number of the factor it belongs
-   to, an eigenvalue of a matrix divided by 2^exponent, uncertainty how far rounding may have moved growth, defective_error
-   how far it may have split a defective pair at 1 (see verdict.h; 0 where growth is beyond ten times the tolerance, so
-   that it does not matter), beta_at_max its phase: the least of those that
-   share the maximum to rounding.
-
-   per_phase[i] is the growth at phase first + i. At rest without_null[i] is the same without the null space of P2G,
-   the particle data that no node feels: the largest of all amplification factors but the ppc - 1 of each field that are
-   nearest to 1, or to the transfer's null_factor where a filter acts on the field. It is NULL for transfers that have no
-   such factor. With factors kept, factors[2 (size i + j)] is the real part of factor j of phase
-   first + i, the next number its imaginary part, both divided by 2^exponents[i].
+   layout, scheme, step, wish - as given to MpmSymbolCreate
+   phases, half - the number of phases, and half = phases / 2. The phases of 0 <= m <= half are computed; the others
+                  have the conjugate amplification factors.
+   first, count - this rank computes the phases of first <= m < first + count
+   size         - the order of the matrix of a phase: fields x ppc
+   period       - the number of steps in a period (MpmStepPeriod)
+   growth       - per step: the largest abs(amplification factor)^(1 / period) over all phases
+   beta_at_max  - the phase of growth; of several phases with the same growth, but for rounding, the least
+   condition    - the condition number of the amplification factor that growth belongs to. It is an eigenvalue of the
+                  matrix of that phase divided by 2^exponent.
+   uncertainty  - an estimate of the error of growth by rounding
+   defective_error - the error of a defective eigenvalue at 1: the growth per step that rounding may make of a defective
+                  pair at 1 (see verdict.h). It is 0 where growth - 1 is more than ten times the tolerance and the error
+                  does not matter.
+   seconds      - the time that the computation took
+   per_phase    - per_phase[i]: the growth at phase first + i
+   without_null - without_null[i]: the growth at phase first + i without the null space of P2G, which is particle data
+                  that no node feels. Left out are ppc - 1 amplification factors of each field: those nearest to 1, or
+                  nearest to the transfer's null_factor where a filter acts on the field. NULL where a period has more
+                  than one step, and for transfers without null_factor.
+   factors      - NULL unless kept. factors[2 (size i + j)] and the next number are the real and the imaginary part of
+                  amplification factor j of phase first + i, divided by 2^exponents[i].
+   exponents    - see factors
 
    Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
-*/
+S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
@@ -45,40 +59,47 @@ typedef struct {
   PetscInt        *exponents;
 } MpmSymbol;
 
-/* Not collective. Why there is no symbol on a layout, or NULL when there is one. */
+/* Not collective. Says why a layout has no symbol; NULL when it has one. */
 const char *MpmSymbolWhyNot(const MpmLayout *layout);
 
-/* Collective. Refuses a layout on which there is no symbol. */
+/* Collective. Refuses (PETSC_ERR_USER_INPUT) a layout that has no symbol. */
 PetscErrorCode MpmSymbolCheck(const MpmLayout *layout);
 
 /*
-   MpmSymbolCreate - the symbol of a scheme on a layout, with the Courant number and the drift of step.
+   MpmSymbolCreate - computes the symbol of a scheme on a layout, with the Courant number and the drift of step.
 
-   Collective. layout and scheme must outlive the symbol. Refuses layouts that are not uniform and drifts without a
-   short period.
+   Collective. layout and scheme must outlive the symbol, which is destroyed with MpmSymbolDestroy.
+
+   Errors: refuses (PETSC_ERR_USER_INPUT) layouts that are not uniform, drifts without a short period (MpmStepPeriod),
+   and so many phases that their output does not fit.
 */
 PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                const MpmSymbolWish *wish, MpmSymbol **symbol);
 PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol);
 
-/* Not collective. Phase m of n. */
+/* Not collective. Phase m of n equally spaced ones: 2 pi m / n. */
 static inline PetscReal MpmSymbolPhase(PetscInt m, PetscInt n)
 {
   return 2 * PETSC_PI * m / n;
 }
 
 /*
-   MpmSymbolTarget - the factor (times 2^exponent; im >= 0) to look for in an assembled operator: of those away from 1,
-   where the null space sits, one of largest abs, and of several such the one farthest from 1.
+   MpmSymbolTarget - the amplification factor to look for in an assembled operator. Of those farther from 1 than 0.05,
+   away from the null space of P2G, it is the one of largest abs; of several such, or if there is none, it is the one
+   farthest from 1.
 
-   Collective. Needs the factors kept.
+   Collective. The symbol must have kept its amplification factors.
+
+   Output Parameter: target - real part and imaginary part >= 0, divided by 2^exponent
 */
 PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal target[2]);
 
 /*
-   Collective. MpmSymbolGather gives rank 0 a curve (per_phase or without_null) at the phases 0..half; MpmSymbolGatherFactors
-   gives every rank the factors of all phases 0..phases-1, divided by 2^exponent: 2 x size x phases numbers. Free with
-   PetscFree.
+   MpmSymbolGather - brings a curve, per_phase or without_null, to rank 0: half + 1 numbers, for the phases 0 .. half.
+   MpmSymbolGatherFactors - brings the amplification factors of all phases 0 .. phases - 1 to every rank, divided by
+   2^exponent: 2 x size x phases numbers. The symbol must have kept them.
+
+   Collective. The arrays are freed with PetscFree.
 */
 PetscErrorCode MpmSymbolGather(MPI_Comm comm, const MpmSymbol *symbol, const PetscReal curve[], PetscReal **all);
 PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscReal **factors);

@@ -1,24 +1,29 @@
-/* Transfers: how particles are renewed from the grid, as operations that take the place of FILTER in a table. */
+/* Transfers: how particles get their new values from the grid. A transfer's operations take the place of FILTER. */
 #pragma once
 #include <mpmstab/formulation.h>
 
 typedef struct MpmTable_ MpmTable;
 
-/* What a transfer may be given: the order of xpic, the share of flip in a blend. */
+/* The numbers that a transfer may be given: the order of xpic, and the share of flip in a blend. */
 typedef struct {
   PetscInt  order;
   PetscReal ratio;
 } MpmTransferNumbers;
 
 /*S
-   MpmTransfer - a transfer: the filter F that acts on a particle field q once g = P q is on the nodes (P = P2G, W =
-   G2P).
+   MpmTransfer - a filter F of a particle field. It acts on the field q when g = P q is on the nodes. P is P2G and W is
+   G2P.
 
-   filter appends the operations of F to a table; NULL: F is the identity. filter_symbol is what F leaves of a Fourier mode as
-   the grid sees it, the symbol of P F over that of P, in terms of alpha, the symbol of P W; NULL: there is no closed
-   form. null_factor is the number that F multiplies the null space of P2G with: particle data that no node feels. It is
-   NULL where filter_symbol is. affine: particles carry an affine velocity
-   field. option: the one that it reads, NULL: none; number: what that is set to.
+   name, summary, reference - the word of the option transfer, a line about it, and its source
+   option        - the option that the transfer reads, or NULL
+   affine        - particles carry an affine velocity field
+   filter        - appends the operations of F to a table; NULL: F is the identity. particle is the number of field q
+                   and node that of g.
+   filter_symbol - the filter symbol: the symbol of P F over that of P, as a function of alpha, the symbol of P W. The
+                   filter multiplies P q of a Fourier mode q by it. NULL: there is no closed form.
+   null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
+                   NULL where filter_symbol is NULL.
+   number        - the value of option; NULL where option is NULL
 S*/
 typedef struct {
   const char *name, *summary, *reference, *option;
@@ -32,12 +37,16 @@ typedef struct {
 /* Not collective. All transfers, NULL-terminated. */
 extern const MpmTransfer *const MpmTransfers[];
 
-/* Not collective. Looks a transfer up by name; NULL when there is none. */
+/* Not collective. The transfer of a name, or NULL when there is none. */
 const MpmTransfer *MpmTransferFind(const char name[]);
 
-/* Not collective. null_factor of transfers that keep nothing of the null space of P2G: 0. */
+/* Not collective. The null_factor of transfers that keep nothing of the null space of P2G. It is 0. */
 PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers);
 
-/* Not collective. F = W P, the filter of pic; apic's too, whose affine part follows by itself. */
+/*
+   MpmTransferFromGrid - appends F = W P, the filter of pic and of apic. MpmTableAppend adds apic's affine part.
+
+   Not collective.
+*/
 PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
                                    PetscInt node);

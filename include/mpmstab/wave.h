@@ -1,14 +1,19 @@
 /*
-   The continuous problems behind the formulations and their exact solutions, in the Lagrangian coordinate
-   X = x - U0 t on a domain of length L, periodic or between ends.
+   The continuous problems behind the formulations, and their exact solutions. X = x - U0 t is the Lagrangian coordinate
+   on a domain of length L, which is periodic or has two ends. src/scheme/wave.c has the formulas.
 */
 #pragma once
 #include <mpmstab/compat.h>
 
-/*
-   Initial data: a Fourier mode, numbers hashed from the particle's id, a travelling pulse, an eigenvector that the task
-   spectrum has written, a bar that is loaded at its free end from time 0 on.
-*/
+/*E
+   MpmInitial - the initial data of a run.
+
+   MPM_INITIAL_MODE      - a Fourier mode
+   MPM_INITIAL_RANDOM    - random numbers, hashed from the ids of the particles
+   MPM_INITIAL_PULSE     - a Gaussian pulse that travels to the right
+   MPM_INITIAL_EIGENMODE - an eigenvector that the task spectrum has written
+   MPM_INITIAL_STEP      - a bar at rest, whose free end is loaded from time 0 on
+E*/
 typedef enum {
   MPM_INITIAL_MODE,
   MPM_INITIAL_RANDOM,
@@ -18,17 +23,24 @@ typedef enum {
 } MpmInitial;
 extern const char *const MpmInitialNames[];
 
-/* Not collective. Whether the continuous problem's solution from these data is known. */
+/* Not collective. Whether the exact solution from these initial data is known. */
 static inline PetscBool MpmInitialHasExact(MpmInitial initial)
 {
   return initial != MPM_INITIAL_RANDOM && initial != MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*S
-   MpmProfile - which exact solution: its shape and its numbers.
+   MpmProfile - the parameters of an exact solution. Lengths and times are in the units of the scene.
 
-   length L, wave_speed c, cell_width h, amplitude A, wavenumber K, phase of the mode at X = 0. image[end]: the sign
-   that velocities have in the mirror image of a pulse beyond an end, -1 fixed, 1 free, 0 for a periodic domain.
+   initial    - the initial data
+   length     - L
+   wave_speed - c
+   cell_width - h
+   amplitude  - A, the amplitude of the velocity; for a pulse in a second-order problem, that of the displacement
+   wavenumber - K of a mode
+   phase      - the phase of a mode at X = 0
+   image      - image[end]: the sign of the velocities in the mirror image of a pulse beyond an end; -1 for a fixed end,
+                1 for a free one, 0 in a periodic domain
 S*/
 typedef struct {
   MpmInitial initial;
@@ -36,11 +48,18 @@ typedef struct {
 } MpmProfile;
 
 /*S
-   MpmWave - a continuous problem: the exact value of field f at (X, t), and the amplitude errors are relative
-   to. Field 2 of the first-order problem is h u_x, the affine part that some transfers give to velocities.
+   MpmWave - a continuous problem.
 
-   velocity_unit(profile) turns the fields of a formulation's energy terms into velocities, so that half their
-   squares is energy per density.
+   equations     - as text
+   value         - the exact value of a field at (X, t)
+   amplitude     - the size of a field; errors of the field are relative to it
+   velocity_unit - the number that turns the fields of a formulation's energy terms into velocities, so that half their
+                   squares is energy per density
+
+   Fields have the numbers of the formulation's particle fields. Field 2 of a first-order problem is h u_x, the affine
+   part that some transfers give to velocities.
+
+   Not collective: value, amplitude and velocity_unit.
 S*/
 typedef struct {
   const char *equations;
@@ -49,6 +68,6 @@ typedef struct {
   PetscReal (*velocity_unit)(const MpmProfile *profile);
 } MpmWave;
 
-extern const MpmWave MpmWaveFirstOrder;  /* u_t = c r_x, r_t = c u_x: gas */
-extern const MpmWave MpmWaveMomentum;    /* the same with velocity and stress, v_t = c s_x, s_t = c v_x */
-extern const MpmWave MpmWaveSecondOrder; /* u_t = (c/h) w, w_t = h c u_xx: the bar, w = v h / c */
+extern const MpmWave MpmWaveFirstOrder;  /* gas: u_t = c r_x, r_t = c u_x with r = -(c/rho0) rho */
+extern const MpmWave MpmWaveMomentum;    /* velocity and stress: v_t = c s_x, s_t = c v_x with s = sigma / (rho0 c) */
+extern const MpmWave MpmWaveSecondOrder; /* the bar: u_t = (c/h) w, w_t = h c u_xx with w = v h / c */

@@ -1,8 +1,11 @@
 /*
-   Partition of unity: the nodes' masses add up to the particles'. sum_p m_p P2G and G2P are adjoint and DIV of anything
-   sums to 0, so that momentum schemes conserve sum_p m_p v_p where no wall acts on them, with every transfer. There is
-   one exception: a particle that is on a node, alone in its cell, has no weight at the cell's other node and still a
-   slope there, and a force on a node without mass moves nothing. Bars that drift through an empty grid meet it.
+   By partition of unity the masses of the nodes add up to those of the particles. sum_p m_p P2G is adjoint to G2P, and
+   DIV of anything sums to 0. So momentum schemes conserve sum_p m_p v_p where no wall acts on them, with every
+   transfer.
+
+   There is one exception. A particle that is on a node, alone in its cell, has weight 0 at the cell's other node but a
+   slope there. A force on that node, which has no mass, moves nothing. It occurs for bars that drift through an empty
+   grid.
 */
 #include "march/conserved.h"
 #include <math.h>
@@ -27,7 +30,7 @@ static PetscErrorCode SumParticles(const MpmMarch *march, PetscInt field, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A node at a wall has the mass of its image too, all the time. */
+/* The mass of a node at a wall includes that of its image, in every step. */
 static PetscErrorCode SumNodes(const MpmMarch *march, PetscReal *sum)
 {
   const MpmGrid *grid = march->grid;

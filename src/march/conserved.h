@@ -1,4 +1,4 @@
-/* Conserved: what a run must not lose. */
+/* Sums that a run must conserve: the number of particles, their mass and their momentum. */
 #pragma once
 #include "march/march_private.h"
 
@@ -7,9 +7,11 @@
 /*S
    MpmConserved - sums over the grid and over all particles.
 
-   particles, mass: how many there are, and the mass the nodes have of them, in particles of the first material.
-   momentum: sum m v of the field that the formulation conserves, and size, sum m abs(v), both times 2^exponent; has_
-   momentum: whether scheme and ends conserve one.
+   particles    - the number of particles
+   mass         - the sum of the nodal masses, in particles of the first material
+   momentum     - the sum of m v over the particles, for the field that the formulation conserves, times 2^exponent
+   size         - the sum of m abs(v), times 2^exponent
+   has_momentum - scheme and ends conserve a momentum
 S*/
 typedef struct {
   PetscInt64 particles;
@@ -18,14 +20,15 @@ typedef struct {
   PetscBool  has_momentum;
 } MpmConserved;
 
-/* Collective. */
+/* Collective. The sums at the march's step. */
 PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *sums);
 
 /*
-   MpmConservedCheck - whether nothing has been lost between two steps of a march.
+   MpmConservedCheck - compares the sums at the march's step with those at an earlier step.
 
-   Collective. That particles or mass have changed is an error of the program; momentum may be lost at nodes without
-   mass. changes[]: relative changes of mass, of what the particles have, and of momentum, of its size; NaN where
-   there is none to conserve.
+   Collective. A change of particles or mass is an error of the program. Momentum may be lost at nodes without mass.
+
+   Output Parameter: changes - the change of mass relative to mass, and that of momentum relative to size; NaN where
+   there is none to conserve
 */
 PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *before, PetscReal changes[2]);

@@ -1,8 +1,8 @@
-/* l1, l2, linf of particle field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
+/* Errors of particle fields: field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
 #include "march/diagnostics.h"
 #include <math.h>
 
-/* Sums over this rank: of V abs(e), of V e^2, and the largest abs(e). */
+/* Over this rank: the sums of V abs(e) and V e^2, and the largest abs(e). */
 static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const MpmProfile *profile, PetscReal scale,
                                 PetscReal sums[3])
 {
@@ -44,7 +44,7 @@ PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
   const int             start = ilogb(scene->amplitude), grown = (int)march->exponent - start;
   const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
   const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
-  /* of all particles: a grid full of them has ppc units of volume in each cell, however many share it */
+  /* the sum of all volumes: in a full grid it is ppc a cell, however many particles share the cell */
   const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->layout.grid.cells * scene->layout.ppc
                                                  : (PetscReal)scene->layout.particles;
 

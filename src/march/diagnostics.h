@@ -1,4 +1,4 @@
-/* Diagnostics: how far a run is from the exact solution. */
+/* Diagnostics: the errors of a run, relative to the exact solution. */
 #pragma once
 #include "march/march_private.h"
 
@@ -8,8 +8,9 @@ typedef struct {
 } MpmError;
 
 /*
-   MpmDiagnosticsErrors - errors of all particle fields at the march's step.
+   MpmDiagnosticsErrors - the errors of all particle fields at the march's step.
 
-   Collective. The scene must have an exact solution (initial mode or pulse). Infinite when out of range.
+   Collective. The scene must have an exact solution (MpmSceneHasExact). Errors that are out of the range of doubles are
+   infinite.
 */
 PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[]);

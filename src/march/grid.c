@@ -1,6 +1,6 @@
 /*
-   Nodes in DMDA vectors. Halo sums go through a star forest over the ghost nodes alone: DMLocalToGlobal with
-   ADD_VALUES and back would copy every node twice, for a handful that are shared.
+   Node fields in DMDA vectors. Halo sums use a star forest over the ghost nodes alone. DMLocalToGlobal with ADD_VALUES
+   and back would copy every node twice, for a few that are shared.
 */
 #include "march/grid.h"
 
@@ -31,7 +31,7 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A rank's share of the cells, as DMDA gives it; between walls the last rank has one node more. */
+/* Gives a rank its share of the cells, as DMDA does. Between walls the last rank has one node more than cells. */
 static PetscErrorCode CreateDMDA(MPI_Comm comm, MpmGrid *g)
 {
   PetscMPIInt rank, size;
@@ -153,7 +153,7 @@ PetscMPIInt MpmGridOwner(const MpmGrid *grid, PetscInt cell)
 {
   PetscMPIInt size, r;
 
-  /* DMDA gives every rank cells/size, and one more to the first ones: this guess is off by little */
+  /* DMDA gives every rank cells / size, and the first ranks one more. So this guess is off by little. */
   (void)MPI_Comm_size(PetscObjectComm((PetscObject)grid->da), &size);
   r = (PetscMPIInt)((PetscInt64)cell * size / grid->cells);
   while (cell < grid->starts[r]) r--;

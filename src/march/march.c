@@ -1,22 +1,22 @@
 /*
-   The march: how wide the ghost layer is, what a scheme needs of vectors, and then pass after pass, with migration
-   before particles would run out of the ghost layer.
+   The march: sets up grid, particles and vectors, and takes steps pass by pass. Particles migrate to another rank
+   before they would leave the ghost layer.
 */
 #include "march/march_private.h"
 #include <math.h>
 
-#define OF_PARTICLE 24.0 /* bytes of place, number and owner */
-#define OF_OUTPUT 100.0  /* bytes more a particle: its numbers and coordinates by global id */
-#define OF_NODE 20.0     /* bytes of mass and DMDA's numbers */
-#define OF_NUMBER 8.0    /* bytes of each field's value */
+#define OF_PARTICLE 24.0 /* bytes: place, id and owner */
+#define OF_OUTPUT 100.0  /* bytes a particle: its values and coordinates by global id */
+#define OF_NODE 20.0     /* bytes: mass and DMDA's indices */
+#define OF_NUMBER 8.0    /* bytes: a value of a field */
 
-/* Cells that particles may run beyond their rank's own before they migrate: rarer migration for a few more ghosts. */
+/* Cells beyond their rank's own that particles may reach before they migrate: few migrations for a few more ghosts. */
 #define MOST_SLACK 64
 
 /*
-   A particle in local cell c sees the nodes c - reach_left to c + reach_right, node operations use up halo
-   more. When a step's drift fits the slack that is left, particles are summed to the grid where they are and
-   migrate rarely; if not, they migrate in every step before they are summed.
+   Chooses the number of ghosts. A particle in local cell c has weights at nodes c - reach_left to c + reach_right, and
+   node operations need halo ghosts more. When a step's drift fits in the slack that is left, particles are summed to
+   the grid where they are, and migrate rarely. If not, they migrate in every step before they are summed.
 */
 static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch *march, PetscInt *ghost)
 {
@@ -72,7 +72,7 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* All but the particles' fields. */
+/* Makes all of a march but the values of the particle fields. */
 static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                             MpmMarch *m)
 {
@@ -185,7 +185,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles may run into the ghost layer; before the next step would take them beyond it they go to their owners. */
+/* Particles that the next step would take beyond the ghost layer migrate to the ranks that own their cells. */
 static PetscErrorCode MigrateInTime(MpmMarch *march)
 {
   PetscInt  whole;
@@ -217,8 +217,8 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 }
 
 /*
-   P2G of one particle field with the particles at the places of a step; with_mass: the nodal masses too, of which the
-   inverses go to inverse_mass.
+   P2G of one particle field with the particles at the places of a step. With with_mass it also sets inverse_mass, the
+   inverses of the nodal masses there.
 */
 static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, PetscBool with_mass, Vec inverse_mass,
                               Vec node)

@@ -1,12 +1,12 @@
 /*
-   One block of particles goes through a pass's operations while it is in the first-level cache.
+   Takes one block of particles through the operations of a pass, while it is in the first-level cache.
 
-   Where cells are alike, as in every uniform layout, moving or not, the particles of one block lie in their cells as
-   those of any other, some nodes further on: their places are found once a pass, and not read from memory.
+   In a uniform layout, moving or not, all cells are alike. The particles of any block then lie in their cells as those
+   of the first block do. So their places are found once a pass, and not read from memory.
 */
 #include "march/march_stage.h"
 
-#define LINE 8 /* numbers in a line of the cache */
+#define LINE 8 /* doubles in a line of the cache */
 
 PetscInt MpmMarchBlockSize(const MpmParticles *particles)
 {
@@ -27,13 +27,13 @@ PetscInt MpmStageLeastNode(const MpmStage *s, PetscInt p)
 
 PetscInt MpmStageLargestNode(const MpmStage *s, PetscInt p)
 {
-  const PetscInt carry = s->moving ? 1 : 0; /* the part of a cell on */
+  const PetscInt carry = s->moving ? 1 : 0; /* for the part of a cell in the drift */
 
   return CellOf(s->arrays, p) + PetscMax(s->whole[0], s->whole[1]) + carry +
          s->arrays->march->scheme->basis->reach_right;
 }
 
-/* Where n particles from begin on are, after DRIFT or before. */
+/* Finds the places of n particles from begin on, before DRIFT or after it. */
 static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *placed)
 {
   const MpmMarch  *march = s->arrays->march;
@@ -59,8 +59,8 @@ void MpmStagePlace(MpmStage *s)
 }
 
 /*
-   The places of a block, as those of the first one and the nodes between them; of the last, shorter one, or where cells
-   differ, as they are.
+   The places of a block. Where cells are alike they are those of the first block, and shift is the number of nodes
+   between the two. Elsewhere, and for the last block if it is shorter, they are found anew.
 */
 static const MpmBlock *Placed(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *room,
                               PetscInt *shift)
@@ -76,7 +76,7 @@ static const MpmBlock *Placed(const MpmStage *s, PetscInt begin, PetscInt n, Pet
   return &room->block;
 }
 
-/* A map whose particles differ: what they give, or get, times their weight. */
+/* Runs a map whose particles differ: what they give, or get, is multiplied by their weight. */
 static void RunWeighted(const MpmPassOp *op, const MpmBlock *block, PetscReal weight[], PetscReal q[], PetscReal node[],
                         PetscReal mass[])
 {
@@ -88,15 +88,15 @@ static void RunWeighted(const MpmPassOp *op, const MpmBlock *block, PetscReal we
   for (PetscInt p = 0; p < block->n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
 }
 
-/* Asks the memory for n numbers from place on of an array. */
+/* Fetches n numbers of an array from place on into the cache. */
 static void Prefetch(const PetscReal array[], PetscInt place, PetscInt n)
 {
   for (PetscInt i = 0; i < n; i += LINE) __builtin_prefetch(array + place + i);
 }
 
 /*
-   Scratch fields live for a block: what a pass leaves in them no other reads. While an operation's arrays are at work,
-   what the next block needs of them is on its way.
+   Scratch fields live for one block: no operation of another pass reads what a pass leaves in them. While an operation
+   works on a block, it prefetches the arrays of the next one.
 */
 void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
 {

@@ -1,4 +1,4 @@
-/* Nodes of the march: images beyond walls, operations between node fields. */
+/* The part of a pass that concerns nodes alone: images beyond walls, operations between node fields. */
 #include "march/march_nodes.h"
 
 void MpmMarchFold(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass, PetscReal *const field[],
@@ -25,7 +25,7 @@ void MpmMarchReflect(const MpmMarch *march, const PetscBool antisymmetric[], con
   }
 }
 
-/* Sets the wall node of one end, wherever it is among this rank's nodes and ghosts. */
+/* Sets the wall node of one end, if it is among this rank's nodes and ghosts. */
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
   const PetscInt wall = (op->side ? grid->cells : 0) - grid->first;
@@ -33,7 +33,7 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
   if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }
 
-/* One of those that are local, on the nodes [lo, hi). */
+/* Does a local node operation (MpmNodeOpIsLocal) on nodes [lo, hi). */
 static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
 {
   if (op->kind == MPM_LAP && op->accumulates)
@@ -49,7 +49,7 @@ static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo,
 void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt lo, PetscInt hi, MpmNodesDone done[])
 {
   PetscInt reach  = 0,
-           margin = 0; /* how far operations so far look, and how far behind [lo, hi) the present one stays */
+           margin = 0; /* reach of the operations so far; distance of the present one from the ends of [lo, hi) */
 
   for (PetscInt o = 0; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
     reach = PetscMax(reach, MpmOpTraitsOf(pass->node_op[o].kind).halo);

@@ -1,4 +1,4 @@
-/* Norms of the state: of all particle fields, the formulation's energy, and what of it the grid sees. */
+/* Norms of the state: of all particle fields, the formulation's energy, and that energy on the grid. */
 #include "march/march_private.h"
 #include <math.h>
 
@@ -7,7 +7,7 @@ static PetscBool Differ(const MpmLayout *layout)
   return layout->varies[MPM_MASS] || layout->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A property's array where it varies, else NULL. */
+/* The array of a property where it varies, else NULL. */
 static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
 {
   PetscFunctionBegin;
@@ -23,7 +23,10 @@ static PetscErrorCode RestoreProperty(const MpmMarch *march, MpmProperty propert
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* By volume alone, or as the energy's term does. Particles that differ are gone through again at each sample. */
+/*
+   The sum of squares of a field, weighted by volume, or as in a term of the energy. Where particles differ they are
+   gone through again at each sample.
+*/
 static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm *term, const PetscReal q[],
                                      PetscReal *sum)
 {
@@ -42,7 +45,7 @@ static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Before the first step nothing has been sampled in passing. */
+/* The sum of squares of a particle field. The passes of a sampled step have computed it, but for the first step. */
 static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, const MpmEnergyTerm *term, PetscReal *sum)
 {
   const char     *name   = march->scheme->table->fields[field];
@@ -61,7 +64,7 @@ static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Of a node field, or of its differences over cells. */
+/* The sum of squares of a node field, or of its differences over cells. */
 static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBool differences, PetscReal *sum)
 {
   PetscReal *f;
@@ -77,7 +80,7 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the grid sees of a formulation without an energy: the node fields that particle fields are sent to. */
+/* For a formulation without an energy: the sum of squares of the node fields that particle fields are sent to. */
 static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
 {
   const MpmTable *table = march->scheme->table;

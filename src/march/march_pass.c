@@ -1,11 +1,10 @@
 /*
-   Passes of the march: blocks of particles go through a pass's operations while they are in the first-level
-   cache.
+   Runs passes: blocks of particles go through the operations of a pass while they are in the first-level cache.
 
-   Particles are in the order of their places, so nodes come into reach and leave it in order too: they are
-   zeroed just ahead of the blocks and divided by their mass just behind, and a joined pass follows as soon as
-   the nodes that a block sees are complete, while its particles are in the second-level cache. Only the
-   blocks at the ends of a rank's part, which see nodes that other ranks share, wait for the halo sum.
+   Particles are in the order of their places. So nodes come into reach in order, and leave it in order. They are set to
+   0 just ahead of the blocks and divided by their mass just behind. A joined pass follows as soon as the nodes of a
+   block are complete, while its particles are in the second-level cache. Only the blocks at the ends of a rank's part
+   wait for the halo sum, because other ranks share their nodes.
 */
 #include "march/march_stage.h"
 
@@ -37,7 +36,7 @@ static void SwapVec(Vec *a, Vec *b)
   *b = kept;
 }
 
-/* Fields that were summed into their spare array change places with it; last is the group's last stage. */
+/* Fields that were summed to their spare array change places with it. last is the group's last stage. */
 static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
 {
   const MpmMarch       *march = a->march;
@@ -61,7 +60,10 @@ static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A stage reads what the stages before it in the group have summed; the first one (before NULL) what was there. */
+/*
+   A stage reads the sums of the stages before it in the group, and else the node fields as they were. The first stage
+   has none before it (NULL).
+*/
 static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before, const MpmPass *pass, PetscInt64 step,
                                  MpmStage *s)
 {
@@ -100,7 +102,7 @@ static PetscErrorCode ZeroTo(MpmStage *s, PetscInt end)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* g_i = sum / mass, 0 where there is no mass. */
+/* Divides the sums at nodes [lo, hi) by the masses; they become 0 where there is no mass. */
 static void Complete(const MpmStage *s, PetscInt lo, PetscInt hi)
 {
   if (s->pass->sums_mass)
@@ -112,7 +114,7 @@ static void Complete(const MpmStage *s, PetscInt lo, PetscInt hi)
   }
 }
 
-/* The next block, and the nodes it leaves behind. */
+/* Takes the next block through the pass, and completes the nodes that no later block reaches. */
 static PetscErrorCode Advance(MpmStage *s)
 {
   const MpmGrid *grid = s->arrays->march->grid;
@@ -130,8 +132,9 @@ static PetscErrorCode Advance(MpmStage *s)
 }
 
 /*
-   Lets a joined stage follow the one before it as far as that has completed nodes. It stays inside [lo, hi) of the one
-   before, which neither reads those nodes again nor divides by their masses, so it may overwrite both.
+   Lets a joined stage follow the stage before it, as far as that has completed nodes. It stays inside nodes [lo, hi) of
+   the stage before. That stage neither reads these nodes again nor divides by their masses, so this one may overwrite
+   both.
 */
 static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
 {
@@ -142,7 +145,7 @@ static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
     const PetscInt last = PetscMin(s->next + s->arrays->block, count) - 1;
 
     if (MpmStageLargestNode(s, last) >= before->hi) break;
-    if (MpmStageLeastNode(s, s->next) < before->lo) { /* sees shared nodes: comes after the halo sum */
+    if (MpmStageLeastNode(s, s->next) < before->lo) { /* has shared nodes: it comes after the halo sum */
       s->first = s->next = last + 1;
       s->lo = s->hi = PetscMax(s->hi, MpmStageLargestNode(s, last) + 1);
       continue;
@@ -153,7 +156,7 @@ static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The blocks that could not follow early, then the shared nodes: sum over ranks, complete, spread to ghosts. */
+/* Runs the blocks that could not follow early. Then sums the shared nodes over ranks, and completes them. */
 static PetscErrorCode FinishStage(MpmStage *s)
 {
   const MpmGrid *grid  = s->arrays->march->grid;

@@ -1,4 +1,4 @@
-/* March: the explicit loop, as its own files and those that read its state know it. */
+/* The march as its own files see it, and those that read its state. */
 #pragma once
 #include "base/float_check.h"
 #include "march/grid.h"
@@ -8,11 +8,11 @@
 #include <mpmstab/march.h>
 
 /*S
-   MpmMarch_ - a scene in motion.
+   MpmMarch_ - the state of a run.
 
-   The state is particle fields times 2^exponent: an unstable run is rescaled by powers of two, which changes
-   no digit, so that it can be followed for any number of steps.
-*/
+   The state is the particle fields times 2^exponent. An unstable run is divided by powers of two, which changes no
+   digit, so that it can be followed for any number of steps.
+S*/
 struct MpmMarch_ {
   const MpmScene  *scene; /* units, exact solution and output; NULL: random data, which have none of these */
   const MpmLayout *layout;
@@ -32,19 +32,22 @@ struct MpmMarch_ {
   MpmFloatCheck    float_check;
 };
 
-/* Not collective. The least number of bytes that particles and nodes of a march take, and its output if it has one, on all ranks together. */
+/*
+   Not collective. A lower bound of the bytes that the particles and nodes of a march take on all ranks together. With
+   output it includes those of the run's output.
+*/
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
 
 /*
-   Collective. Sums the particles' fields to the nodes as a step finds them; to be called when the fields were changed
-   before the first step.
+   Collective. Sums the particle fields to the nodes as the first step needs them. It is called when the fields have
+   been changed before that step.
 */
 PetscErrorCode MpmMarchStart(MpmMarch *march);
 
-/* Collective. Random particle fields in [-amplitude, amplitude], from the scene's seed, before the first step. */
+/* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude), before the first step. */
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
-/* Not collective. Whether the particles move against the grid. */
+/* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
 {
   return march->particles->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
@@ -64,9 +67,11 @@ PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, cons
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /*S
-   MpmNodeVectors - the node fields that passes sum to and read: local vectors, n of them. spare[f] is the second array
-   of a field that is summed while it is read, or NULL. antisymmetric says for each field whether it is 0 at fixed ends.
-   inverse_mass is set by a pass that sums masses, and read by others.
+   MpmNodeVectors - the node fields that passes sum to and read, as n local vectors.
+
+   spare         - spare[f]: a second array for a field that is summed while it is read, or NULL
+   antisymmetric - antisymmetric[f]: the field is 0 at fixed ends
+   inverse_mass  - passes that sum masses set it, and others read it
 S*/
 typedef struct {
   PetscInt         n;
@@ -75,10 +80,11 @@ typedef struct {
 } MpmNodeVectors;
 
 /*
-   MpmMarchRunPasses - a pass and those joined to it, with halo sums and the last one's node operations.
+   MpmMarchRunPasses - runs n passes, of which the others are joined to the first, with halo sums and the node
+   operations of the last.
 
-   Collective. The particles' step moves on with DRIFT; migration is the caller's. MpmMarchRunPassesOn does the same on
-   any node fields, with particles at the places of any step, which it moves on.
+   Collective. DRIFT moves the step of the particles on. The caller migrates particles. MpmMarchRunPassesOn does the
+   same on any node fields, with particles at the places of any step, which it moves on.
 */
 PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample);
 PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
@@ -87,11 +93,11 @@ PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes,
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
 
-/* Collective. P2G of one particle field at the current places into a local vector, ghosts included. */
+/* Collective. P2G of one particle field at the present places, into a local vector with its ghosts. */
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
 
 /*
-   Collective. The same where the particles will be after the next DRIFT, while they stay; inverse_mass, a local vector,
-   becomes that of the nodes there. Under drift there must be slack in the ghost layer.
+   Collective. P2G of one particle field at the places after the next DRIFT, while the particles stay. Sets
+   inverse_mass, a local vector, for these places. Under drift, the ghost layer must have slack.
 */
 PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node);

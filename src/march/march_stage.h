@@ -1,8 +1,8 @@
-/* A pass on its way through the particles: what march_pass.c, which orders the blocks, and march_block.c share. */
+/* A pass that goes through the particles. march_pass.c orders its blocks, and march_block.c runs them. */
 #pragma once
 #include "march/march_nodes.h"
 
-/* What the passes of a group share: the arrays of particles and nodes, and how many particles a block has. */
+/* Arrays of particles and nodes, and the number of particles in a block, for all passes of a group. */
 typedef struct {
   const MpmMarch       *march;
   const MpmNodeVectors *nodes;
@@ -11,18 +11,26 @@ typedef struct {
   PetscReal            *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
 } MpmMarchArrays;
 
-/* Where the particles of a block are, and room for their places when they have moved. */
+/* The places of the particles of a block, and memory for them when they have moved. */
 typedef struct {
   MpmBlock  block;
   PetscReal xi[MPM_BLOCK];
 } MpmPlaced;
 
 /*S
-   MpmStage - one pass of a group, its arrays resolved so that the block loop follows pointers only.
+   MpmStage - one pass of a group, and how far it has gone. Its arrays are pointers, so that the loop over blocks looks
+   nothing up.
 
-   Particles [first, next) have been through it, nodes [lo, hi) are complete, and nodes [zeroed[0], zeroed[1]) are ready
-   to be summed to. It reads node[], writes sum[] and leaves behind after[], by node field. Index 0 of whole, part and
-   placed: before DRIFT, 1: after it.
+   moving        - particles move relative to the grid
+   sample        - sums of squares are wanted
+   whole, part   - the drift since rest, before DRIFT (index 0) and after it (index 1)
+   node, sum     - node[f]: the array of node field f that the pass reads; sum[f]: the one that it sums to
+   after         - after[f]: the array that holds node field f when the pass is done
+   first, next   - particles [first, next) have been through the pass
+   lo, hi        - nodes [lo, hi) are complete
+   zeroed        - nodes [zeroed[0], zeroed[1]) are 0 or have sums
+   placed        - the places of the first block, before and after DRIFT, where cells are alike
+   done          - how far each node operation has been done
 S*/
 typedef struct {
   const MpmPass        *pass;
@@ -36,15 +44,15 @@ typedef struct {
   MpmNodesDone          done[MPM_MAX_PASS_OPS];
 } MpmStage;
 
-/* Not collective. How many particles a block has: where cells are alike, those of whole cells. */
+/* Not collective. The number of particles in a block. Where cells are alike it is that of a number of whole cells. */
 PetscInt MpmMarchBlockSize(const MpmParticles *particles);
 
-/* Not collective. Where cells are alike, the places of the first block are those of all: finds them. */
+/* Not collective. Where cells are alike, all blocks lie in their cells as the first one does: finds its places. */
 void MpmStagePlace(MpmStage *stage);
 
-/* Not collective. Takes the n particles from begin on, the beginning of a block, through the pass. */
+/* Not collective. Takes a block, the n particles from begin on, through the pass. */
 void MpmStageRunBlock(const MpmStage *stage, PetscInt begin, PetscInt n);
 
-/* Not collective. The least and the largest node that particle p may see in this pass. */
+/* Not collective. The least and the largest node that particle p may have a weight at in this pass. */
 PetscInt MpmStageLeastNode(const MpmStage *stage, PetscInt p);
 PetscInt MpmStageLargestNode(const MpmStage *stage, PetscInt p);

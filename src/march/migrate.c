@@ -1,13 +1,13 @@
 /*
-   Migration. Drift is uniform, so every rank knows without asking when particles may have reached the end of
-   the ghost layer; only then are they sent. The swarm fills the holes of those that left with its last
-   particles, so the order of places, on which the passes' speed rests, is restored after.
+   Migration. The drift is the same for all particles. So every rank knows without communication when particles may have
+   reached the end of the ghost layer, and they are sent only then. The swarm fills the holes that they leave with its
+   last particles. The speed of passes depends on the order of places, which is therefore restored.
 */
 #include "march/particles.h"
 #include "scheme/kernels.h"
 #include <stdint.h>
 
-/* Global cells, the owners, and how many particles leave. The cell field is global until they have arrived. */
+/* Sets global cells and owners, and counts the particles that leave. Cells are global until particles have arrived. */
 static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt whole, PetscReal part,
                                 PetscInt64 *leaving)
 {
@@ -40,7 +40,10 @@ static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Back from the cell a particle is in now to the local cell it rests in; the part of drift below a cell stays out. */
+/*
+   Turns the global cells that particles are in now into local resting cells: takes back the part of the drift that is
+   less than a cell, and leaves whole cells in.
+*/
 static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *grid, PetscReal part)
 {
   const PetscReal *xi;
@@ -62,8 +65,7 @@ static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *gr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* order[i] is the particle that comes i-th by (cell, xi, id): a counting sort by cell, then insertion within
-   a cell. */
+/* order[i] is the i-th particle by (cell, xi, id): a counting sort by cell, then an insertion sort within a cell. */
 static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
 {
   const PetscInt64 *id;
@@ -75,7 +77,7 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* cells -1 to count - 1, and the end */
+  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* for cells -1 to count - 1, and the end */
   for (PetscInt p = 0; p < particles->count; p++) next[cell[p] + 2]++;
   for (PetscInt c = 0; c <= grid->count; c++) next[c + 1] += next[c];
   for (PetscInt p = 0; p < particles->count; p++) order[next[cell[p] + 1]++] = p;
@@ -98,7 +100,7 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Applies the order to one field, word by word of its numbers: so the buffer takes four bytes a particle, not eight. */
+/* Applies the order to one field, in words of four bytes. So the buffer takes four bytes a particle, not eight. */
 static PetscErrorCode Reorder(const MpmParticles *particles, const char name[], const PetscInt order[],
                               uint32_t buffer[])
 {

@@ -1,4 +1,4 @@
-/* W^T m W y = M g on the grid of the march, m: the particles' masses. */
+/* Solves W^T m W y = M g on the grid of the march. m are the masses of the particles and M those of the nodes. */
 #include <mpmstab/errors.h>
 #include "scheme/maps.h"
 #include "march/nodal_solve.h"
@@ -48,7 +48,7 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a particle at xi in a cell adds to W^T m W. */
+/* Adds the part of a particle, at xi in a cell, to W^T m W. */
 static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi, PetscReal mass)
 {
   const PetscInt reach = MpmMapReach(s->basis);

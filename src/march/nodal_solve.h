@@ -1,14 +1,17 @@
-/* The nodal solve of the operation SOLVE on the march's grid. */
+/* The operation SOLVE on the grid of the march. */
 #pragma once
 #include "march/particles.h"
 #include <petscksp.h>
 
 /*S
-   MpmNodalSolve - y with P W y = g, P = M^{-1} W^T: the normal equations W^T W y = M g by conjugate gradients
-   (-nodal_* to change that).
+   MpmNodalSolve - solves P W y = g with P = M^{-1} W^T m, the particles' masses m and the nodal masses M. These are the
+   normal equations
 
-   Where W^T W is singular (the checkerboard of one centred particle a cell) g = P q is in its range and iterations
-   from 0 stay there. The matrix is put together when particles have moved since the last solve.
+     W^T m W y = M g
+
+   It uses conjugate gradients, which options -nodal_* change. W^T m W may be singular: for one centred particle a cell
+   its null space is the checkerboard. g = P q is in its range, and iterations from 0 stay there. The matrix is
+   assembled anew when particles have moved since the last solve.
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -21,18 +24,25 @@ typedef struct {
   PetscBool        antisymmetric;
 } MpmNodalSolve;
 
-/* Collective. */
+/* Collective. layout, basis and grid must outlive the solve. */
 PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
                                    MpmNodalSolve **solve);
 PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
-   MpmNodalSolveApply - solves with the particles at the places of a step, which follow from their resting places; refuses when it
-   does not converge. Local arrays, ghosts included in y; inverse_mass is 0 where there is no mass. antisymmetric: y is 0 at the
-   walls that impose it (fixed without reaction). MpmNodalSolveTry leaves it to the caller: reason is above 0 when it
-   converged.
+   MpmNodalSolveApply - solves with the particles at the places of a step, which follow from their resting places.
 
-   Collective.
+   Collective. Refuses when it does not converge.
+
+   Input Parameters:
++  places        - the resting places of this rank's particles
+.  antisymmetric - y is 0 at the walls that impose it (fixed without reaction)
+.  inverse_mass  - a local array, 0 where there is no mass
+-  g             - a local array
+
+   Output Parameter: y - a local array; its ghosts are set too
+
+   MpmNodalSolveTry does the same and leaves convergence to the caller: reason is above 0 when it converged.
 */
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
                                   const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],

@@ -1,4 +1,4 @@
-/* Particles: DMSwarm BASIC with our own places and ownership (DMSWARM_PIC does not support one dimension). */
+/* Particles in a DMSwarm of type BASIC, with own places and owners: DMSWARM_PIC does not support one dimension. */
 #include "march/particles.h"
 #include <math.h>
 
@@ -52,8 +52,8 @@ static PetscErrorCode CreateSwarm(const MpmGrid *grid, MpmParticles *particles)
 }
 
 /*
-   Visits, in the order of their places, the particles whose cell this rank owns; jitter may take a particle
-   into a neighbour of its own cell. With arrays it stores them, without it only counts.
+   Visits the particles whose cell this rank owns, in the order of their places. Jitter may take a particle into a
+   neighbour of its own cell. With arrays it stores the particles, without it only counts them.
 */
 static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
 {
@@ -134,7 +134,7 @@ PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmP
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The exact solution at the start, or half a step before it where a field lags. */
+/* Sets the fields to the exact solution at the start; a staggered field starts half a step earlier. */
 static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, PetscReal amplitude,
                                 MpmParticles *particles)
 {

@@ -1,4 +1,4 @@
-/* Particles: a DMSwarm of the fields the table names, their places, and who owns them. */
+/* Particles: their fields in a DMSwarm, their places, and the ranks that own them. */
 #pragma once
 #include "march/grid.h"
 #include "scene/layout.h"
@@ -9,25 +9,25 @@
 /*S
    MpmParticles - the particles of this rank, in the order of their places.
 
-   A particle's place at step n is cell + xi + n delta. The swarm keeps (cell, xi) of the resting particle:
-   cell as a local index of the grid, moved on by the rebased whole cells that drift has carried it; the rest of
-   n delta is common to all particles and is formed exactly, so that nothing accumulates and moving costs no
-   memory traffic. DMSwarm's own pid field is the global id.
+   At step n a particle of drift delta is at cell + xi + n delta. The swarm keeps (cell, xi) of its resting place. cell
+   is a local index of the grid. Migration adds the whole cells of drift to it that rebased counts. The rest of n delta
+   is the same for all particles and is formed exactly. So nothing accumulates, and moving writes nothing to memory. The
+   global id is DMSwarm's own field pid.
 S*/
 typedef struct {
   DM               swarm;
   const MpmLayout *layout;
   const MpmTable  *table;
   MpmFraction      drift;
-  PetscInt         count;    /* on this rank */
-  PetscInt         per_cell; /* particle p + per_cell rests where p does, one cell on; 0: not so for all */
-  PetscInt64       total;    /* on all ranks */
-  PetscInt64       step;     /* time level of the places */
-  PetscInt64       rebased;  /* whole cells of drift already in the cell field */
+  PetscInt         count;    /* number of particles on this rank */
+  PetscInt         per_cell; /* particle p + per_cell rests one cell on from p, for all p; 0: not so */
+  PetscInt64       total;    /* number of particles on all ranks */
+  PetscInt64       step;     /* time step of the places */
+  PetscInt64       rebased;  /* whole cells of drift that are in the cell field */
   PetscBool        parallel;
 } MpmParticles;
 
-/* Where this rank's particles rest, and their masses where these differ (else NULL): the swarm's arrays. */
+/* The resting places of this rank's particles, and their masses where these differ (else NULL): arrays of the swarm. */
 typedef struct {
   const PetscInt  *cell;
   const PetscReal *xi, *mass;
@@ -36,8 +36,8 @@ typedef struct {
 extern const char MpmFieldCell[], MpmFieldXi[];
 
 /*
-   MpmParticlesCreate - places a layout's particles, with the properties in which they differ; the fields of the table's
-   state are there and hold zeros.
+   MpmParticlesCreate - places a layout's particles, with the properties in which they differ. The fields of the table's
+   state hold zeros.
 
    Collective. layout and table must outlive the particles.
 */
@@ -46,34 +46,34 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
 /*
-   Not collective. Gives the fields a scene's initial data, divided by 2^exponent. An eigenmode comes from a file: the
-   fields stay 0, and the caller fills them (MpmModeFileFill).
+   Not collective. Sets the fields to a scene's initial data, divided by 2^exponent. With initial data eigenmode they
+   stay 0, and the caller sets them (MpmModeFileFill).
 */
 PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles);
 
-/* Not collective. Gives every field random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
+/* Not collective. Sets every field to random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
 PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles);
 
-/* Not collective. Gives the particles, by their ids, the properties that vary. */
+/* Not collective. Sets the properties that vary, from the ids of the particles. */
 PetscErrorCode MpmParticlesWeigh(MpmParticles *particles);
 
 /*
-   Not collective. How many more particles than it has a rank's arrays have room for: without, the swarm would give back
-   and ask again for the memory of all arrays with each particle that leaves.
+   Not collective. The number of particles that a rank's arrays have room for besides its own. Without such room the
+   swarm would allocate all arrays anew with each particle that leaves.
 */
 PetscInt MpmParticlesRoom(const MpmParticles *particles);
 
-/* Not collective. Finds per_cell; to be called when places have changed. */
+/* Not collective. Sets per_cell. It is called when places have changed. */
 PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 
-/* Not collective. Where the particles are at a step, from the swarm's (cell, xi): whole cells and part in [0,1) on. */
+/* Not collective. The drift from the swarm's (cell, xi) to the places at a step: whole cells, and part in [0,1). */
 PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);
 
 /* Not collective. Access to a swarm field by name; every Get needs its Restore. */
 PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array);
 PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array);
 
-/* Not collective. The Lagrangian coordinate X / h of a particle, in [0, cells), from its swarm fields. */
+/* Not collective. The Lagrangian coordinate X / h in [0, cells) of a particle at (cell, xi) of the swarm's fields. */
 static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, const MpmGrid *grid, PetscInt cell,
                                                PetscReal xi)
 {
@@ -84,9 +84,9 @@ static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, co
 }
 
 /*
-   MpmParticlesRebase - takes the whole cells of drift into the cell field; particles that have left go to
-   their owners.
+   MpmParticlesRebase - adds the whole cells of drift to the cell field, and sends particles that have left this rank's
+   cells to their owners.
 
-   Collective. On return the particles are in the order of their places again and none is lost (checked).
+   Collective. On return the particles are in the order of their places again. It is checked that none is lost.
 */
 PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid);

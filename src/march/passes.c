@@ -1,4 +1,4 @@
-/* Table -> passes. */
+/* Compiles a table to passes. */
 #include "march/passes.h"
 
 typedef struct {
@@ -7,8 +7,8 @@ typedef struct {
   const MpmLayout *layout;
   PetscReal        courant;
   PetscBool        fused, mass_due;
-  PetscInt         depth[MPM_MAX_FIELDS]; /* ghosts of a node field that are not valid */
-  PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G, as it is now; or MPM_NONE */
+  PetscInt         depth[MPM_MAX_FIELDS]; /* ghosts at each end of a node field that are not valid */
+  PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G as it is now, or MPM_NONE */
   MpmSchedule *schedule;
 } Compiler;
 
@@ -80,7 +80,7 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A pass must end before an operation that reads what the pass has yet to complete, or that sums it anew. */
+/* A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. */
 static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -92,7 +92,7 @@ static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
 }
 
-/* What node fields hold once op is done. */
+/* Notes which node fields are P2G of a particle field once op is done. */
 static void NoteHeld(Compiler *c, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -129,7 +129,7 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How many operations come before the particles first read the grid or move. */
+/* The number of operations before the particles first read the grid or move. */
 static PetscInt HeadLength(const MpmTable *t)
 {
   PetscInt h = 0;
@@ -138,7 +138,7 @@ static PetscInt HeadLength(const MpmTable *t)
   return h;
 }
 
-/* The state's norm is summed where each particle field gets its last value of the step. */
+/* Inserts the sums for the norm of the state, each where a particle field gets its last value of the step. */
 static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
 {
   PetscFunctionBegin;
@@ -156,7 +156,7 @@ static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
         }
       }
     }
-    if (!last) continue; /* a field that no step changes needs no watching */
+    if (!last) continue; /* a field that no step changes needs no sum */
     PetscCall(Append(last, last->op[last->nops - 1]));
     for (PetscInt o = last->nops - 2; o > after; o--) last->op[o] = last->op[o - 1];
     last->op[after + 1] = (MpmPassOp){.kind = MPM_PASS_SAMPLE, .particle = field};
@@ -165,12 +165,13 @@ static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
 }
 
 /*
-   A pass joins the one before it when nothing comes between them and no field is summed twice. Only a field that a pass
-   both reads and sums needs a second array: a joined pass stays behind the nodes that the pass before it is done with.
+   A pass joins the one before it when no operation comes between them and no field is summed twice. A joined pass stays
+   behind the nodes that the pass before it is done with. So only a field that a pass both reads and sums needs a second
+   array.
 */
 static void JoinPasses(MpmSchedule *schedule)
 {
-  PetscInt first = 0; /* of the group */
+  PetscInt first = 0; /* pass of the group */
 
   for (PetscInt p = 0; p < schedule->npasses; p++) {
     MpmPass *pass = &schedule->pass[p];
@@ -220,7 +221,7 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
     const MpmOp *op = &t->ops[(head + o) % t->nops];
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
-    if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* musl at rest: the last step's second P2G */
+    if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
     if (EndsBefore(pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }
@@ -237,18 +238,18 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The maximum norm of an operation, per unit of its factor. */
+/* The maximum norm of an operation whose number a is 1. */
 static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, PetscReal least_mass)
 {
   switch (kind) {
-  case MPM_DIV: /* a node sees the particles of as many cells as a particle sees nodes */
+  case MPM_DIV: /* a node has particles in as many cells as a particle has nodes */
     return basis->slope_sum * ppc * MpmMapReach(basis) / least_mass;
   case MPM_GRAD:
-  case MPM_G2P_AFFINE: /* at most the gradient that a particle's nodes can have */
+  case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
     return basis->slope_sum;
   case MPM_LAP:
     return 4;
-  case MPM_SOLVE: /* followed by G2P it is a projection; by itself the inverse of what is rarely below 1/100 */
+  case MPM_SOLVE: /* with G2P after it, it is a projection; P W has rarely an eigenvalue below 1/100 */
     return 100;
   default:
     return 1;

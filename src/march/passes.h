@@ -1,31 +1,30 @@
 /*
-   Passes: a table compiled for marching. Consecutive particle operations between two grid sums
+   Passes: a table compiled for marching. The particle operations that follow one another between two sums over the grid
    become one pass over the particles, done block by block.
 
-   A step is cut where its particles first read the grid: what comes before (the first P2Gs) joins the pass
-   that ends the step before it, since both go over the same particles. So gas1 and elastic need one pass a
-   step, gas2 two.
+   A step is cut where its particles first read the grid. The operations before (the first P2Gs) join the pass that ends
+   the step before, since both go over the same particles. So gas1 and elastic need one pass a step, and gas2 two.
 */
 #pragma once
 #include "scheme/maps.h"
 #include "scene/layout.h"
 #include <mpmstab/table.h>
 
-#define MPM_MAX_PASS_OPS 128 /* operations on particles in one pass, and on nodes after it */
-#define MPM_MAX_JOINED 8     /* passes that follow one another through the particles */
+#define MPM_MAX_PASS_OPS 128 /* the largest number of operations on particles in one pass, and on nodes after it */
+#define MPM_MAX_JOINED 8     /* the largest number of passes joined to one another */
 
 /*E
-   MpmPassOpKind - what a pass does to a block of particles.
+   MpmPassOpKind - an operation of a pass on a block of particles.
 
    MPM_PASS_MAP    - a map between particles and nodes (a kernel of the basis)
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
-   MPM_PASS_SCALE  - a particle field times a number
-   MPM_PASS_DRIFT  - particles are at the next step's places from here on
-   MPM_PASS_SAMPLE - sum of squares of a particle field, when the step is sampled
+   MPM_PASS_SCALE  - multiplies a particle field by a number
+   MPM_PASS_DRIFT  - from here on particles are at the places of the next step
+   MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
 typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
 
-/* to_nodes: the map writes the node field. weight: a property that varies, or MPM_NO_PROPERTY. */
+/* to_nodes: the map writes the node field. weight: the property that multiplies it, where it varies. */
 typedef struct {
   MpmPassOpKind kind;
   MpmKernel     kernel;
@@ -37,8 +36,8 @@ typedef struct {
 } MpmPassOp;
 
 /*
-   A node operation, done on ghosts too as far as its operands are valid: depth ghosts fewer than the grid has. side: the
-   end at which a WALL acts.
+   A node operation. It is done on ghosts too, as far as its operands are valid: on depth ghosts fewer than the grid
+   has. side is the end at which a WALL acts.
 */
 typedef struct {
   MpmOpKind kind;
@@ -47,13 +46,16 @@ typedef struct {
   PetscBool accumulates;
 } MpmNodeOp;
 
-/* Not collective. Whether a node's new value depends on it and its neighbours alone, of any rank and of no wall. */
+/* Not collective. Whether a node's new value depends on itself and its neighbours alone: no sum over ranks, no wall. */
 static inline PetscBool MpmNodeOpIsLocal(MpmOpKind kind)
 {
   return kind == MPM_LAP || kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* nsums node fields are complete when the pass is done; the node operations follow; rebase: particles then migrate. */
+/*
+   MpmPass - operations on particles, and those on nodes that follow them. The nsums node fields sum[] are complete when
+   the particles are done. With rebase the particles migrate after the pass.
+*/
 typedef struct {
   PetscInt  nops, nsums, nnode_ops;
   MpmPassOp op[MPM_MAX_PASS_OPS];
@@ -63,10 +65,10 @@ typedef struct {
 } MpmPass;
 
 /*S
-   MpmSchedule - the passes of a step, and the one that comes before the first step.
+   MpmSchedule - the passes of a step, and the one before the first step (start).
 
-   spare[n]: node field n is summed while its old values are still read, so it needs a second array. halo: ghosts used
-   up by node operations.
+   halo  - the number of ghosts that node operations need
+   spare - spare[n]: node field n is summed while its old values are still read, so it needs a second array
 S*/
 typedef struct {
   MpmPass   start, *pass;
@@ -75,24 +77,28 @@ typedef struct {
 } MpmSchedule;
 
 /*
-   MpmScheduleCompile - compiles a table; what schedule held before is freed.
+   MpmScheduleCompile - compiles a table to passes, and frees what schedule held before.
 
-   Not collective. Begin with a schedule of zeros.
+   Not collective. A new schedule must be all zeros.
 
    Input Parameters:
-+  layout - says in which properties particles differ, and so which operations weigh them
-.  drifts - whether particles move; if not, DRIFT is left out and the masses are summed once
--  fused  - whether particles may be summed to the grid before they migrate (they stay within the ghost layer)
++  layout - says in which properties particles differ, and so which operations are weighted
+.  drifts - particles move; if not, DRIFT is left out and the masses are summed once
+-  fused  - particles may be summed to the grid before they migrate, because they stay within the ghost layer
 */
 PetscErrorCode MpmScheduleCompile(const MpmTable *table, const MpmBasis *basis, const MpmLayout *layout,
                                   PetscReal courant, PetscBool drifts, PetscBool fused, MpmSchedule *schedule);
 PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
 
 /*
-   MpmScheduleBound - a bound on how much one step can enlarge the largest number of the state.
+   MpmScheduleBound - a bound of the factor by which one step can enlarge the largest number of the state. It says when
+   a march must be rescaled.
 
-   Not collective. Follows the table with the maps' maximum norms; used to rescale in time. least_mass: a bound from
-   below on the nodal masses that DIV divides by, in particles. stiffness: the largest that GRAD multiplies with.
+   Not collective. It follows the table with the maximum norms of the maps.
+
+   Input Parameters:
++  least_mass - a lower bound of the nodal masses that DIV divides by, in particles
+-  stiffness  - the largest number that GRAD multiplies with
 */
 PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
                            PetscReal least_mass, PetscReal stiffness);

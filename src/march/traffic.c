@@ -1,10 +1,10 @@
 /*
-   Bytes that a step moves between memory and processor, from its passes.
+   The bytes that a step moves between memory and processor.
 
-   The passes of a group follow one another through the particles while these are in a cache, so each array is
-   read once a group, and written once if anything in the group changes it; what is only written is read too
-   (the processor fetches a line before it changes a part of it). Local node operations follow the particles; from a wall
-   on each is a sweep of its own.
+   The passes of a group follow one another through the particles while these are in a cache. So each array is read once
+   a group, and written once if the group changes it. An array that is only written is read too, because the processor
+   fetches a line before it changes a part of it. Local node operations follow the particles. From a wall on, each is a
+   sweep of its own.
 */
 #include "march/traffic.h"
 #include <math.h>
@@ -44,7 +44,7 @@ static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uin
   }
 }
 
-/* Returns how many node operations follow the particles. */
+/* Notes the fields of the node operations that follow the particles, and returns the number of these operations. */
 static PetscInt TouchNodes(const MpmPass *pass, Touched *node)
 {
   PetscInt o = 0;
@@ -56,7 +56,10 @@ static PetscInt TouchNodes(const MpmPass *pass, Touched *node)
   return o;
 }
 
-/* The passes from first to the last one joined to it, places aside; masses are read where something is summed. */
+/*
+   Adds the bytes of the pass first and of those joined to it, without the places of particles, and returns their
+   number. Masses are read where something is summed.
+*/
 static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, PetscReal *of_particle,
                       PetscReal *of_node)
 {
@@ -77,7 +80,7 @@ static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, P
   last = &s->pass[first + n - 1];
   for (PetscInt o = TouchNodes(last, &node); o < last->nnode_ops; o++)
     if (last->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal);     /* reads one, changes another */
-  for (PetscInt f = t->nstate; f < t->nparticles; f++) particle.reads &= ~Bit(f); /* scratch stays in the cache */
+  for (PetscInt f = t->nstate; f < t->nparticles; f++) particle.reads &= ~Bit(f); /* scratch fields stay in the cache */
   particle.writes &= particle.reads;
   *of_particle += Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
   *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);

@@ -1,9 +1,11 @@
 /*
-   The assemble reader: an operation of the table is a sparse product, q(t+1) = A(x_t) q(t).
+   A table as a sparse matrix: each operation is a product of sparse matrices, and q(t+1) = A(x_t) q(t).
 
-     particle -> node       g = M^-1 S^T q      S: phi_ip (or h dphi_ip/dx), M: nodal masses
-     node -> particle       q += a S g,  q += a D g     D: h dphi_ip/dx
-     node -> node           g = a L f,   g += a f       L: the operation's stencil
+     particle -> node       g  = a M^-1 S^T q
+     node -> particle       q += a S g
+     node -> node           g  = a L f
+
+   S has phi_ip, or h dphi_ip/dx for DIV and GRAD. M has the nodal masses, and L the stencil of the operation.
 */
 #include "linalg/normal_inverse.h"
 #include "march/grid.h"
@@ -13,8 +15,9 @@
 #include <math.h>
 
 /*
-   Rows are particles in the order of their ids, times what the operation weighs them with. Nodes that a short grid's
-   wrap or a wall makes one add up.
+   The matrix of a map, particles x nodes. Rows are particles in the order of their ids, times the property that the
+   operation multiplies them with. Two of a particle's nodes may be one and the same, in a short periodic grid or at a
+   wall; their weights add up.
 */
 static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscBool drop,
                                        PetscInt64 step, Mat *map)
@@ -44,7 +47,7 @@ static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodal masses at a step: of both images together, whatever the sign of the fields. */
+/* The nodal masses at a step. Images at a wall add to them with a positive sign, whatever the sign of the fields. */
 static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
 {
   Mat shape;
@@ -88,7 +91,7 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool antisy
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sqrt(m) W, so that its square is W^T m W. */
+/* Multiplies W by sqrt(m), so that its normal equations have the matrix W^T m W. */
 static PetscErrorCode WeighRoots(const MpmRegisters *r, Mat W)
 {
   Vec        root;
@@ -118,7 +121,7 @@ PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool antisymmetric, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The identity's rows of one field: particle p of this rank is number fields p + field of the state. */
+/* The rows of the identity for one field: particle p of this rank is unknown fields p + field of the state. */
 static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matrix)
 {
   PetscInt row, column;
@@ -134,7 +137,7 @@ static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matri
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A register that holds nothing yet. */
+/* Sets a register to a matrix of zeros. */
 static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
 {
   PetscFunctionBegin;
@@ -183,7 +186,7 @@ PetscErrorCode MpmRegistersDestroy(MpmRegisters *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A stencil's rows; nodes beyond a wall are images. */
+/* The matrix of a stencil. Nodes beyond a wall are replaced by those that they are images of. */
 static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool antisymmetric, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -204,7 +207,7 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The row of one wall node becomes a times that of another register. */
+/* The row of one wall node becomes a times that of register src. */
 static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
 {
   const PetscInt  wall = op->side ? r->layout->grid.nodes - 1 : 0;
@@ -233,7 +236,7 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* dst = a map src, or dst += a map src. */
+/* dst = a map src; accumulating, dst += a map src. */
 static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates, Mat *dst)
 {
   Mat product;
@@ -251,7 +254,7 @@ static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The maps of a step, each made when it is first used, for symmetric and antisymmetric node fields. */
+/* The matrices of a step's maps, for symmetric and antisymmetric node fields. Each is made when it is first used. */
 typedef struct {
   Mat map[MPM_OP_KINDS][2];
 } Maps;
@@ -310,7 +313,7 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers of each row of A in this rank's and in other ranks' columns. */
+/* Counts the numbers of each row of A, in the columns of this rank (own) and in those of others (far). */
 static PetscErrorCode CountRows(const MpmRegisters *r, PetscInt begin, PetscInt end, PetscInt own[], PetscInt far[])
 {
   PetscFunctionBegin;

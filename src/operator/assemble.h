@@ -1,4 +1,4 @@
-/* The table over sparse registers: what MpmOperatorCreate is made of. */
+/* A table applied to sparse matrices. MpmOperatorCreate is made of these functions. */
 #pragma once
 #include "base/float_check.h"
 #include "scheme/maps.h"
@@ -7,11 +7,16 @@
 #include <petscmat.h>
 
 /*S
-   MpmRegisters - a field is a sparse matrix: rows are its particles or nodes, columns the state at the start.
+   MpmRegisters - the registers of a table as sparse matrices. The rows of a register are its particles or nodes, and
+   its columns are the state at the start.
 
-   cells, nodes, particles and state are this rank's counts; a rank's cells are those that the march gives it. begin is
-   its first particle's id.
-*/
+   first, cells     - the first cell of this rank and their number; the march gives a rank the same cells
+   nodes, particles, state - the numbers of nodes, particles and unknowns of this rank
+   begin            - the id of this rank's first particle
+   fields           - the number of fields of the state
+   masses           - the nodal masses at step masses_step, or NULL
+   particle, node   - the registers
+S*/
 typedef struct {
   MPI_Comm         comm;
   const MpmLayout *layout;
@@ -25,14 +30,15 @@ typedef struct {
   MpmFloatCheck    float_check;
 } MpmRegisters;
 
-/* Collective. Particle registers are the identity's rows, node registers empty. */
+/* Collective. The particle registers of the state are rows of the identity; all other registers are empty. */
 PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                   MpmRegisters *registers);
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
-   MpmRegistersMap - a map between particles and nodes at a step: particles x nodes, or nodes x particles, divided by
-   the nodal masses (0 where there is none). antisymmetric: of the node field, see MpmTable.
+   MpmRegistersMap - the matrix of a map between particles and nodes at a step. From nodes to particles it is particles
+   x nodes. From particles to nodes it is nodes x particles, divided by the nodal masses; rows of nodes without mass are
+   0. antisymmetric says whether the node field is (see MpmTable).
 
    Collective.
 */
@@ -40,15 +46,18 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBoo
                                Mat *map);
 
 /*
-   MpmRegistersSolve - the map of SOLVE at a step, nodes x nodes: (W^T W)^+ M, W: G2P without the wall nodes that impose
-   0.
+   MpmRegistersSolve - the matrix of SOLVE at a step, nodes x nodes:
 
-   Collective. By all eigenvalues of W^T W; refuses grids too large for that.
+     (W^T m W)^+ M
+
+   W is G2P without the wall nodes that impose 0, m are the masses of the particles and M those of the nodes.
+
+   Collective. It takes all eigenvalues of W^T m W, and refuses grids too large for that.
 */
 PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool antisymmetric, PetscInt64 step, Mat *map);
 
-/* Collective. The operations of one step, with particles where they are at that step. */
+/* Collective. Applies the operations of one step, with the particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);
 
-/* Collective. The particle registers as one matrix, rows numbered like the state. */
+/* Collective. Gathers the particle registers in one matrix, whose rows are numbered like the state. */
 PetscErrorCode MpmRegistersGather(const MpmRegisters *registers, Mat *A);

@@ -1,6 +1,6 @@
 /*
-   The operator of a step or a period, the proof that it is what the march does, and the operator in variables whose
-   squares make the energy 1/2 sum m v^2 + V s^2 / E: for solvers, and as a norm.
+   The operator of a step or of a period, its comparison with the march, and the operator in variables whose squares add
+   up to the energy 1/2 sum m v^2 + V s^2 / E. Solvers and the energy norm use the latter.
 */
 #include "base/power_of_two.h"
 #include "march/march_private.h"
@@ -11,11 +11,11 @@
 #include <math.h>
 
 #define RESCALE_AT 200 /* powers of two */
-#define PERIODS 3      /* that the march is compared over */
+#define PERIODS 3      /* over which the march is compared */
 #define LARGEST 3e8    /* nonzeros */
-#define OF_NONZERO 50  /* bytes: registers while it is assembled, then the factors of its shifts */
+#define OF_NONZERO 50  /* bytes: for the registers during assembly, and later for the solver's factors */
 
-/* Keeps the registers in range; they are what they hold times 2^exponent. */
+/* Divides the registers by a power of two when they would leave the range of doubles, and adds to its exponent. */
 static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
 {
   PetscReal norm, largest = 0;
@@ -33,7 +33,10 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A P2G and what follows it carry a number over the reach of the basis, a stencil over its halo. */
+/*
+   Refuses an operator that would be too large. In a step, each sum over particles carries a number over the reach of
+   the basis, and each stencil over its halo.
+*/
 static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
 {
   const MpmLayout *layout = op->layout;
@@ -61,7 +64,7 @@ static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
 
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
-  static PetscClassId  id; /* registered once: some tasks assemble thousands */
+  static PetscClassId  id; /* registered once, because some tasks assemble thousands */
   static PetscLogEvent event;
   MpmRegisters         registers;
 
@@ -144,7 +147,7 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The march's particle fields as a state, in units of 2^exponent. */
+/* The particle fields of a march as a state vector, in units of 2^exponent. */
 static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec state)
 {
   const char *const *names = march->scheme->table->fields;
@@ -218,7 +221,7 @@ static PetscBool IsStress(const MpmFormulation *formulation, PetscInt field)
   return PETSC_FALSE;
 }
 
-/* sqrt(m), or sqrt(V / E) of a stress. */
+/* sqrt(m) for a velocity, sqrt(V / E) for a stress. */
 static PetscReal RootOf(const MpmOperator *op, PetscInt field, PetscInt64 id)
 {
   return sqrt(IsStress(op->scheme->formulation, field)
@@ -233,7 +236,7 @@ static PetscBool IsAlike(const MpmOperator *op)
   return !varies[MPM_MASS] && !varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* D A D^-1, and D; the roots themselves, or the powers of two next to them. */
+/* Computes D A D^-1 and D, whose diagonal has these roots, or with powers the powers of two next to them. */
 static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
 {
   PetscInt   begin, end;

@@ -1,4 +1,4 @@
-/* Ends of the domain: their names, and the images of nodes beyond them. */
+/* The names of the ends of a domain, and the mirror images of nodes beyond them. */
 #include <mpmstab/boundary.h>
 
 const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};

@@ -1,9 +1,9 @@
-/* The maps of THEORY.md, section 2 on arrays. */
+/* Kernels on arrays, for particles and for nodes. The maps between the two are in scheme/basis. */
 #include "scheme/kernels.h"
 
-#define LONGEST 4 /* runs for which bases have loops */
+#define LONGEST 4 /* particles in a run: bases have loops up to this length */
 
-/* None (begin = end = n) if the runs are not alike, or too long. */
+/* Finds the runs of equal length; none (begin = end = n) if their lengths differ or are more than LONGEST. */
 static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
 {
   PetscInt unlike = 0, begin = 0, length = 0;
@@ -15,7 +15,7 @@ static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
   if (begin > LONGEST || length == 0 || length > LONGEST) return;
   for (PetscInt p = begin; p < n - length; p++) unlike |= first[p + length] - first[p] - 1;
   if (unlike) return;
-  if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is a whole one too */
+  if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is complete too */
   b->begin  = begin;
   b->end    = n - (n - begin) % length;
   b->length = length;
@@ -34,7 +34,7 @@ void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], con
 void MpmScale(PetscInt n, PetscReal a, PetscReal *restrict particle)
 {
   if (a == 0)
-    for (PetscInt p = 0; p < n; p++) particle[p] = 0; /* whatever was there */
+    for (PetscInt p = 0; p < n; p++) particle[p] = 0; /* NaN and infinity too */
   else
     for (PetscInt p = 0; p < n; p++) particle[p] *= a;
 }
@@ -51,7 +51,7 @@ void MpmPlaceBlock(PetscInt n, const PetscInt *restrict cell0, const PetscReal *
   }
 }
 
-/* Several sums side by side: one alone would wait for each product to be added. */
+/* Several sums run side by side, because each addition of one sum must wait for the one before it. */
 PetscReal MpmSumSquares(PetscInt n, const PetscReal *restrict q)
 {
   enum { SIDE = 32 };

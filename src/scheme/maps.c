@@ -1,4 +1,4 @@
-/* Operations between particles and nodes: their kernels, and those kernels' numbers. */
+/* The maps between particles and nodes as rows of numbers, from their kernels. */
 #include "scheme/maps.h"
 
 void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal row[])

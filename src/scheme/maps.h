@@ -1,29 +1,32 @@
-/* The maps between particles and nodes as a table's readers ask for them: by operation and basis. */
+/* The maps between particles and nodes as rows of numbers, for those who assemble or analyse an operation. */
 #pragma once
 #include "scheme/kernels.h"
 #include <mpmstab/formulation.h>
 #include <mpmstab/boundary.h>
 
-#define MPM_MAX_REACH 8 /* nodes that one particle may see */
+#define MPM_MAX_REACH 8 /* a bound of MpmMapReach */
 
-/* Not collective. How many nodes a particle sees. */
+/* Not collective. The number of nodes that a particle can have weights at. */
 static inline PetscInt MpmMapReach(const MpmBasis *basis)
 {
   return basis->reach_left + 1 + basis->reach_right;
 }
 
 /*
-   MpmMapRow - the numbers that tie a particle at xi in its cell to the nodes it sees, from the one at -reach_left of
-   its cell's left node on: phi_ip for P2G (undivided) and G2P, h dphi_ip/dx for GRAD. half_width: see kernels.h.
+   MpmMapRow - the weights of the nodes of a particle at xi in its cell, for one kind of operation: phi_ip for P2G and
+   G2P, h dphi_ip/dx for DIV and GRAD. row[0] belongs to the node reach_left to the left of its cell's left node.
+   half_width is that of MpmBlock.
 
-   Not collective. They are what the operation's kernel does to unit vectors: what is analysed is what runs.
+   Not collective. The weights are what the operation's kernel makes of unit vectors, so that what is analysed is what
+   runs. They are not divided by the nodal masses. row has MpmMapReach entries.
 */
 void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal row[]);
 
 /*
-   MpmNodesSeen - the nodes that a particle in a (global, unwrapped) cell sees, with what their values count for there:
-   nodes wrap around or, beyond a wall, become their images with the sign of antisymmetric or symmetric fields. With
-   drop, the wall nodes that impose 0 count for nothing.
+   MpmNodesSeen - the nodes of a particle in a global, unwrapped cell, and the sign that multiplies their values. In a
+   periodic domain nodes wrap around. Nodes beyond a wall are replaced by those that they are images of, with the sign
+   of an antisymmetric or a symmetric field (MpmDirectionImage). With drop, the sign of an antisymmetric field is 0 at
+   wall nodes of kind MPM_FIXED.
 
    Not collective. node and sign have MpmMapReach entries.
 */

@@ -1,12 +1,12 @@
-/* Formulation + transfer + boundary -> table. */
+/* MpmTableCreate makes a table from a formulation, a transfer and a boundary, and checks it. */
 #include <mpmstab/table.h>
 
-/* What the compilation of one table needs besides the table. */
+/* What MpmTableCreate needs while it makes a table. */
 typedef struct {
   const MpmFormulation     *formulation;
   const MpmTransfer        *transfer;
   const MpmTransferNumbers *numbers;
-  PetscInt                  kept[MPM_MAX_FIELDS]; /* where a node field's value before the wall is kept, or MPM_NONE */
+  PetscInt                  kept[MPM_MAX_FIELDS]; /* node fields with values from before the wall, or MPM_NONE */
   MpmTable                 *table;
 } Builder;
 
@@ -21,7 +21,7 @@ static PetscErrorCode AppendOp(MpmTable *t, MpmOp op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is done to a field with an affine part is done to that part too. */
+/* For an operation on the field with an affine part, appends the operation on that part. */
 static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
 {
   PetscFunctionBegin;
@@ -87,7 +87,10 @@ PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* With a reaction the value before the wall is kept, the first time it is there and if someone asks for it later. */
+/*
+   Sets a node field to 0 at ends with a reaction. If a later REACT uses the field, its value before the wall is kept in
+   another node field, the first time that the wall is imposed in the step.
+*/
 static PetscErrorCode ImposeWithReaction(Builder *b, PetscInt node)
 {
   MpmTable *t      = b->table;
@@ -120,7 +123,7 @@ static PetscErrorCode React(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A filter at the start of a step takes its own P2G; after the table's own it does not need to. */
+/* A filter needs P2G of its field. Where the table has none before the filter, one is added. */
 static PetscErrorCode Filter(Builder *b, const MpmOp *op)
 {
   MpmTable *t     = b->table;
@@ -140,7 +143,7 @@ static PetscErrorCode Filter(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A wall with a reaction is imposed after the filter: particles are to feel what the grid was before. */
+/* A wall with a reaction is imposed after the filter, because the filter must act on the values before the wall. */
 static PetscErrorCode Translate(Builder *b)
 {
   const MpmFormulation *f = b->formulation;
@@ -168,7 +171,7 @@ static PetscErrorCode Translate(Builder *b)
 #define SUPPORTED(condition, o, why)                                                                                   \
   PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)
 
-/* Whether operation o, which goes on with a sum over particles, comes after nothing but sums since that was begun. */
+/* Whether all operations between o, which continues a sum over particles, and the one that begins the sum are sums. */
 static PetscBool ContinuesSum(const MpmTable *t, PetscInt o)
 {
   for (PetscInt before = o - 1; before >= 0; before--) {
@@ -180,7 +183,7 @@ static PetscBool ContinuesSum(const MpmTable *t, PetscInt o)
   return PETSC_FALSE;
 }
 
-/* Refuses what an interpreter would get wrong; written[n] says whether the step has written to node field n so far. */
+/* Refuses an operation that an interpreter would get wrong. written[n]: the step has written to node field n by now. */
 static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[])
 {
   const MpmOp      *op     = &t->ops[o];

@@ -1,14 +1,27 @@
 /*
-   Exact solutions, X = x - U0 t: first order   u_t = c r_x, r_t = c u_x mode        u = A sin(KX + phase) cos(Kct),  r
-   = A cos(KX + phase) sin(Kct) pulse       u = A f(X - ct),                 r = -A f(X - ct)      (d'Alembert: u - r
-   travels to the right) step        r = -A and u = 0 at first second order  u_t = v, v_t = c^2 u_xx, written with w = v
-   h / c mode        u = (A/omega) sin(omega t) sin(KX + phase), v = A cos(omega t) sin(KX + phase), omega = K c pulse
-   u = A f(X - ct),                            v = -c A f'(X - ct) step        u = -(A/c) X and v = 0 at first f is a
-   Gaussian of standard deviation L/20 around L/4, repeated with period L, or between ends with its mirror images: those
-   beyond a fixed end have velocities of the other sign.
+   Exact solutions, with X = x - U0 t.
 
-   A step load A rho0 c on the free end of a bar at rest, from time 0 on: the equations are linear, so stress and
-   displacement are counted from the loaded bar's equilibrium, r = A, u = (A/c) X, and the load itself drops out.
+   First order, u_t = c r_x and r_t = c u_x:
+
+     mode     u = A sin(KX + phase) cos(Kct),    r = A cos(KX + phase) sin(Kct)
+     pulse    u = A f(X - ct),                   r = -A f(X - ct)
+     step     u = 0,                             r = -A                          at time 0
+
+   Field 2 is h u_x.
+
+   Second order, u_t = v and v_t = c^2 u_xx, written with w = v h / c:
+
+     mode     u = (A/omega) sin(omega t) sin(KX + phase),    v = A cos(omega t) sin(KX + phase),    omega = K c
+     pulse    u = A f(X - ct),                               v = -c A f'(X - ct)
+     step     u = -(A/c) X,                                  v = 0               at time 0
+
+   By d'Alembert u - r travels to the right, and u + r to the left. f is a Gaussian of standard deviation L/20 around
+   L/4. It is repeated with period L, or between ends with its mirror images. Those beyond a fixed end have velocities
+   of the other sign.
+
+   step is a load A rho0 c on the free end of a bar at rest, from time 0 on. The equations are linear. So stress and
+   displacement are counted from the equilibrium of the loaded bar, r = A and u = (A/c) X, and the load itself drops
+   out.
 */
 #include <mpmstab/wave.h>
 #include <math.h>
@@ -20,7 +33,7 @@ static PetscReal PulseWidth(const MpmProfile *p)
   return p->length / 20;
 }
 
-/* f or its slope at Y, on a line that holds pulses at L/4 + n L, or n 2 L with alternating images. */
+/* f or its slope at Y on an unbounded line, with pulses at L/4 + n L, or between ends at L/4 + 2 n L with signs. */
 static PetscReal Pulse(const MpmProfile *p, PetscReal Y, PetscBool slope)
 {
   const PetscBool ends   = p->image[0] != 0 ? PETSC_TRUE : PETSC_FALSE;
@@ -31,7 +44,7 @@ static PetscReal Pulse(const MpmProfile *p, PetscReal Y, PetscBool slope)
   return sign * exp(-z * z / 2) * (slope ? -z / PulseWidth(p) : 1);
 }
 
-/* The two parts of a solution: the wave that goes to the right, and what comes back from the end there. */
+/* A pulse is the sum of two waves: one travels to the right, and the other comes back from the right end. */
 static PetscReal Travelling(const MpmProfile *p, PetscReal X, PetscReal ct, PetscBool slope)
 {
   return p->amplitude * Pulse(p, X - ct, slope);
@@ -42,7 +55,10 @@ static PetscReal Returning(const MpmProfile *p, PetscReal X, PetscReal ct, Petsc
   return p->image[1] == 0 ? 0 : p->image[1] * p->amplitude * Pulse(p, 2 * p->length - X - ct, slope);
 }
 
-/* Stress of a bar that lets go at time 0, on a line: odd about the free end at L, even about the fixed one at 0. */
+/*
+   The stress of a bar at time 0, counted from the loaded bar's equilibrium, on an unbounded line. It is antisymmetric
+   about the free end at L and symmetric about the fixed one at 0. StepDisplacement is its integral divided by c.
+*/
 static PetscReal StepStress(const MpmProfile *p, PetscReal Y)
 {
   return fabs(remainder(Y, 4 * p->length)) < p->length ? -p->amplitude : p->amplitude;
@@ -117,7 +133,7 @@ static PetscReal SecondOrderAmplitude(const MpmProfile *p, PetscInt field)
   return p->amplitude * (p->initial == MPM_INITIAL_STEP ? p->length : 1 / p->wavenumber) / p->wave_speed;
 }
 
-/* v = w c / h, and c u_x = difference c / h. */
+/* v = w c / h, and c u_x = (difference of u over a cell) c / h. */
 static PetscReal SecondOrderVelocityUnit(const MpmProfile *p)
 {
   return p->wave_speed / p->cell_width;

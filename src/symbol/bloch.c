@@ -1,10 +1,16 @@
 /*
-   The symbol reader: on the mode q_p = e^(i beta n) q^_j (particle j of cell n), g_i = e^(i beta i) g^ an operation of
-   the table is a product of small matrices.
+   A table applied to one Bloch mode. On the mode
 
-     particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta d) q^_j / mass    d: the node seen from the cell
-     node -> particle       q^_j += a sum_d phi_jd e^(i beta d) g^                  or h dphi/dx for phi
-     node -> node           g^  = a sum_s stencil_s e^(i beta s) f^, or f^ over the symbol of P2G G2P for SOLVE
+     q_p = e^(i beta n) q^_j    (particle j of cell n),    g_i = e^(i beta i) g^
+
+   an operation of the table is a product of small matrices:
+
+     particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta d) q^_j / mass
+     node -> particle       q^_j += a sum_d phi_jd e^(i beta d) g^
+     node -> node           g^  = a sum_s stencil_s e^(i beta s) f^
+
+   d is the place of the node relative to the cell's node. DIV and GRAD have h dphi/dx for phi. SOLVE divides f^ by the
+   symbol of P2G G2P.
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
@@ -14,7 +20,7 @@
 #include <math.h>
 
 #define KINDS MPM_OP_KINDS
-#define SINGULAR 1e-12 /* symbol of P2G G2P that is taken for 0 */
+#define SINGULAR 1e-12 /* a symbol of P2G G2P below this is taken for 0 */
 #define RESCALE_AT 200 /* powers of two */
 
 static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, PetscInt j)
@@ -22,7 +28,7 @@ static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, P
   return b->rows + ((step * KINDS + kind) * b->layout->ppc + j) * MPM_MAX_REACH;
 }
 
-/* Every table has a P2G, whose numbers give the masses; SOLVE needs G2P too. */
+/* Every table has a P2G, whose weights give the masses. SOLVE needs G2P too. */
 static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
 {
   if (!scheme->basis->kernel[kind]) return PETSC_FALSE;
@@ -77,13 +83,13 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The phase of each node that a cell's particles see in any step: wave[i] = e^(i beta (lowest + i)). */
+/* The phase factor of each node of a cell's particles in any step: wave[i] = e^(i beta (lowest + i)). */
 static void SetPhase(MpmBloch *b, PetscReal beta)
 {
   for (PetscInt i = 0; i < b->seen; i++) b->wave[i] = cexp(I * (beta * (b->lowest + i)));
 }
 
-/* The numbers that tie the particles' modes to the node's at a step: sum_d row_d e^(i beta d) for each map. */
+/* The symbols of the maps at each particle and a step: sum_d row_d e^(i beta d). */
 static void SetTies(MpmBloch *b, PetscInt step)
 {
   const PetscInt ppc = b->layout->ppc, reach = MpmMapReach(b->scheme->basis);
@@ -109,7 +115,7 @@ static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt j)
   return b->tie[kind * b->layout->ppc + j];
 }
 
-/* dst += factor src, over the columns of the registers. */
+/* dst += factor src, for rows of n numbers. */
 static void AddRow(PetscInt n, double complex factor, const double complex *restrict src, double complex *restrict dst)
 {
   const PetscReal re = creal(factor), im = cimag(factor);
@@ -126,7 +132,7 @@ static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
   return sum;
 }
 
-/* Of the symbol of P2G G2P; 0 for that of 0. */
+/* The inverse of the symbol of P2G G2P; 0 where that is 0. */
 static PetscReal Inverse(const MpmBloch *b, PetscInt step)
 {
   PetscReal alpha = 0;
@@ -169,7 +175,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
     AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b, step) : Stencil(&traits, beta)), b->nodes + op->src * n, dst);
 }
 
-/* Keeps the product in range. */
+/* Divides the state's registers by a power of two when they would leave the range of doubles; returns its exponent. */
 static PetscInt Rescale(MpmBloch *b)
 {
   const PetscInt n       = b->size * b->size;
@@ -183,9 +189,7 @@ static PetscInt Rescale(MpmBloch *b)
   return shift;
 }
 
-/*
-   Moves every number by up to MPM_ROUNDING, relative, by random numbers that are the same at any phase and on any rank.
-*/
+/* Moves every number by up to MPM_ROUNDING, relative. The random numbers are the same at any phase and on any rank. */
 static void Disturb(MpmBloch *b, PetscInt step)
 {
   const PetscInt n = b->size * b->size;

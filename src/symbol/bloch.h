@@ -1,4 +1,4 @@
-/* The table over one Bloch mode: what MpmSymbolCreate does at each phase. */
+/* The amplification matrix of one phase: a table applied to one Bloch mode. MpmSymbolCreate calls it for each phase. */
 #pragma once
 #include "scheme/maps.h"
 #include <mpmstab/layout.h>
@@ -6,14 +6,24 @@
 #include <complex.h>
 
 /*S
-   MpmBloch - room and the numbers of all maps for one cell's particles at every step of a period.
+   MpmBloch - memory for the matrices, and the weights of all maps for one cell's particles at every step of a period.
 
-   A register is a dense matrix: rows are a cell's particles, or its one node, columns the cell's state at the start,
-   particle by particle as in MpmOperator. rows[(step x kinds + kind) x ppc + j] ties particle j to its nodes,
-   node[step x ppc + j] is the first of them, relative to the cell's; masses[step] is a node's mass. At a phase wave[i]
-   is that of node lowest + i, of the seen nodes; at a step tie[kind x ppc + j] is the map's symbol, for maps in use.
-   traits and values are those of the table's operations, values at the Courant number of the last matrix.
-*/
+   A register is a dense matrix. Its rows are a cell's particles, or its one node. Its columns are the cell's state at
+   the start, particle by particle as in MpmOperator.
+
+   fields, size - the number of fields of the state, and size = fields x ppc
+   period       - the number of steps in a period
+   lowest, seen - the first of the nodes of a cell's particles over all steps, relative to the cell's node, and their
+                  number
+   used         - used[kind]: the table needs this map
+   node         - node[step x ppc + j]: the first node of particle j, relative to the cell's node
+   rows         - rows[(step x kinds + kind) x ppc + j] has the MPM_MAX_REACH weights of particle j's nodes (MpmMapRow)
+   masses       - masses[step]: the mass of a node
+   particle, nodes - the registers
+   wave         - wave[i]: e^(i beta (lowest + i)) at the present phase
+   tie          - tie[kind x ppc + j]: the symbol of a map at particle j, at the present phase and step
+   traits, values - of the table's operations; values are those at the Courant number of the last matrix
+S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
@@ -27,19 +37,19 @@ typedef struct {
 } MpmBloch;
 
 /*
-   MpmBlochCreate - computes the maps' numbers of a layout at each step of the drift's period, once for all phases and
-   Courant numbers.
+   MpmBlochCreate - computes the weights of all maps on a layout at each step of the drift's period, once for all phases
+   and Courant numbers.
 
-   Not collective. layout and scheme must outlive it; the drift is a fraction (see MpmStepPeriod).
+   Not collective. layout and scheme must outlive it. The drift must be a fraction (see MpmStepPeriod).
 */
 PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction *drift,
                               MpmBloch *bloch);
 PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 
 /*
-   MpmBlochMatrix - the amplification matrix of a phase at a Courant number, size x size by columns, divided by 2^exponent. noisy: with
-   every number moved by about its rounding after each step, so that what two such matrices differ by is what rounding
-   does to them, amplified by the rest of the period as it may be.
+   MpmBlochMatrix - the amplification matrix of a phase at a Courant number, size x size by columns, divided by
+   2^exponent. With noisy, every number is moved by about its rounding after each step. The difference of two such
+   matrices then shows the effect of rounding, with any growth over the rest of the period.
 
    Not collective.
 */

@@ -1,14 +1,14 @@
-/* The formulations' closed forms over the phases beta = 2 pi m / cells of a grid. */
+/* The closed forms of the formulations, at the phases beta = 2 pi m / cells of a grid. */
 #include "scene/layout.h"
 #include "scheme/maps.h"
 #include "symbol/predict.h"
 #include <math.h>
 
-/* Beyond this many phases the maximum is the same to all digits that matter. */
+/* With more phases than this the maximum has the same digits. */
 #define MOST_PHASES 65536
 
-#define AGREE 1e-6    /* closed form and symbol, relative to growth: rounding splits a defective pair by 1e-8 */
-#define NOTHING 1e-24 /* symbol of P2G G2P that only rounding keeps from 0 */
+#define AGREE 1e-6    /* closed form and symbol, relative to growth: a defective pair has an error of 1e-8 */
+#define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
@@ -59,7 +59,7 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The symbols of phi and of h dphi/dx at particle j. */
+/* The symbol of phi or of h dphi/dx at particle j. */
 static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], PetscInt j, PetscReal beta)
 {
   const PetscInt reach = MpmMapReach(p->scheme->basis);
@@ -121,7 +121,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The larger of two distances, with its phase; the least phase when they are the same to rounding. */
+/* Keeps the larger of two distances, with its phase. Of equal ones, but for rounding, it keeps the first. */
 static void Widest(PetscReal distance, PetscReal beta, PetscReal *widest, PetscReal *at)
 {
   if (isnan(distance) || distance <= *widest + 1e-12) return;

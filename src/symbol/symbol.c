@@ -1,6 +1,6 @@
 /*
-   Phase after phase: amplification matrix, its eigenvalues, the largest of all. Phases are spread over the ranks, and
-   what they have computed is brought together at the end of this file.
+   Computes the amplification matrix of each phase, its eigenvalues, and the largest of all. Phases are spread over the
+   ranks, and the functions at the end of this file gather the results.
 */
 #include "base/progress.h"
 #include "linalg/small_eigen.h"
@@ -12,10 +12,10 @@
 #include <math.h>
 
 #define MOST_PPC 512
-#define SHARES_MAXIMUM 1e-12 /* growths that differ by less share the maximum */
-#define NEAR 10              /* tolerances within which what rounding may hide is looked for */
+#define SHARES_MAXIMUM 1e-12 /* relative: growths that differ by less are taken for equal */
+#define NEAR 10              /* in tolerances: up to this growth - 1 the error of a defective eigenvalue is computed */
 
-/* noisy: room for a second matrix, where a period asks for it. */
+/* noisy: memory for a second matrix where a period has more than one step, else NULL. */
 typedef struct {
   MpmBloch        bloch;
   MpmSmallEigen   eigen;
@@ -28,8 +28,9 @@ static PetscReal Square(double complex z)
 }
 
 /*
-   How far rounding may have moved the matrix of a phase, in the Frobenius norm. Over a period it is seen by
-   disturbing the steps: modes may grow by many digits on the way and die again.
+   An estimate of the rounding error of a phase's matrix, in the Frobenius norm. Over a period of several steps, modes
+   may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose steps are
+   disturbed by rounding (MpmBlochMatrix, noisy).
 */
 static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, PetscReal beta, PetscInt exponent, PetscReal *error)
 {
@@ -48,7 +49,7 @@ static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, PetscReal beta, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The factors of a phase and which is the largest; they are divided by 2^exponent, and the matrix is overwritten. */
+/* Computes a phase's amplification factors, divided by 2^exponent, and which is the largest. Overwrites the matrix. */
 static PetscErrorCode Factors(Reader *r, PetscBool vectors, PetscInt *largest)
 {
   PetscFunctionBegin;
@@ -59,10 +60,10 @@ static PetscErrorCode Factors(Reader *r, PetscBool vectors, PetscInt *largest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Takes the count factors nearest to a number out of n. */
+/* Moves the count amplification factors nearest to a number to the end of the n. */
 static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal number)
 {
-  for (PetscInt i = n - 1; i >= n - count; i--) { /* the nearest of those left comes to place i */
+  for (PetscInt i = n - 1; i >= n - count; i--) { /* the nearest of those that are left goes to place i */
     for (PetscInt j = 0; j < i; j++) {
       if (cabs(value[j] - number) < cabs(value[i] - number)) {
         const double complex kept = value[i];
@@ -75,8 +76,8 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 }
 
 /*
-   The largest abs of the amplification factors without the null space of P2G, the particle data that no node feels.
-   That has ppc - 1 factors for each field: 1, since it rests, or the transfer's null_factor.
+   The largest abs of the amplification factors without the null space of P2G, the particle data that no node feels. The
+   null space has ppc - 1 amplification factors for each field: 1 without a filter, else the transfer's null_factor.
 */
 static PetscReal LargestWithoutNull(Reader *r)
 {
@@ -120,8 +121,8 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 }
 
 /*
-   How far rounding may have split a defective pair. It decides where nothing grows beyond the tolerance, and is not
-   looked for elsewhere: it costs as much as the factors.
+   Computes the error of a defective eigenvalue. It matters only where growth is about within the tolerance, and is left
+   out elsewhere, because it takes as long as the amplification factors.
 */
 static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
@@ -140,7 +141,7 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest growth, the first phase that has it, and how sensitive that factor is. */
+/* Finds the largest growth, the first phase that has it, and the condition number of its amplification factor. */
 static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
   PetscInt       m       = s->half + 1, largest;
@@ -174,7 +175,7 @@ const char *MpmSymbolWhyNot(const MpmLayout *layout)
   return NULL;
 }
 
-/* Curves, and with them the factors that are written, each on its way through the first rank. */
+/* Refuses output that does not fit: curves and amplification factors all pass through the first rank. */
 static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s)
 {
   const PetscReal numbers = (s->wish.keep ? 2.0 * s->size : 1) * s->phases;
@@ -240,7 +241,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   PetscCall(CheckSize(comm, s));
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
-  room = PetscMax(1, s->count); /* a rank without phases, of nothing, would not know what there is to gather */
+  room = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
   PetscCall(PetscMalloc1(room, &s->per_phase));
   if (s->period == 1 && scheme->transfer->null_factor) PetscCall(PetscMalloc1(room, &s->without_null));
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
@@ -265,10 +266,10 @@ PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define AWAY 0.05      /* from 1 */
-#define EQUAL_ABS 1e-9 /* relative: abs that differ by less are the same */
+#define AWAY 0.05      /* distance from 1 */
+#define EQUAL_ABS 1e-9 /* relative: abs that differ by less are taken for equal */
 
-/* Counts and displacements of the ranks' parts, width numbers a phase. */
+/* The counts and displacements of the ranks' parts for a gather, of width numbers a phase. */
 static PetscErrorCode Parts(MPI_Comm comm, const MpmSymbol *s, PetscInt width, PetscMPIInt **counts,
                             PetscMPIInt **begins)
 {
@@ -312,7 +313,7 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscCall(Parts(comm, s, width, &counts, &begins));
   PetscCallMPI(
       MPI_Allgatherv(scaled, (PetscMPIInt)(width * s->count), MPIU_REAL, *factors, counts, begins, MPIU_REAL, comm));
-  /* the table is real: G(-beta) is the conjugate of G(beta) */
+  /* the table is real, so G(-beta) is the conjugate of G(beta) */
   for (PetscInt m = s->half + 1; m < s->phases; m++)
     for (PetscInt j = 0; j < width; j++)
       (*factors)[width * m + j] = (*factors)[width * (s->phases - m) + j] * (j % 2 ? -1 : 1);

@@ -1,5 +1,5 @@
 /*
-   Cubic B-splines with their middle on the nodes: d in cells from the node,
+   Cubic B-splines, centred on the nodes. With the distance d from the node, in cells,
 
      abs(d) < 1            2/3 - d^2 + abs(d)^3 / 2
      abs(d) < 2            (2 - abs(d))^3 / 6

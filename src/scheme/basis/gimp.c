@@ -1,5 +1,6 @@
 /*
-   uGIMP: the hat averaged over the particle's domain, h / ppc wide. d in cells from the node, l the half width:
+   uGIMP: the hat averaged over the particle's domain of width h / ppc. With the distance d from the node and half the
+   particle's width l, both in cells,
 
      abs(d) < l            1 - (d^2 + l^2) / (2 l)
      l <= abs(d) < 1 - l   1 - abs(d)

@@ -1,15 +1,16 @@
 /*
-   The maps of a basis whose particles see NODES nodes in a row. A basis includes this after it has defined NODES and
+   The maps of a basis whose particles have weights at NODES nodes in a row. The file of a basis defines NODES, includes
+   this header, and then defines
 
-     static inline PetscInt First(PetscReal xi);                                      the first of them, from the cell's
-                                                                                      left node
+     static inline PetscInt First(PetscReal xi);
      static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
-     static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);    h dphi/dx
+     static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
 
-   Where all runs of a block are alike, as in every uniform layout, moving or not, a loop over runs of a known length
-   has no branch and no gather, and the compiler makes vectors of it. Elsewhere sums stay in registers while particles
-   see the same nodes, all but the first to be carried on when they see the next ones: a sum in memory would wait for
-   the one before it to be stored.
+   First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx.
+
+   In a uniform layout, moving or not, all runs of a block have the same length. A loop over runs of a known length has
+   no branch and no gather, and the compiler vectorises it. Elsewhere sums stay in registers while particles have the
+   same nodes, and move on when the nodes do: a sum in memory would wait for the one before it to be stored.
 */
 #pragma once
 #include "scheme/kernels.h"
@@ -18,7 +19,7 @@ static inline PetscInt First(PetscReal xi);
 static inline void     Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
 static inline void     Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
 
-/* Weights of a particle's nodes; returns what a gather divides by. */
+/* Sets the weights of a particle's nodes, and returns the number that a gather divides by. */
 typedef PetscReal (*Weights)(PetscReal xi, PetscReal half_width, PetscReal weight[NODES]);
 
 static inline PetscReal Phi(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
@@ -33,7 +34,7 @@ static inline PetscReal Gradient(PetscReal xi, PetscReal half_width, PetscReal w
   return 1;
 }
 
-/* phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
+/* The weights are phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
 static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
   PetscReal sum = 0;
@@ -48,10 +49,13 @@ static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal wei
   return sum;
 }
 
-/* Where a loop must know which weights it takes, and how long runs are: a call in it would leave it one by one. */
+/* A loop is vectorised only if the compiler knows its weights and the length of its runs, without a call. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* What the particles of each run give to their nodes, given[d][j] of run j to the d-th; mass: of the nodes, or NULL. */
+/*
+   Sums what the particles of each run give to their nodes: given[d][j] is what run j gives to its node d. Sums the
+   masses too unless mass is NULL.
+*/
 INLINE void ScatterRuns(Weights weights, const PetscInt length, const MpmBlock *b, PetscReal a,
                         const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {
@@ -101,7 +105,10 @@ INLINE void GatherRuns(Weights weights, const PetscInt length, const MpmBlock *b
   }
 }
 
-/* Gives what has been summed for nodes at, at + 1, ... to the nodes that are not among those from next on. */
+/*
+   Adds the sums for nodes at, at + 1, ... to these nodes, before particles whose first node is next. Where next is
+   at + 1 only the first sum is added, and the others are kept for the particles that follow.
+*/
 static inline void Carry(PetscInt at, PetscInt next, PetscReal sum[NODES], PetscReal *restrict node)
 {
   if (next == at + 1) {
@@ -128,7 +135,7 @@ INLINE void SumEach(PetscInt n, const PetscInt *restrict first, PetscReal given[
   for (int d = 0; d < NODES; d++) node[first[n - 1] + d] += sum[d];
 }
 
-/* Particles [begin, end), of which nothing is known. */
+/* For particles [begin, end), which may have any nodes. */
 INLINE void ScatterEach(Weights weights, PetscInt begin, PetscInt end, const MpmBlock *b, PetscReal a,
                         const PetscReal *restrict particle, PetscReal *restrict node, PetscReal *restrict mass)
 {

@@ -1,10 +1,10 @@
 /*
-   Quadratic B-splines with their middle on the nodes: d in cells from the node,
+   Quadratic B-splines, centred on the nodes. With the distance d from the node, in cells,
 
      abs(d) < 1/2          3/4 - d^2
      abs(d) < 3/2          (3/2 - abs(d))^2 / 2
 
-   so that a particle sees its nearest node, which is the cell's left or right one, and that node's neighbours.
+   A particle has weights at its nearest node, which is its cell's left or right one, and at that node's neighbours.
 
    Source: Steffen, Kirby and Berzins 2008.
 */

@@ -1,4 +1,4 @@
-/* Two-by-two analyses that more than one formulation uses. */
+/* Closed forms of two-by-two amplification matrices, for more than one formulation. */
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
 
@@ -15,7 +15,7 @@ PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal k)
   return MpmQuadraticRadius(1 + cell->filter - cell->alpha * k * k * cell->kappa, cell->filter);
 }
 
-/* abs(det) <= 1 and abs(trace) <= 1 + det (Jury): alpha s <= 2 (1 + f). */
+/* Jury's conditions are abs(det) <= 1 and abs(trace) <= 1 + det. So alpha s <= 2 (1 + f) with s = k^2 kappa. */
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell)
 {
   return sqrt(2 * (1 + cell->filter) / (cell->alpha * cell->kappa));

@@ -1,4 +1,4 @@
-/* What the formulations' closed forms share. */
+/* Parts that formulations and their closed forms share. */
 #pragma once
 #include <mpmstab/formulation.h>
 
@@ -6,8 +6,11 @@
 PetscReal MpmQuadraticRadius(double complex trace, double complex det);
 
 /*
-   Not collective. The larger abs of the roots, and the largest stable Courant number, for schemes whose stress sees the
-   velocity it goes on with (usf, musl, usavg): with s = k^2 kappa, f = filter: trace = 1 + f - alpha s, det = f.
+   Not collective. MpmStressAheadGrowth is the larger abs of the two amplification factors, and MpmStressAheadLimit is
+   the largest stable Courant number. They are for schemes that update the stress from P2G of the particles' velocity,
+   not from a nodal velocity that was advanced on the grid (usf, musl, usavg). With s = k^2 kappa and f = filter:
+
+     trace = 1 + f - alpha s,    det = f
 */
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal courant);
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);
@@ -15,7 +18,7 @@ PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);
 /* The energy of velocity and stress, the first two particle fields. */
 extern const MpmEnergyTerm MpmMomentumEnergy[2];
 
-/* What formulations of velocity v and stress s have in common, among their initialisers; ops is the file's table. */
+/* The initialisers that formulations of velocity v and stress s share. ops is the table of the file. */
 /* clang-format off */
 #define MOMENTUM                                                                                                       \
   .particle_fields = {"v", "s"}, .node_fields = {"v_i", "a_i"}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,    \
@@ -23,7 +26,7 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
   .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                                                             \
   .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum
 
-/* The closed forms of those whose stress sees the velocity it goes on with. */
+/* The closed forms of schemes that update the stress from P2G of the particles' velocity. */
 #define STRESS_AHEAD                                                                                                   \
   .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
   .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit

@@ -3,8 +3,8 @@
 
      u_t = v, v_t = c^2 u_xx
 
-   Source: Berzins, Kirby and Gritton 2013, '1d Linear Elastic Model', The Algorithm. Its sums of steps 5 and
-   6 are printed over p and must run over the nodes i.
+   Source: Berzins, Kirby and Gritton 2013, '1d Linear Elastic Model', The Algorithm. The slides print the sums of steps
+   5 and 6 over p; they must run over the nodes i.
 */
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
@@ -35,7 +35,7 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return MpmQuadraticRadius(2 - 4 * PetscSqr(k * sin(beta / 2)), 1);
 }
 
-/* P2G G2P is not the identity but has the symbol alpha, for the hat 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi). */
+/* P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi). */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   const PetscReal s = 4 * PetscSqr(k * sin(cell->beta / 2)), alpha = cell->alpha, f = cell->filter;
@@ -43,7 +43,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
   return MpmQuadraticRadius(1 + f - alpha * s, f * (1 - alpha * (1 - alpha) * s));
 }
 
-/* trace >= -(1 + det) (Jury). */
+/* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal alpha = cell->alpha, f = cell->filter;

@@ -1,7 +1,9 @@
 /*
-   Formulation 1 of the slides: one-dimensional gas flow, both updates from the old nodal fields.
+   Formulation 1 of the slides: one-dimensional gas flow. Both updates use the old nodal fields.
 
-     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho, so that both updates carry a plus sign; c = a.
+     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho and c = a
+
+   With this r both updates carry a plus sign.
 
    Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 1; after Brackbill 1988.
 */
@@ -30,18 +32,22 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return hypot(1, 2 * k * sin(beta));
 }
 
-/* C1 + C2 = 1 halves the slides' stencil; G = f (1 +- k mu), for the hat mu = e (1 - cos beta) + i sin beta. */
+/*
+   By C1 + C2 = 1 the stencil has half of the slides' width:
+
+     G = f (1 +- k mu),    for the hat mu = e (1 - cos beta) + i sin beta
+*/
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   return cell->filter * fmax(cabs(1 + k * cell->mu), cabs(1 - k * cell->mu));
 }
 
-/* (1 + 2 k abs(Re mu) + k^2 abs(mu)^2) f^2 = 1. */
+/* The limit is the k of (1 + 2 k abs(Re mu) + k^2 abs(mu)^2) f^2 = 1. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal re = fabs(creal(cell->mu)), size = cabs(cell->mu), room = 1 / PetscSqr(cell->filter) - 1;
 
-  if (size < 1e-13 || cell->filter == 0) return INFINITY; /* mu is 0 but for rounding */
+  if (size < 1e-13 || cell->filter == 0) return INFINITY; /* mu is 0 up to rounding */
   return room / (re + sqrt(re * re + size * size * room));
 }
 

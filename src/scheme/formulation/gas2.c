@@ -1,14 +1,16 @@
 /*
-   Formulation 2 of the slides: one-dimensional gas flow, the density update sees the new velocity.
+   Formulation 2 of the slides: one-dimensional gas flow. The density update uses the new velocity.
 
-     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho, so that both updates carry a plus sign; c = a.
+     u_t = c r_x, r_t = c u_x    with r = -(a/rho0) rho and c = a
+
+   With this r both updates carry a plus sign.
 
    Source: Berzins, Kirby and Gritton 2013, 'The Algorithms', Formulation 2; after Brackbill 1988.
 */
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
 
-#define ROUNDING 1e-13 /* of mu and f */
+#define ROUNDING 1e-13 /* rounding error of mu and of f */
 
 enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
@@ -32,16 +34,21 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return k <= M_SQRT1_2 ? sqrt(1 - 2 * PetscSqr(k * sin(beta))) : NAN;
 }
 
-/* (gamma^2 + 2)^2 - 4 = gamma^4 + 4 gamma^2, and the lost half restored: G = f g, g^2 - (2 + k^2 mu^2) g + 1 = 0. */
+/*
+   The slides' analysis with two slips mended: (gamma^2 + 2)^2 - 4 is gamma^4 + 4 gamma^2, and C1 = C2 = 1/2 makes
+   gamma = i k sin(beta), half of what the slides print. So
+
+     G = f g,    g^2 - (2 + k^2 mu^2) g + 1 = 0
+*/
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   return cell->filter * MpmQuadraticRadius(2 + k * k * cell->mu * cell->mu, 1);
 }
 
 /*
-   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse of half axes 1/f + f and 1/f - f around -2. For flip
-   the ellipse is the line from -4 to 0: only a purely imaginary mu (centred particles) lies on it, up to k = 2 /
-   abs(mu).
+   abs(g) = 1/f where k^2 mu^2 = g + 1/g - 2 crosses the ellipse around -2 of half axes 1/f + f and 1/f - f. For flip
+   the ellipse is the line from -4 to 0. Only k^2 mu^2 of a purely imaginary mu (centred particles) lies on it, up to
+   k = 2 / abs(mu).
 */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {

@@ -1,7 +1,9 @@
 /*
-   Modified update stress last (MUSL): momentum schemes as MPM codes run them.
+   Modified update stress last (MUSL): a momentum scheme. The stress is updated last, from P2G of the new velocity.
 
-     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c)
+
+   With this s, E = rho0 c^2 does not appear.
 
    Source: Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002.
 */

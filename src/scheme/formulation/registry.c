@@ -1,4 +1,4 @@
-/* The list of formulations, and what every reader of their tables shares. */
+/* The list of formulations, and the traits and numbers of operations. */
 #include <mpmstab/formulation.h>
 #include <string.h>
 

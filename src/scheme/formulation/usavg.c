@@ -1,9 +1,11 @@
 /*
-   Update stress averaged (USAVG): half of the stress update first, half last.
+   Update stress averaged (USAVG): a momentum scheme. Half of the stress update comes first, and half last.
 
-     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c)
 
-   Source: Nairn 2003; NairnMPM's default, with the nodal velocity extrapolated anew for the second half.
+   With this s, E = rho0 c^2 does not appear.
+
+   Source: Nairn 2003; it is the default of NairnMPM, which takes P2G of the new velocity for the second half.
 */
 #include "scheme/formulation/closed_forms.h"
 

@@ -1,7 +1,9 @@
 /*
-   Update stress first (USF): momentum schemes as MPM codes run them.
+   Update stress first (USF): a momentum scheme. The stress is updated from the old nodal velocity, before the forces.
 
-     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c)
+
+   With this s, E = rho0 c^2 does not appear.
 
    Source: Bardenhagen 2002.
 */

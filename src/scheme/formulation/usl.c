@@ -1,7 +1,9 @@
 /*
-   Update stress last (USL): momentum schemes as MPM codes run them.
+   Update stress last (USL): a momentum scheme. The stress is updated from the new nodal velocity.
 
-     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c), so that E = rho0 c^2 leaves.
+     v_t = c s_x, s_t = c v_x    with s = sigma / (rho0 c)
+
+   With this s, E = rho0 c^2 does not appear.
 
    Source: Sulsky, Chen and Schreyer 1994; the name after Bardenhagen 2002.
 */
@@ -24,7 +26,11 @@ static const MpmOp ops[] = {
     DRIFT,                      /* 6. x_p += U0 dt                              */
 };
 
-/* s = k^2 kappa: v' = f v + alpha a, a' = a - s (v + a) for the node's velocity v and increment a. */
+/*
+   A step takes the node's velocity v and increment a to
+
+     v' = f v + alpha a,    a' = a - s (v + a)    with s = k^2 kappa
+*/
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   const PetscReal s = k * k * cell->kappa, f = cell->filter;
@@ -32,7 +38,7 @@ static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
   return MpmQuadraticRadius(1 + f - s, f + (cell->alpha - f) * s);
 }
 
-/* trace >= -(1 + det) (Jury). */
+/* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   return sqrt(2 * (1 + cell->filter) / ((1 + cell->filter - cell->alpha) * cell->kappa));

@@ -1,7 +1,9 @@
 /*
-   APIC: particles take values from the grid, and an affine field C_p (x - x_p) with them.
+   APIC: particles take values from the grid, and with them an affine velocity field C_p (x - x_p). P2G takes the
+   velocity v_p + C_p (x_i - x_p) at node i, and
 
-   P2G takes v_p + C_p (x_i - x_p); C_p = sum_i phi_ip v_i (x_i - x_p) / D_p, D_p = sum_i phi_ip (x_i - x_p)^2.
+     C_p = sum_i phi_ip v_i (x_i - x_p) / D_p,    D_p = sum_i phi_ip (x_i - x_p)^2
+
    Source: Jiang, Schroeder, Selle, Teran and Stomakhin 2015.
 */
 #include <mpmstab/transfer.h>

@@ -1,5 +1,7 @@
 /*
-   A blend of FLIP and PIC with the share blend_ratio of FLIP, F = ratio + (1 - ratio) W P.
+   A blend of FLIP and PIC. The share of FLIP is ratio, the value of option blend_ratio:
+
+     F = ratio + (1 - ratio) W P
 
    Source: Zhu and Bridson 2005; also Stomakhin et al. 2013, where 0.95 is used.
 */

@@ -1,4 +1,4 @@
-/* FLIP: particles gain the grid's increments. Source: Brackbill and Ruppel 1986. */
+/* FLIP: particles gain the grid's increments. The filter is the identity. Source: Brackbill and Ruppel 1986. */
 #include <mpmstab/transfer.h>
 
 static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)

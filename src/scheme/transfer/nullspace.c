@@ -1,5 +1,5 @@
 /*
-   The null space of P2G taken out: F = W (P W)^{-1} P, what the grid sees of the particles.
+   nullspace: the filter F = W (P W)^{-1} P takes the null space of P2G out, which is particle data that no node feels.
 
    Source: after Gritton and Berzins 2017.
 */

@@ -1,4 +1,4 @@
-/* PIC: particles take the grid's values, F = W P. Source: Harlow 1964. */
+/* PIC: particles take the grid's values. The filter is F = W P. Source: Harlow 1964. */
 #include <mpmstab/table.h>
 
 PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)

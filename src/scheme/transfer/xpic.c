@@ -1,12 +1,14 @@
 /*
-   XPIC of order m: F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m. Order 1 is pic, a large order nullspace.
+   XPIC of order m:
 
-   Source: Hammerquist and Nairn 2017.
+     F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m
+
+   Order 1 is pic, and large orders approach nullspace. Source: Hammerquist and Nairn 2017.
 */
 #include <mpmstab/table.h>
 #include <math.h>
 
-/* term -= P W term, through scratch particles; sum += term. */
+/* term -= P W term, with W term in the field scratch and P W term in smoothed; sum += term. */
 static PetscErrorCode NextTerm(MpmTable *table, PetscInt scratch, PetscInt smoothed, PetscInt term, PetscInt sum)
 {
   PetscFunctionBegin;
