@@ -49,9 +49,6 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
                                  MpmOperator **op);
 PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
 
-/* Collective. Sets balanced and unit from A. MpmOperatorCreate calls it. */
-PetscErrorCode MpmOperatorBalance(MpmOperator *op);
-
 /*
    MpmOperatorWeigh - computes W A W^-1 with W diagonal. W^2 is m for a velocity, a displacement or the affine part of
    apic, and V / E for a stress. The 2-norm of the result is then the norm of A in which a state is measured by its

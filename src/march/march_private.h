@@ -38,13 +38,7 @@ struct MpmMarch_ {
 */
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
 
-/*
-   Collective. Sums the particle fields to the nodes as the first step needs them. It is called when the fields have
-   been changed before that step.
-*/
-PetscErrorCode MpmMarchStart(MpmMarch *march);
-
-/* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude), before the first step. */
+/* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude) and sums them to the nodes. */
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /* Not collective. Whether particles move relative to the grid. */
@@ -62,9 +56,6 @@ static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
 */
 PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
                                     const MpmStep *step, PetscReal amplitude, MpmMarch **march);
-
-/* Collective. Begins a march anew: every field gets random numbers in [-amplitude, amplitude). */
-PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 
 /*S
    MpmNodeVectors - the node fields that passes sum to and read, as n local vectors.

@@ -106,6 +106,69 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool IsStress(const MpmFormulation *formulation, PetscInt field)
+{
+  for (PetscInt t = 0; t < formulation->nenergy; t++) {
+    const MpmEnergyTerm *term = &formulation->energy[t];
+
+    if (term->place == MPM_ON_PARTICLES && term->field == field) return term->stress;
+  }
+  return PETSC_FALSE;
+}
+
+/* sqrt(m) for a velocity, sqrt(V / E) for a stress. */
+static PetscReal RootOf(const MpmOperator *op, PetscInt field, PetscInt64 id)
+{
+  return sqrt(IsStress(op->scheme->formulation, field)
+                  ? MpmMaterialProperty(op->layout, MPM_VOLUME, id) / MpmMaterialProperty(op->layout, MPM_STIFFNESS, id)
+                  : MpmMaterialProperty(op->layout, MPM_MASS, id));
+}
+
+static PetscBool IsAlike(const MpmOperator *op)
+{
+  const PetscBool *varies = op->layout->varies;
+
+  return !varies[MPM_MASS] && !varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Computes D A D^-1 and D, whose diagonal has these roots, or with powers the powers of two next to them. */
+static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
+{
+  PetscInt   begin, end;
+  PetscReal *d;
+  Vec        inverse;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, NULL, unit));
+  PetscCall(VecGetOwnershipRange(*unit, &begin, &end));
+  PetscCall(VecGetArray(*unit, &d));
+  for (PetscInt row = begin; row < end; row++) {
+    const PetscReal root = RootOf(op, row % op->fields, row / op->fields);
+
+    d[row - begin] = powers ? exp2(rint(log2(root))) : root;
+  }
+  PetscCall(VecRestoreArray(*unit, &d));
+  PetscCall(VecDuplicate(*unit, &inverse));
+  PetscCall(VecCopy(*unit, inverse));
+  PetscCall(VecReciprocal(inverse));
+  PetscCall(MatDuplicate(A, MAT_COPY_VALUES, scaled));
+  PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
+  PetscCall(VecDestroy(&inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets balanced and unit from A. */
+static PetscErrorCode Balance(MpmOperator *op)
+{
+  PetscFunctionBegin;
+  if (IsAlike(op)) {
+    PetscCall(PetscObjectReference((PetscObject)op->A));
+    op->balanced = op->A;
+  } else
+    PetscCall(Scale(op, PETSC_TRUE, op->A, &op->unit, &op->balanced));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                  MpmOperator **op)
 {
@@ -127,7 +190,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   PetscCall(MpmStepPeriod(step, &o->period));
   PetscCall(CheckSize(comm, o));
   PetscCall(Assemble(comm, o));
-  PetscCall(MpmOperatorBalance(o));
+  PetscCall(Balance(o));
   PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
   o->nonzeros   = info.nz_used;
   o->bytes      = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * o->order * sizeof(PetscInt);
@@ -208,68 +271,6 @@ PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
   PetscCall(VecDestroy(&after));
   PetscCall(VecDestroy(&predicted));
   PetscCall(MpmMarchDestroy(&march));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool IsStress(const MpmFormulation *formulation, PetscInt field)
-{
-  for (PetscInt t = 0; t < formulation->nenergy; t++) {
-    const MpmEnergyTerm *term = &formulation->energy[t];
-
-    if (term->place == MPM_ON_PARTICLES && term->field == field) return term->stress;
-  }
-  return PETSC_FALSE;
-}
-
-/* sqrt(m) for a velocity, sqrt(V / E) for a stress. */
-static PetscReal RootOf(const MpmOperator *op, PetscInt field, PetscInt64 id)
-{
-  return sqrt(IsStress(op->scheme->formulation, field)
-                  ? MpmMaterialProperty(op->layout, MPM_VOLUME, id) / MpmMaterialProperty(op->layout, MPM_STIFFNESS, id)
-                  : MpmMaterialProperty(op->layout, MPM_MASS, id));
-}
-
-static PetscBool IsAlike(const MpmOperator *op)
-{
-  const PetscBool *varies = op->layout->varies;
-
-  return !varies[MPM_MASS] && !varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Computes D A D^-1 and D, whose diagonal has these roots, or with powers the powers of two next to them. */
-static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
-{
-  PetscInt   begin, end;
-  PetscReal *d;
-  Vec        inverse;
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateVecs(A, NULL, unit));
-  PetscCall(VecGetOwnershipRange(*unit, &begin, &end));
-  PetscCall(VecGetArray(*unit, &d));
-  for (PetscInt row = begin; row < end; row++) {
-    const PetscReal root = RootOf(op, row % op->fields, row / op->fields);
-
-    d[row - begin] = powers ? exp2(rint(log2(root))) : root;
-  }
-  PetscCall(VecRestoreArray(*unit, &d));
-  PetscCall(VecDuplicate(*unit, &inverse));
-  PetscCall(VecCopy(*unit, inverse));
-  PetscCall(VecReciprocal(inverse));
-  PetscCall(MatDuplicate(A, MAT_COPY_VALUES, scaled));
-  PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
-  PetscCall(VecDestroy(&inverse));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmOperatorBalance(MpmOperator *op)
-{
-  PetscFunctionBegin;
-  if (IsAlike(op)) {
-    PetscCall(PetscObjectReference((PetscObject)op->A));
-    op->balanced = op->A;
-  } else
-    PetscCall(Scale(op, PETSC_TRUE, op->A, &op->unit, &op->balanced));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

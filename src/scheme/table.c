@@ -198,18 +198,21 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   SUPPORTED(op->side == 0 || op->side == 1, o, "an axis has the sides 0 and 1");
   SUPPORTED(op->coefficient >= 0, o, "powers of the Courant number are 0, 1, 2 and so on");
   if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
-  SUPPORTED(op->dst >= 0 && op->dst < (to_nodes ? nodes : particles), o, "it writes to no register that there is");
+  SUPPORTED(op->dst >= 0 && op->dst < (to_nodes ? nodes : particles), o,
+            "the register that it writes to does not exist");
   SUPPORTED(op->src >= 0 && op->src < (traits.src == MPM_ON_NODES ? nodes : particles), o,
-            "it reads no register that there is");
+            "the register that it reads does not exist");
   if (traits.dst == MPM_ON_PARTICLES && traits.src == MPM_ON_NODES)
     SUPPORTED(op->accumulates, o, "what goes to particles is added to what they have");
   else if (!stencil && !sum)
     SUPPORTED(!op->accumulates, o, "this kind does not accumulate");
   SUPPORTED(!stencil || op->dst != op->src, o, "it would read the nodes that it writes");
-  SUPPORTED(!sum || !op->accumulates || ContinuesSum(t, o), o, "a sum is continued after something else than sums");
+  SUPPORTED(!sum || !op->accumulates || ContinuesSum(t, o), o,
+            "it continues a sum, but other operations have come in between");
   SUPPORTED(traits.src != MPM_ON_NODES || written[op->src] || op->kind == MPM_WALL, o,
             "it reads a node field that the step has not written to");
-  SUPPORTED(!to_nodes || !op->accumulates || written[op->dst], o, "it adds to a node field that nothing is in yet");
+  SUPPORTED(!to_nodes || !op->accumulates || written[op->dst], o,
+            "it adds to a node field before anything has been written there");
   if (to_nodes) written[op->dst] = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
