@@ -20,13 +20,16 @@
    tolerance. doubtful: under drift a Courant number below the limit at which factors could not be told apart, so that a
    window may be missed there; infinite for none.
 
+   followed: under drift, whether amplification factors were followed over all Courant numbers below the limit, so that
+   no window is narrower than what was looked at; else it was sought in steps.
+
    closed, closed_beta: the same by the closed form, NaN without one; cell: what enters it at that phase. asked is at
    the scene's own Courant number. assembled: from the operator, of order unknowns; else from the symbol.
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
   PetscReal      rounding, seconds;
-  PetscBool      threshold, assembled, disputed;
+  PetscBool      threshold, assembled, disputed, followed;
   PetscInt       order;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
@@ -67,7 +70,8 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    is unstable stays so; under drift windows of instability open where two factors meet, and close again, so steps are
    small (MPM_CRITICAL_STEP) and each near approach is looked at more closely.
    Else through all eigenvalues of the assembled operator, which needs SLEPc initialized; refuses orders too large for
-   that.
+   that. Under drift the eigenvalues of small operators are followed as k grows, those of larger ones are taken in steps
+   of 0.02 (see followed).
 */
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
 

@@ -10,9 +10,10 @@
 
 #define FROM 1e-2
 #define RATIO 1.5        /* steps at rest */
-#define DRIFT_WIDTH 0.02 /* and under drift, where windows of instability open and close */
+#define DRIFT_WIDTH 0.02 /* and under drift, where windows open and close and eigenvalues could not be followed */
 #define PRECISION 1e-7
-#define BEYOND 0.01 /* over a limit: growth there is more than rounding makes, or the limit is rounding */
+#define NEAR_LIMIT 1e-4 /* what could not be told apart so near the limit, relative, does not matter */
+#define BEYOND 0.01     /* over a limit: growth there is more than rounding makes, or the limit is rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
@@ -72,6 +73,26 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Under drift the eigenvalues are followed. Not done where the way ends within tolerance at the scene's own Courant
+   number and growth there says that something was missed.
+*/
+static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritical *c)
+{
+  MpmCriticalWay way = {.to = to};
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgressNote(&p->progress, "eigenvalues followed over Courant numbers"));
+  PetscCall(MpmCriticalFollow(p->of, &way));
+  p->evaluations += way.evaluations;
+  if (!way.done || (grows && isinf(way.bracket[1]))) PetscFunctionReturn(PETSC_SUCCESS);
+  c->followed    = PETSC_TRUE;
+  c->stable_at   = way.bracket[0];
+  c->unstable_at = way.bracket[1];
+  c->doubtful    = way.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? way.doubtful : INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Up to the scene's own Courant number first: if that grows, the limit is below. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
@@ -80,13 +101,17 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   MpmCriticalSteps steps  = {
        .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
   PetscReal bracket[2] = {0, INFINITY};
+  PetscBool grows;
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
   asked->uncertainty = p->rounding;
   asked->verdict     = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
-  if (!(asked->growth <= 1 + p->of->tolerance)) {
+  grows = asked->growth <= 1 + p->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
+  if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));
+  if (c->followed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (grows) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }

@@ -23,11 +23,11 @@ typedef struct MpmSample_ MpmSample;
    n factors, of a period of so many steps. most: the logarithm of the largest abs over a period that counts as no
    growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the tolerance. doubtful: the least
    place, of all lines so far, where factors could not be told apart at the least step; infinite for none. evaluations:
-   places looked at so far.
+   places looked at so far; a line ends early where they are more than allowed, which may be set before it.
 S*/
 typedef struct {
   PetscInt        n, period, nmeetings, room;
-  PetscInt64      evaluations;
+  PetscInt64      evaluations, allowed;
   PetscReal       most, peak, hit, doubtful;
   MpmFactorsAt    at;
   void           *context;
@@ -49,8 +49,9 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
    MpmFollowLine - the first place of [from, to] where growth per step is beyond 1 + tolerance.
 
    Not collective. bracket: growth is within tolerance at bracket[0], beyond it at bracket[1], which is next to it;
-   infinite when nowhere, bracket[0] = 0 when growth is beyond already at from. x must be positive. peak becomes the
-   largest growth met on the line, as in MpmMeeting.
+   infinite when nowhere, bracket[0] = 0 when growth is beyond already at from. When bracket[1] is infinite, bracket[0] is
+   to, or less where the line ended early. x must be positive. peak becomes the largest growth met on the line, as in
+   MpmMeeting.
 
    Each step predicts the factors from their derivatives and is halved until every factor is where it was predicted, so
    that none is taken for another. Where two come near each other between two places, and where one alone might rise

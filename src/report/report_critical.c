@@ -32,10 +32,10 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
   if (MpmSceneDrifts(s))
-    MpmPrint(c->assembled
-                 ? "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
-                   "search may be missed\n"
-                 : "  under drift growth comes in windows of Courant number; this is where the first one opens\n");
+    MpmPrint(c->followed
+                 ? "  under drift growth comes in windows of Courant number; this is where the first one opens\n"
+                 : "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
+                   "search may be missed\n");
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
