@@ -10,8 +10,9 @@
 #include <math.h>
 
 #define MOST_ORDER 100    /* unknowns: with more of them following takes minutes */
-#define MOST_WORK 2e11    /* multiplications in all */
+#define MOST_WORK 4e11    /* multiplications in all */
 #define OF_EIGENVALUES 25 /* times the cube of the order: what all eigenvalues take */
+#define SMALL 20          /* added to the order: small matrices cost more than their multiplications */
 #define FEWEST 2000       /* places: where fewer can be afforded, following is not begun */
 
 typedef struct {
@@ -84,7 +85,7 @@ static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowe
 
 PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
 {
-  const PetscReal n = (PetscReal)(of->scheme->table->nstate * of->layout->particles);
+  const PetscReal n = (PetscReal)(of->scheme->table->nstate * of->layout->particles), size = n + SMALL;
   PetscMPIInt     rank;
   PetscInt        period;
   PetscReal       allowed;
@@ -92,7 +93,7 @@ PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmStepPeriod(&of->step, &period));
-  allowed   = MOST_WORK / (n * n * n * (period + OF_EIGENVALUES));
+  allowed   = MOST_WORK / (size * size * size * (period + OF_EIGENVALUES));
   way->done = PETSC_FALSE;
   if (n > MOST_ORDER || allowed < FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
   if (rank == 0) PetscCall(FollowFactors(of, (PetscInt64)allowed, way));
