@@ -23,6 +23,8 @@
                  tolerance, so that courant is undecided.
    doubtful    - under drift, a Courant number below the limit at which amplification factors could not be told apart,
                  so that a window of instability may have been missed there; infinite: there is none
+   followed    - under drift, amplification factors were followed over all Courant numbers below the limit, so that no
+                 window was stepped over; else windows were looked for in steps
    closed, closed_beta - limit and phase by the closed form; NaN without one
    cell        - the symbols that the closed form takes at closed_beta
    asked       - growth and verdict at the scene's own Courant number
@@ -34,7 +36,7 @@ S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
   PetscReal      rounding, seconds;
-  PetscBool      threshold, assembled, disputed;
+  PetscBool      threshold, assembled, disputed, followed;
   PetscInt       order;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
@@ -76,10 +78,10 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    On uniform layouts it uses the symbol. It finds the limit of each phase, and refines the least of them over all
    phases by golden section, so that the result does not depend on the phases it began with. At rest a phase that is
    unstable stays so. Under drift windows of instability open where two amplification factors meet, and close again. So
-   steps are small there (MPM_CRITICAL_STEP), and each near approach of two amplification factors is looked at more
-   closely.
+   amplification factors are followed as the Courant number grows, and the places where two of them meet are solved for.
 
-   On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized.
+   On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. Under drift the
+   eigenvalues of small operators are followed in the same way; those of larger ones are taken in steps (see followed).
 
    Errors: refuses (PETSC_ERR_USER_INPUT) an operator whose order is too large for that.
 */

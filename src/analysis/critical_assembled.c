@@ -13,9 +13,10 @@
 
 #define FROM 1e-2
 #define RATIO 1.5        /* of Courant numbers, one over the other, at rest */
-#define DRIFT_WIDTH 0.02 /* largest step under drift, where windows of instability open and close */
+#define DRIFT_WIDTH 0.02 /* largest step under drift where eigenvalues could not be followed */
 #define PRECISION 1e-7
-#define BEYOND 0.01 /* relative distance above the limit at which growth is compared with that of rounding */
+#define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
+#define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
@@ -78,6 +79,26 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Follows the eigenvalues under drift. The result is not used where no growth was found up to the scene's own Courant
+   number although there is growth there: then something was missed.
+*/
+static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritical *c)
+{
+  MpmCriticalWay way = {.to = to};
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgressNote(&p->progress, "eigenvalues followed over Courant numbers"));
+  PetscCall(MpmCriticalFollow(p->of, &way));
+  p->evaluations += way.evaluations;
+  if (!way.done || (grows && isinf(way.bracket[1]))) PetscFunctionReturn(PETSC_SUCCESS);
+  c->followed    = PETSC_TRUE;
+  c->stable_at   = way.bracket[0];
+  c->unstable_at = way.bracket[1];
+  c->doubtful    = way.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? way.doubtful : INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes growth at the scene's own Courant number first. If there is growth, the limit is below it. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
@@ -86,13 +107,17 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   MpmCriticalSteps steps  = {
        .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
   PetscReal bracket[2] = {0, INFINITY};
+  PetscBool grows;
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
   asked->uncertainty = p->rounding;
   asked->verdict     = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
-  if (!(asked->growth <= 1 + p->of->tolerance)) {
+  grows = asked->growth <= 1 + p->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
+  if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));
+  if (c->followed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (grows) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }

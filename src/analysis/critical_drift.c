@@ -351,6 +351,7 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   c->unstable_at = p->least.unstable;
   c->beta        = p->least.beta;
   c->courant     = c->stable_at;
+  c->followed    = PETSC_TRUE;
   c->doubtful    = p->follow.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? p->follow.doubtful : INFINITY;
   p->fixed       = c->beta;
   if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));

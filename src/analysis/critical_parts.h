@@ -18,6 +18,21 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
 */
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *critical);
 
+/* A search for the first window of growth by following eigenvalues, up to a Courant number; what came of it. */
+typedef struct {
+  PetscReal  to, bracket[2], doubtful;
+  PetscInt64 evaluations;
+  PetscBool  done;
+} MpmCriticalWay;
+
+/*
+   MpmCriticalFollow - follows the eigenvalues of the assembled operator upwards in the Courant number to way->to.
+
+   Collective on PETSC_COMM_WORLD; the first rank does the work. done: whether it got there or found growth, else the
+   operator is too large for that, or there was too much to look at. bracket: as of MpmFollowLine, where done.
+*/
+PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way);
+
 /*
    MpmCriticalGrowthAt - finds growth and verdict at the case's Courant number, over all phases. beta: the phase that
    grows most.

@@ -52,8 +52,13 @@ PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance,
                                MpmFollow *f)
 {
   PetscFunctionBegin;
-  *f = (MpmFollow){
-      .n = n, .period = period, .most = period * log1p(tolerance), .doubtful = INFINITY, .at = at, .context = context};
+  *f = (MpmFollow){.n        = n,
+                   .period   = period,
+                   .most     = period * log1p(tolerance),
+                   .doubtful = INFINITY,
+                   .allowed  = INT64_MAX,
+                   .at       = at,
+                   .context  = context};
   PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
   for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -533,6 +538,7 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
   bracket[1]   = from;
   PetscCall(Look(f, from, BESIDE * LEAST * from, a));
   if (!(a->largest <= f->most)) PetscFunctionReturn(PETSC_SUCCESS);
+  bracket[1] = INFINITY;
   while (to - a->x > LEAST * to) {
     MpmSample *kept = a;
     PetscBool  matched;
@@ -544,6 +550,7 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
     if (!(b->largest <= f->most)) f->hit = fmin(f->hit, b->x);
     bracket[0] = a->x;
     bracket[1] = f->hit;
+    if (f->evaluations > f->allowed && isinf(f->hit)) PetscFunctionReturn(PETSC_SUCCESS);
     if (isfinite(f->hit)) {
       PetscCall(Bisect(f, bracket));
       PetscFunctionReturn(PETSC_SUCCESS);
@@ -553,6 +560,5 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
     b = kept;
   }
   bracket[0] = to;
-  bracket[1] = INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

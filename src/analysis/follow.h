@@ -27,11 +27,12 @@ typedef struct MpmSample_ MpmSample;
    n: their number; they are those of a period of so many steps. most: the logarithm of the largest abs over a period
    that does not count as growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the
    tolerance. doubtful: the least place, of all lines so far, where amplification factors could not be told apart at the
-   least step; infinite for none. evaluations: the number of places computed so far.
+   least step; infinite for none. evaluations: the number of places computed so far. allowed: a line ends early when there
+   are more than so many; it may be set before the line.
 S*/
 typedef struct {
   PetscInt        n, period, nmeetings, room;
-  PetscInt64      evaluations;
+  PetscInt64      evaluations, allowed;
   PetscReal       most, peak, hit, doubtful;
   MpmFactorsAt    at;
   void           *context;
@@ -53,7 +54,7 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
    MpmFollowLine - finds the first place of [from, to] where growth per step exceeds 1 + tolerance.
 
    Not collective. from must be positive. bracket: growth is within tolerance at bracket[0] and beyond it at bracket[1],
-   which is next to it. bracket[1] is infinite when growth is nowhere beyond; bracket[0] is 0 when it is beyond already
+   which is next to it. bracket[1] is infinite when growth is nowhere beyond, and bracket[0] is then to, or less where the line ended early; bracket[0] is 0 when it is beyond already
    at from. follow->peak becomes the largest growth on the line, as in MpmMeeting.
 
    Each step predicts the amplification factors from their derivatives. The step is halved until each of them is where

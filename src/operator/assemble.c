@@ -127,7 +127,8 @@ static PetscErrorCode Identity(const MpmRegisters *r, PetscInt field, Mat *matri
   PetscInt row, column;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(r->comm, r->particles, r->state, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, matrix));
+  PetscCall(
+      MatCreateAIJ(r->comm, r->particles, r->columns, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, matrix));
   PetscCall(MatGetOwnershipRange(*matrix, &row, NULL));
   column = r->fields * row + field;
   for (PetscInt p = 0; p < r->particles; p++)
@@ -142,22 +143,22 @@ static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
 {
   PetscFunctionBegin;
   PetscCall(MatDestroy(matrix));
-  PetscCall(MatCreateAIJ(r->comm, rows, r->state, PETSC_DETERMINE, PETSC_DETERMINE, 0, NULL, 0, NULL, matrix));
+  PetscCall(MatCreateAIJ(r->comm, rows, r->columns, PETSC_DETERMINE, PETSC_DETERMINE, 0, NULL, 0, NULL, matrix));
   PetscCall(MatAssemblyBegin(*matrix, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*matrix, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                                  MpmRegisters *r)
+/* The sizes and the registers at the start, for polynomials of a degree; 0 for numbers. */
+static PetscErrorCode SetUp(MpmRegisters *r, PetscInt degree)
 {
-  PetscMPIInt rank, size;
-  PetscInt64  begin, end;
+  const MpmLayout *layout = r->layout;
+  PetscMPIInt      rank, size;
+  PetscInt64       begin, end;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  *r           = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
+  PetscCallMPI(MPI_Comm_rank(r->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(r->comm, &size));
   r->cells     = MpmGridCount(layout->grid.cells, size, rank);
   r->first     = MpmGridFirst(layout->grid.cells, size, rank);
   r->nodes     = r->cells + (rank == size - 1 ? layout->grid.nodes - layout->grid.cells : 0);
@@ -165,13 +166,37 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const 
   end          = PetscMin(MpmLayoutSitesBefore(layout, r->first + r->cells) - layout->first, layout->particles);
   r->begin     = (PetscInt)begin;
   r->particles = (PetscInt)PetscMax(end - begin, 0);
-  r->fields    = scheme->table->nstate;
+  r->fields    = r->scheme->table->nstate;
   r->state     = r->particles * r->fields;
-  for (PetscInt f = 0; f < scheme->table->nparticles; f++)
+  r->columns   = r->state * (degree + 1);
+  for (PetscInt f = 0; f < r->scheme->table->nparticles; f++)
     if (f < r->fields)
       PetscCall(Identity(r, f, &r->particle[f]));
     else
       PetscCall(Empty(r, r->particles, &r->particle[f]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                  MpmRegisters *r)
+{
+  PetscFunctionBegin;
+  *r = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
+  PetscCall(SetUp(r, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRegistersCreatePolynomial(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                            PetscInt degree, MpmRegisters *r)
+{
+  PetscFunctionBegin;
+  *r = (MpmRegisters){.comm = PETSC_COMM_SELF, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
+  PetscCall(SetUp(r, degree));
+  PetscCall(MatCreateSeqAIJ(PETSC_COMM_SELF, r->columns, r->columns, 1, NULL, &r->times_courant));
+  for (PetscInt c = 0; c + r->state < r->columns; c++)
+    PetscCall(MatSetValue(r->times_courant, c, c + r->state, 1, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(r->times_courant, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(r->times_courant, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,7 +207,28 @@ PetscErrorCode MpmRegistersDestroy(MpmRegisters *r)
     PetscCall(MatDestroy(&r->particle[f]));
     PetscCall(MatDestroy(&r->node[f]));
   }
+  PetscCall(MatDestroy(&r->times_courant));
   PetscCall(VecDestroy(&r->masses));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The number that multiplies an operation. For polynomials it is the factor alone: Raise multiplies by the Courant number. */
+static PetscReal ValueOf(const MpmRegisters *r, const MpmOp *op)
+{
+  return r->times_courant ? op->factor : MpmOpValue(op, r->step.courant);
+}
+
+/* Multiplies a polynomial by the power of the Courant number that an operation carries. */
+static PetscErrorCode Raise(const MpmRegisters *r, const MpmOp *op, Mat *matrix)
+{
+  PetscFunctionBegin;
+  for (PetscInt power = 0; r->times_courant && power < op->coefficient; power++) {
+    Mat product;
+
+    PetscCall(MatMatMult(*matrix, r->times_courant, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
+    PetscCall(MatDestroy(matrix));
+    *matrix = product;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,6 +276,7 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
   PetscCall(MatAssemblyBegin(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatMatMult(only, r->node[op->src], MAT_INITIAL_MATRIX, PETSC_DETERMINE, &row));
+  PetscCall(Raise(r, op, &row));
   PetscCall(MatAXPY(r->node[op->dst], 1, row, DIFFERENT_NONZERO_PATTERN));
   PetscCall(MatDestroy(&row));
   PetscCall(MatDestroy(&only));
@@ -237,13 +284,14 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
 }
 
 /* dst = a map src; accumulating, dst += a map src. */
-static PetscErrorCode Apply(Mat map, PetscReal a, Mat src, PetscBool accumulates, Mat *dst)
+static PetscErrorCode Apply(const MpmRegisters *r, const MpmOp *op, Mat map, PetscReal a, Mat src, Mat *dst)
 {
   Mat product;
 
   PetscFunctionBegin;
   PetscCall(MatMatMult(map, src, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
-  if (accumulates) {
+  PetscCall(Raise(r, op, &product));
+  if (op->accumulates) {
     PetscCall(MatAXPY(*dst, a, product, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&product));
   } else {
@@ -279,7 +327,7 @@ static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, M
 static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps)
 {
   const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
-  const PetscReal   a        = MpmOpValue(op, r->step.courant);
+  const PetscReal   a        = ValueOf(r, op);
   Mat *const        sides[2] = {r->particle, r->node};
   Mat               map      = NULL;
 
@@ -289,12 +337,13 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
     PetscCall(SetWall(r, op, a));
   else if (op->kind == MPM_SCALE && a == 0)
     PetscCall(Empty(r, r->particles, &r->particle[op->dst]));
-  else if (op->kind == MPM_SCALE)
+  else if (op->kind == MPM_SCALE) {
     PetscCall(MatScale(r->particle[op->dst], a));
-  else {
+    PetscCall(Raise(r, op, &r->particle[op->dst]));
+  } else {
     PetscCall(MapOf(r, op, step, maps, &map));
-    PetscCall(Apply(map, a, sides[traits.src == MPM_ON_NODES][op->src], op->accumulates,
-                    &sides[traits.dst == MPM_ON_NODES][op->dst]));
+    PetscCall(
+        Apply(r, op, map, a, sides[traits.src == MPM_ON_NODES][op->src], &sides[traits.dst == MPM_ON_NODES][op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,17 +22,25 @@ typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
   MpmStep          step;
-  PetscInt         first, cells, nodes, begin, particles, state;
+  PetscInt         first, cells, nodes, begin, particles, state, columns;
   PetscInt         fields;
   Vec              masses;
   PetscInt64       masses_step;
-  Mat              particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS];
+  Mat              particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], times_courant;
   MpmFloatCheck    float_check;
 } MpmRegisters;
 
 /* Collective. The particle registers of the state are rows of the identity; all other registers are empty. */
 PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                   MpmRegisters *registers);
+
+/*
+   MpmRegistersCreatePolynomial - the same, as polynomials in the Courant number up to a degree; step's is not used.
+
+   Not collective: the calling rank holds everything. Powers beyond the degree are dropped.
+*/
+PetscErrorCode MpmRegistersCreatePolynomial(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                            PetscInt degree, MpmRegisters *registers);
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*

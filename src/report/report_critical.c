@@ -35,10 +35,10 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  particles move by %.6g cells per step at every Courant number that is looked at\n",
              s->step.drift.value);
   if (MpmSceneDrifts(s))
-    MpmPrint(c->assembled
-                 ? "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
-                   "search may be missed\n"
-                 : "  under drift growth comes in windows of Courant number; this is where the first one opens\n");
+    MpmPrint(c->followed
+                 ? "  under drift growth comes in windows of Courant number; this is where the first one opens\n"
+                 : "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
+                   "search may be missed\n");
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))

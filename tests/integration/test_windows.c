@@ -2,20 +2,25 @@
    Windows of growth under drift. Some limits were once found too large, because a window was stepped over. Random
    schemes are scanned below their limits by brute force: ten times the phases of the search, small steps in Courant
    number, and ten times smaller ones where two amplification factors are near each other. Nothing may grow there by
-   more than twice the tolerance.
+   more than twice the tolerance. The same holds for particles moved at random, where there are no phases and the
+   assembled operator is searched.
 
    test_windows [SCHEMES [PHASES [FIRST]]]: the number of random schemes, of phases of each, and of the first scheme.
 */
 #include "check.h"
 #include <mpmstab/critical.h>
+#include "linalg/dense.h"
 #include "linalg/small_eigen.h"
+#include "operator/polynomial.h"
 #include "scene/layout.h"
 #include "symbol/bloch.h"
+#include <slepceps.h>
 
 #define STEP 0.003
 #define FINER 10
 #define NEAR 0.01 /* distance of two amplification factors at which steps become finer */
 #define MOST 3.0  /* largest Courant number of the scan */
+#define PLACES 20 /* Courant numbers below the limit of an assembled operator, for each of the phases asked for */
 
 /* limit: a Courant number beyond which growth has been seen; the search must not find a larger limit. */
 static PetscErrorCode CheckLimit(const char options[], PetscReal limit, PetscReal relative)
@@ -45,6 +50,9 @@ static PetscErrorCode CheckLimits(void)
   PetscCall(CheckLimit("-basis cubic -drift 1/3", 0.069087, 1e-4));
   PetscCall(CheckLimit("-formulation usavg -transfer nullspace -basis cubic -cells 5 -ppc 3 -offset 1e-9 -drift -3/6",
                        1.91563, 1e-4));
+  PetscCall(CheckLimit("-formulation usavg -transfer xpic -xpic_order 20 -basis gimp -material graded -stiffness_ratio "
+                       "1e6 -drift 19/22 -cells 5 -ppc 1",
+                       0.00243563934, 1e-4));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,12 +209,67 @@ static PetscErrorCode CheckRandom(PetscInt n, PetscInt phases, PetscBool say)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The least Courant number below limit at which an assembled operator is seen to grow by more than twice the tolerance. */
+static PetscErrorCode ScanAssembled(const MpmScene *scene, PetscReal limit, PetscInt places, PetscReal *least)
+{
+  MpmPolynomial polynomial;
+  PetscReal    *matrix, *re, *im, growth;
+  PetscInt      n, exponent;
+  int           failed;
+
+  PetscFunctionBegin;
+  *least = INFINITY;
+  PetscCall(MpmPolynomialCreate(&scene->layout, &scene->scheme, &scene->step, &polynomial));
+  n = polynomial.order;
+  PetscCall(PetscMalloc3(n * n, &matrix, n, &re, n, &im));
+  for (PetscInt i = 0; i < places && isinf(*least); i++) {
+    const PetscReal k       = limit * ((PetscReal)i + MpmHash(5, i)) / (PetscReal)places;
+    PetscReal       largest = 0;
+
+    PetscCall(MpmPolynomialMatrix(&polynomial, k, matrix, &exponent));
+    PetscCall(MpmDenseEigen(n, matrix, re, im, NULL, &failed));
+    for (PetscInt j = 0; j < n && !failed; j++) largest = fmax(largest, hypot(re[j], im[j]));
+    growth = MpmGrowthPerStep(largest, exponent, polynomial.period);
+    if (failed || !(growth <= 1 + 2 * check_request.tolerance)) *least = k;
+  }
+  PetscCall(PetscFree3(matrix, re, im));
+  PetscCall(MpmPolynomialDestroy(&polynomial));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRandomAssembled(PetscInt n, PetscInt phases, PetscBool say)
+{
+  char            scheme[256], options[320];
+  MpmScene       *scene;
+  MpmCriticalCase of;
+  MpmCritical     c;
+  PetscReal       least;
+
+  PetscFunctionBegin;
+  PetscCall(DrawScheme(n, sizeof scheme, scheme));
+  if (!scheme[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(options, sizeof options, "%s -jitter 0.5 -cells 5", scheme));
+  PetscCall(CheckScene(options, &scene));
+  of = MpmCriticalCaseOf(scene, check_request.tolerance);
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
+  CHECK(c.assembled && c.followed, "scheme %d, %s: not followed", (int)n, options);
+  PetscCall(ScanAssembled(scene, PetscMin(c.courant, MOST), PLACES * phases, &least));
+  CHECK(isinf(least), "scheme %d, %s: limit %.9g, but growth at %.9g", (int)n, options, c.courant, least);
+  if (say)
+    printf("%d %s: limit %.9g, %d matrices, %.3g s, doubt at %g, %s %.9g\n", (int)n, options, c.courant,
+           (int)c.evaluations, c.seconds, c.doubtful, isinf(least) ? "none grows below" : "GROWS at", least);
+  fflush(stdout);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   const PetscInt schemes = argc > 1 ? atoi(argv[1]) : 12, phases = argc > 2 ? atoi(argv[2]) : 40;
   const PetscInt first = argc > 3 ? atoi(argv[3]) : 0;
 
   PetscFunctionBegin;
+  PetscCall(SlepcInitializeNoArguments());
   if (argc <= 1) {
     PetscCall(CheckLimits());
     PetscCall(CheckAsked("-formulation usavg -basis cubic -ppc 3 -offset 0 -drift 1/2 -courant 1.9163", 7e-5));
@@ -216,8 +279,11 @@ static PetscErrorCode Test(int argc, char **argv)
     PetscCall(CheckTolerance("-tolerance 1e-8", PETSC_TRUE));
     PetscCall(CheckTolerance("-tolerance 1e-9", PETSC_TRUE));
   }
-  for (PetscInt n = first; n < first + schemes; n++)
+  for (PetscInt n = first; n < first + schemes; n++) {
     PetscCall(CheckRandom(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
+    PetscCall(CheckRandomAssembled(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
+  }
+  PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
