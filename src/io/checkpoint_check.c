@@ -16,7 +16,7 @@
   MpmCheckInput(condition, "checkpoint %s: %s; allowed: one that 'mpmstab run' has written", path, what)
 
 /* Finds the text of one key among lines 'name text'. Returns NULL when there is no such line. */
-static char *FactIn(const char scene[], const char name[], size_t room, char text[])
+static char *FieldIn(const char scene[], const char name[], size_t room, char text[])
 {
   const size_t length = strlen(name);
 
@@ -46,7 +46,7 @@ static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *
   PetscFunctionBegin;
   PetscCall(MpmValuesIn(MPM_IN_CHECKPOINT, scene, NULL, &n, values));
   for (PetscInt f = 0; f < n; f++) {
-    const char *name = values[f].field->name, *has = FactIn(file->scene, name, sizeof text, text);
+    const char *name = values[f].field->name, *has = FieldIn(file->scene, name, sizeof text, text);
 
     if (has) PetscCall(MpmValueAgrees(&values[f], has, &agrees));
     PetscCall(MpmValueText(&values[f], sizeof mine, mine));

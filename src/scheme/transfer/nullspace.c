@@ -22,9 +22,9 @@ static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha
   return alpha > 0 ? 1 : 0;
 }
 
-const MpmTransfer MpmNullspace = {.name          = "nullspace",
-                                  .summary       = "flip without what no node can see",
-                                  .reference     = "after Gritton and Berzins 2017",
-                                  .filter        = Filter,
+const MpmTransfer MpmNullspace = {.name      = "nullspace",
+                                  .summary   = "flip without the null space of P2G: particle data that no node feels",
+                                  .reference = "after Gritton and Berzins 2017",
+                                  .filter    = Filter,
                                   .filter_symbol = FilterSymbol,
                                   .null_factor   = MpmTransferForgets};
