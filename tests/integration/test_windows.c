@@ -22,20 +22,29 @@
 #define MOST 3.0  /* largest Courant number of the scan */
 #define PLACES 20 /* Courant numbers below the limit of an assembled operator, for each of the phases asked for */
 
+/* The limit of a scene. Of the case, only its numbers outlive this function. */
+static PetscErrorCode Find(const char options[], PetscBool alone, MpmCriticalCase *of, MpmCritical *c)
+{
+  MpmScene *scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  *of = MpmCriticalCaseOf(scene, check_request.tolerance);
+  PetscCall(MpmCriticalFind(of, alone, c));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* limit: a Courant number beyond which growth has been seen; the search must not find a larger limit. */
 static PetscErrorCode CheckLimit(const char options[], PetscReal limit, PetscReal relative)
 {
-  MpmScene       *scene;
   MpmCriticalCase of;
   MpmCritical     c;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  of = MpmCriticalCaseOf(scene, check_request.tolerance);
-  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
+  PetscCall(Find(options, PETSC_TRUE, &of, &c));
   CHECK(c.courant <= limit * (1 + 1e-6) && c.courant >= limit * (1 - relative), "%s: %.9g, not %.9g", options,
         c.courant, limit);
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,35 +68,27 @@ static PetscErrorCode CheckLimits(void)
 /* Checks the verdict at a Courant number inside a window that 320 phases miss; growth is that of much closer phases. */
 static PetscErrorCode CheckAsked(const char options[], PetscReal growth)
 {
-  MpmScene       *scene;
   MpmCriticalCase of;
   MpmCritical     c;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  of = MpmCriticalCaseOf(scene, check_request.tolerance);
-  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
+  PetscCall(Find(options, PETSC_FALSE, &of, &c));
   CHECK(c.asked.verdict == MPM_UNSTABLE && c.asked.growth > 1 + growth / 2, "%s: %s, growth %.9g", options,
         MpmVerdictNames[c.asked.verdict], c.asked.growth);
   CHECK(c.courant < of.step.courant, "%s: limit %.9g", options, c.courant);
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A tolerance below the growth that rounding makes of a defective pair must give no limit. The pair is at beta = pi. */
 static PetscErrorCode CheckTolerance(const char options[], PetscBool undecided)
 {
-  MpmScene       *scene;
   MpmCriticalCase of;
   MpmCritical     c;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  of = MpmCriticalCaseOf(scene, check_request.tolerance);
-  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
+  PetscCall(Find(options, PETSC_TRUE, &of, &c));
   CHECK(isnan(c.courant) == undecided && (c.rounding > of.tolerance) == undecided, "%s: %.9g, rounding %g", options,
         c.courant, c.rounding);
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
