@@ -28,9 +28,11 @@ typedef struct {
      P2G         node[i]     += a sum_p phi_ip particle[p]
      P2G_AFFINE  node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) / h
      DIV         node[i]     += a h sum_p dphi_ip/dx particle[p]
+     DIV_MLS     node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) h / sum_j phi_jp (x_j - x_p)^2
      G2P         particle[p] += a sum_i phi_ip node[i]
      G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
      GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
+     GRAD_MLS    particle[p] += as G2P_AFFINE
 
    Not collective. The kernel does not divide the sums at nodes by the nodal masses. Node i is the left end of cell i.
    No two arrays overlap.

@@ -25,12 +25,17 @@
    MPM_P2G        - node = a sum_p phi_ip m_p particle
    MPM_P2G_AFFINE - node = a sum_p phi_ip m_p particle (x_i - x_p) / h
    MPM_DIV        - node = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
+   MPM_DIV_MLS    - node = a sum_p phi_ip (x_i - x_p) h / D_p V_p particle, the adjoint of GRAD_MLS
 
    From nodes to particles. These always accumulate:
    MPM_G2P        - particle += a sum_i phi_ip node
    MPM_G2P_AFFINE - particle += a sum_i phi_ip node (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
    MPM_GRAD       - particle += a E_p h sum_i dphi_ip/dx node. For the hat basis that is the node to the right minus the
                     one to the left. E_p is the particle's stiffness over the first material's: 1 unless a bar has two.
+   MPM_GRAD_MLS   - particle += a E_p sum_i phi_ip (x_i - x_p) h / D_p node, with D_p = sum_i phi_ip (x_i - x_p)^2: the
+                    gradient of the affine field that fits the nodes best (Hu et al. 2018). For hats it is GRAD.
+
+   P2G_AFFINE, DIV, LAP, G2P_AFFINE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
 
    On particles, and on nodes. f is another node field:
    MPM_SCALE      - particle *= a
@@ -50,9 +55,11 @@ typedef enum {
   MPM_P2G,
   MPM_P2G_AFFINE,
   MPM_DIV,
+  MPM_DIV_MLS,
   MPM_G2P,
   MPM_G2P_AFFINE,
   MPM_GRAD,
+  MPM_GRAD_MLS,
   MPM_SCALE,
   MPM_LAP,
   MPM_COPY,
@@ -99,7 +106,7 @@ enum { MPM_ONE, MPM_COURANT, MPM_COURANT_SQUARED };
 /*S
    MpmOp - one line of a table.
 
-   axis        - the direction that DIV, GRAD, LAP, the affine maps and WALL act along; in one dimension it is 0
+   axis        - the direction that DIV, GRAD, LAP, the affine maps and WALL act along; formulations leave it at 0
    dst, src    - the numbers of the registers that it writes and reads; the traits of the kind say whether they are
                  registers of particles or of nodes
    accumulates - the operation adds to dst instead of replacing it
@@ -147,6 +154,14 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
 /* clang-format on */
 
+/*E
+   MpmRank - what a field of a formulation is at a place: a number, a vector of dim components, or a symmetric stress of
+   dim (dim + 1) / 2. In one dimension all three are a number.
+
+   A stress with a Poisson ratio of 1/2 is that of a fluid. It is the pressure alone, one number.
+E*/
+typedef enum { MPM_SCALAR, MPM_VECTOR, MPM_TENSOR } MpmRank;
+
 /*
    MpmEnergyTerm - a term of the energy per density, 1/2 int (...) dx: the square of a particle field, or of a node
    field's difference over a cell. Both are in the units of the particle fields; velocity_unit of MpmWave makes
@@ -162,13 +177,19 @@ typedef struct {
    MpmCellSymbols - symbols of the maps at a phase beta, for a uniform layout at rest. The closed forms are functions of
    them.
 
-   alpha  - the symbol of P2G G2P: the mean over a cell's particles of abs(symbol of phi)^2
-   kappa  - the symbol of -DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2
+   alpha  - the symbol of P2G G2P: the mean over a cell's particles of abs(symbol of phi)^2. With an affine part it is
+            the symbol of P2G G2P of both parts together.
+   kappa  - the symbol of DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2. In more dimensions
+            it is an eigenvalue of DIV STRESS GRAD.
    mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
+            In more dimensions it is a square root of the sum of the squares over the directions.
+   lap    - the symbol of -LAP: 4 sin^2(beta / 2), in more dimensions the sum over the directions
    filter - the filter symbol (see MpmTransfer), 1 for flip; f in the formulas
+
+   Source: theory of the symbol in THEORY.md, section 4.
 S*/
 typedef struct {
-  PetscReal      beta, alpha, kappa, filter;
+  PetscReal      alpha, kappa, lap, filter;
   double complex mu;
 } MpmCellSymbols;
 
@@ -176,8 +197,9 @@ typedef struct {
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
    name, summary, reference - the word of the option formulation, a line about it, and its source
-   particle_fields, node_fields - the names of the registers, NULL-terminated
-   nops, ops       - the table of operations
+   particle_fields, node_fields - the names of the fields, NULL-terminated
+   particle_ranks, node_ranks - what each field is: a number, a vector or a stress
+   nops, ops       - the table of operations on fields. MpmTableCreate writes it out for the components of fields.
    staggered       - the particle field that is updated first in a step, or MPM_NONE. It lags half a step in a start of
                      second order.
    affine          - the particle field that a transfer with an affine part gives one to, or MPM_NONE
@@ -202,6 +224,7 @@ S*/
 typedef struct {
   const char          *name, *summary, *reference;
   const char          *particle_fields[MPM_MAX_FIELDS + 1], *node_fields[MPM_MAX_FIELDS + 1];
+  MpmRank              particle_ranks[MPM_MAX_FIELDS], node_ranks[MPM_MAX_FIELDS];
   PetscInt             nops;
   const MpmOp         *ops;
   PetscInt             staggered, affine, conserved;

@@ -25,54 +25,80 @@ typedef struct {
 
    kind      - MPM_MATERIAL_UNIFORM: all are of the first material. MPM_MATERIAL_TWO: those that rest inside the
                inclusion are of the second. MPM_MATERIAL_GRADED: the ratios go as ratio^s, where s = x / L between ends
-               and s = 1 - abs(2 x / L - 1) in a periodic domain.
+               and s = 1 - abs(2 x / L - 1) in a periodic domain; x is the place in direction 0.
    density, stiffness - of the second material over those of the first
-   inclusion - the places between which the second material is, in cells
+   inclusion - the box in which the second material is: for each direction two places, in cells
 S*/
 typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
 
 typedef struct {
   MpmMaterialKind kind;
-  PetscReal       density, stiffness, inclusion[2];
+  PetscReal       density, stiffness, inclusion[MPM_MAX_DIM][2];
 } MpmMaterial;
 
 /*S
-   MpmLayout - a grid and the particles that rest in it. Lengths are in cells.
+   MpmLayout - a grid and the particles that rest in it. Lengths are in cells. Arrays have one entry for each direction.
 
-   Particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is hashed from seed
-   and the number of the site; cluster then squeezes the places of a cell together. Sites fill all cells and are
-   numbered cell by cell. Particles take a part of them.
+   In each direction, particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is
+   hashed from seed and the number of the site; cluster then squeezes the places of a cell together. The particles of a
+   cell are on the grid that is the product of those of the directions.
+
+   Sites fill all cells. In one dimension they are numbered cell by cell. In more, a site has a number in each
+   direction, and its number is that of its place in the box of all sites, direction 0 first. Particles take the sites
+   of a box, and are numbered in the same way.
 
    name       - the word of the option layout
+   dim        - the number of space dimensions
    grid       - cells, nodes and ends
-   counts     - the numbers of sites in the cells
-   ppc        - the number of sites in the fullest cell
+   counts     - the numbers of sites in the cells, in one dimension
+   ppc        - the number of sites of the fullest cell, in each direction
    sites      - the number of sites
-   first      - the site of particle 0; particle id is at site first + id
+   first      - the first site that has a particle, in each direction. In one dimension particle id is at site
+                first + id.
+   row        - the number of particles in each direction; particles is their product
    particles  - the number of particles
    seed       - jitter and random initial data are hashed from it
    offset, jitter - in particle spacings
-   cluster    - the part of its cell that particles are spread over; all of it is 0, 1
+   cluster    - the part of its cell that particles are spread over, in one dimension; all of it is 0, 1
    half_width - half of a particle's width
    material   - the materials of the particles
    varies     - varies[property]: particles differ in this property
 S*/
 typedef struct {
   const char  *name;
-  MpmDirection grid;
+  PetscInt     dim;
+  MpmDirection grid[MPM_MAX_DIM];
   MpmCounts    counts;
-  PetscInt     ppc;
-  PetscInt64   sites, first, particles, seed;
-  MpmFraction  offset;
-  PetscReal    jitter, cluster[2], half_width;
+  PetscInt     ppc[MPM_MAX_DIM];
+  PetscInt64   sites, first[MPM_MAX_DIM], row[MPM_MAX_DIM], particles, seed;
+  MpmFraction  offset[MPM_MAX_DIM];
+  PetscReal    jitter, cluster[2], half_width[MPM_MAX_DIM];
   MpmMaterial  material;
   PetscBool    varies[MPM_PROPERTIES];
 } MpmLayout;
 
+/* Not collective. The number of cells of the grid, and of the sites in the fullest cell, over all directions. */
+static inline PetscInt64 MpmLayoutCells(const MpmLayout *layout)
+{
+  PetscInt64 cells = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) cells *= layout->grid[a].cells;
+  return cells;
+}
+static inline PetscInt MpmLayoutPpc(const MpmLayout *layout)
+{
+  PetscInt ppc = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) ppc *= layout->ppc[a];
+  return ppc;
+}
+
 /* Not collective. Whether the domain has no ends. */
 static inline PetscBool MpmLayoutIsPeriodic(const MpmLayout *layout)
 {
-  return layout->grid.ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < layout->dim; a++)
+    if (layout->grid[a].ends[0] != MPM_PERIODIC) return PETSC_FALSE;
+  return PETSC_TRUE;
 }
 
 /* Not collective. Whether there is a particle at every site, and a site in every cell. */
@@ -84,7 +110,10 @@ static inline PetscBool MpmLayoutIsFull(const MpmLayout *layout)
 /* Not collective. Whether all cells are alike and there are no ends, so that Fourier modes do not mix. */
 PetscBool MpmLayoutIsUniform(const MpmLayout *layout);
 
-/* Not collective. Gives every cell ppc particles, of width 1 / ppc. The layout's pattern must have one cell. */
+/*
+   Not collective. Gives every cell ppc particles in each direction, of width 1 / ppc. The layout's pattern must have one
+   cell.
+*/
 void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc);
 
 /*

@@ -13,19 +13,19 @@
 
    layout, scheme, step - the arguments of march, operator and symbol; they are in units of cells and steps
    boundary             - the conditions at the ends, as text
-   dim                  - the number of space dimensions
-   length, cell_width   - of the domain and of a cell, in units of length
+   length, cell_width   - of the domain in each direction, and of a cell, in units of length
    wave_speed, dt       - c in length / time, and the time step
-   initial, mode, amplitude - the initial data, the number of their Fourier mode, and their size
+   initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
+                          size
    stagger              - the field that is updated first starts half a step early
 S*/
 typedef struct {
   MpmLayout  layout;
   MpmScheme  scheme;
   MpmStep    step;
-  char       boundary[64];
-  PetscInt   dim, mode;
-  PetscReal  length, cell_width, wave_speed, dt, amplitude;
+  char       boundary[128];
+  PetscInt   mode[MPM_MAX_DIM];
+  PetscReal  length[MPM_MAX_DIM], cell_width, wave_speed, dt, amplitude;
   MpmInitial initial;
   PetscBool  stagger;
 } MpmScene;
@@ -70,6 +70,9 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 {
   return MpmLayoutIsFull(&scene->layout);
 }
+
+/* Not collective. Whether Poisson's ratio counts: the formulation has a stress, and there is more than one dimension. */
+PetscBool MpmSceneHasPoisson(const MpmScene *scene);
 
 /*
    MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.

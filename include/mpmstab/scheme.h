@@ -12,14 +12,16 @@
 
    formulation, basis, transfer - the three, by themselves
    numbers - the numbers that the transfer is given
-   table   - made of formulation, transfer and boundary by MpmTableCreate; the march, the operator and the symbol
-             interpret it. The caller of MpmTableCreate destroys it.
+   space   - the dimension, the gradient, the material and the ends
+   table   - made of these by MpmTableCreate; the march, the operator and the symbol interpret it. The caller of
+             MpmTableCreate destroys it.
 S*/
 typedef struct {
   const MpmFormulation *formulation;
   const MpmBasis       *basis;
   const MpmTransfer    *transfer;
   MpmTransferNumbers    numbers;
+  MpmSpace              space;
   MpmTable             *table;
 } MpmScheme;
 
@@ -27,24 +29,27 @@ typedef struct {
    MpmStep - one time step in units of the grid.
 
    courant - the Courant number k = c dt / h: the number of cells that a wave travels in a step
-   drift   - the drift delta = U0 dt / h: the number of cells that every particle moves in a step
+   drift   - the drift delta = U0 dt / h: the number of cells that every particle moves in a step, in each direction;
+             0 in directions that a scene does not have
 S*/
 typedef struct {
   PetscReal   courant;
-  MpmFraction drift;
+  MpmFraction drift[MPM_MAX_DIM];
 } MpmStep;
 
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmStepDrifts(const MpmStep *step)
 {
-  return step->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    if (step->drift[a].value != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 #define MPM_LONGEST_PERIOD 10000 /* in steps; each has a matrix to multiply with */
 
 /*
    MpmStepPeriod - the number of steps after which all particles have the same places in cells again. It is the
-   denominator of the drift, and 1 at rest.
+   least common multiple of the drift's denominators, and 1 at rest.
 
    Collective.
 

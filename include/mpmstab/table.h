@@ -7,89 +7,138 @@
 #include <mpmstab/transfer.h>
 
 /*S
-   MpmTable - the operations of one step, in order, and the registers they work on. A register is a field of particles
-   or of nodes, and has a number.
+   MpmTable - the operations of one step, in order, and the registers they work on. A register is a number at each
+   particle or node: a component of a field of the formulation. The registers of a field follow one another; a stress
+   has its components in the order 00 01 02 11 12 22.
 
+   dim           - the number of space dimensions
    nops, room    - the number of operations, and of those that ops has memory for
    ops           - the operations
    nstate        - particle registers [0, nstate) are the state, which goes on from step to step
    nparticles    - particle registers [nstate, nparticles) are scratch: SCALE sets them to 0, G2P fills them, P2G sends
                    them to nodes, and after that they hold nothing
    nnodes        - the number of node registers
-   unfiltered    - the number of state fields that no filter acts on
-   fields        - the names of the state fields, NULL-terminated
-   antisymmetric - antisymmetric[n]: node field n is 0 at fixed ends, so that nodes beyond such an end are its mirror
-                   images with the other sign
-   filtered      - filtered[f]: the filter of the transfer acts on state field f
-   affine        - the state field that has an affine part, or MPM_NONE
-   affine_part   - the state field that holds this affine part
-   ends          - the kinds of the left and of the right end
+   unfiltered    - the number of state registers that no filter acts on
+   fields        - the names of the state registers, NULL-terminated; with more than one dimension v_x, s_xy and so on
+   field         - field[r]: the field of the formulation that state register r is a component of, or MPM_NONE for an
+                   affine part
+   component     - component[r]: which of the field's components it is
+   parity        - parity[n][a]: what node register n is beyond the ends of direction a
+   filtered      - filtered[r]: the filter of the transfer acts on state register r
+   affine        - the first register of the vector that has an affine part, or MPM_NONE
+   affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
+   ends          - the kinds of the left and of the right end of each direction
 S*/
 struct MpmTable_ {
-  PetscInt    nops, room;
+  PetscInt    dim, nops, room;
   MpmOp      *ops;
   PetscInt    nstate, nparticles, nnodes, unfiltered;
   const char *fields[MPM_MAX_FIELDS + 1];
-  PetscBool   antisymmetric[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
-  PetscInt    affine;
-  PetscInt    affine_part;
-  MpmEnd      ends[2];
+  char        names[MPM_MAX_FIELDS][16]; /* what fields points to */
+  PetscInt    field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
+  MpmParity   parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
+  PetscBool   filtered[MPM_MAX_FIELDS];
+  PetscInt    affine, affine_part;
+  MpmEnd      ends[MPM_MAX_DIM][2];
 };
 
+/*E
+   MpmGradient - the weights of DIV and GRAD.
+
+   MPM_GRADIENT_BASIS - the gradient of the basis functions
+   MPM_GRADIENT_MLS   - phi_ip (x_i - x_p) / D_p, as in MLS-MPM (Hu et al. 2018)
+E*/
+typedef enum { MPM_GRADIENT_BASIS, MPM_GRADIENT_MLS } MpmGradient;
+extern const char *const MpmGradientNames[];
+
+/*S
+   MpmSpace - what a table depends on besides formulation and transfer.
+
+   dim      - the number of space dimensions
+   gradient - the weights of DIV and GRAD
+   poisson  - Poisson's ratio nu, from 0 to 1/2; plane strain with dim 2. With 1/2 the material is a fluid. With dim 1
+              it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
+              lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
+   ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
+              are fixed, and nothing at others.
+S*/
+typedef struct {
+  PetscInt    dim;
+  MpmGradient gradient;
+  PetscReal   poisson;
+  MpmEnd      ends[MPM_MAX_DIM][2];
+} MpmSpace;
+
+/* Not collective. Whether a space is that of a fluid, whose stress is one number, the pressure. */
+static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
+{
+  return space->dim > 1 && space->poisson == 0.5 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
-   MpmTableCreate - makes a table from a formulation, a transfer and a boundary.
+   MpmTableCreate - makes a table from a formulation and a transfer.
 
    Not collective.
 
    Input Parameters:
-+  formulation - its table of operations, which may contain FILTER, IMPOSE and REACT
++  formulation - its table of operations on fields, which may contain FILTER, IMPOSE and REACT
 .  transfer    - the operations that take the place of FILTER; for flip there are none
 .  numbers     - the numbers that the transfer is given
--  ends        - the kinds of the two ends; IMPOSE and REACT become WALL at those that are fixed, and nothing at others
+-  space       - the dimension, the gradient, the material and the ends
 
    Output Parameter: table - destroyed with MpmTableDestroy
 
-   With a transfer that has an affine part, each P2G, G2P and SCALE of the field that has it is followed by one of that
-   part.
+   Each operation on fields is written out for their components:
+
+     P2G, G2P, SCALE, COPY   one for each component
+     DIV of a stress         a_a = sum_b DIV_b s_ab
+     GRAD to a stress        s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), for a fluid
+                             s += sum_c GRAD_c v_c
+     GRAD to a vector        u_a += GRAD_a r
+     GRAD to a number        r += sum_a GRAD_a u_a
+     LAP                     the sum over the directions
+
+   With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
+   that part, one for each direction.
 
    Errors: PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
    none of these: an operation to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own
-   result, an axis that the table does not have, a sum that is continued after something else than sums, and a node
-   field that is read before the step has written to it.
+   result, an axis that the table does not have, a sum that is continued after something else than sums, a node field
+   that is read before the step has written to it, and fields of ranks that do not go together.
 */
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
-                              const MpmTransferNumbers *numbers, const MpmEnd ends[2], MpmTable **table);
+                              const MpmTransferNumbers *numbers, const MpmSpace *space, MpmTable **table);
 PetscErrorCode MpmTableDestroy(MpmTable **table);
 
 /*
    These three functions are for the filters of transfers. Not collective.
 
-   MpmTableAppend  - appends an operation, and the one on the affine part that belongs to it
-   MpmTableNode    - adds a node field, which is antisymmetric where the node field like is
-   MpmTableScratch - adds a scratch particle field
+   MpmTableAppend  - appends an operation on registers, and those on the affine part that belong to it
+   MpmTableNode    - adds a node register, of the parity of the node register like
+   MpmTableScratch - adds a scratch particle register
 
-   Errors: PETSC_ERR_PLIB when there are more than MPM_MAX_FIELDS fields.
+   Errors: PETSC_ERR_PLIB when there are more than MPM_MAX_FIELDS registers.
 */
 PetscErrorCode MpmTableAppend(MpmTable *table, MpmOp op);
 PetscErrorCode MpmTableNode(MpmTable *table, PetscInt like, PetscInt *node);
 PetscErrorCode MpmTableScratch(MpmTable *table, PetscInt *particle);
 
 /*
-   MpmTableImpose - sets a node field that P2G has just filled to 0 at the ends of kind MPM_FIXED, where the field is
-   antisymmetric. The filters of transfers call it.
+   MpmTableImpose - sets a node register that P2G has just filled to 0 at the ends where its parity says so
+   (MpmEndImposes). The filters of transfers call it.
 
    Not collective.
 */
 PetscErrorCode MpmTableImpose(MpmTable *table, PetscInt node);
 
 /*
-   Not collective. The first operation that takes a particle field to the nodes: P2G, or DIV for a stress. NULL when the
-   table has none.
+   Not collective. The first operation that takes a particle register to the nodes: P2G, or DIV for a stress. NULL when
+   the table has none.
 */
-const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field);
+const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt particle);
 
-/* Not collective. Whether P2G of a particle field is 0 at fixed ends (see antisymmetric of MpmTable). */
-PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field);
+/* Not collective. The parity of P2G of a particle register, by direction. */
+const MpmParity *MpmTableParity(const MpmTable *table, PetscInt particle);
 
 /* Not collective. Whether the table has an operation of a kind. */
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind);

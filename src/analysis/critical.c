@@ -54,7 +54,7 @@ static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
   PetscReal       beta;
 
   PetscFunctionBegin;
-  moving.step.drift = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
+  moving.step.drift[0] = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
   PetscCall(MpmCriticalGrowthAt(&moving, &finding, &beta));
   c->moving = finding.growth;
   PetscFunctionReturn(PETSC_SUCCESS);

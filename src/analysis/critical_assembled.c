@@ -27,11 +27,12 @@ typedef struct {
 
 static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
 {
-  const MpmStep step = {.courant = courant, .drift = p->of->step.drift};
-  char          note[128];
+  MpmStep step = p->of->step;
+  char    note[128];
 
   PetscFunctionBegin;
   p->evaluations++;
+  step.courant = courant;
   PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, op));
@@ -154,7 +155,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
                 "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                of->layout->grid.cells, of->layout->ppc, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
+                of->layout->grid[0].cells, of->layout->ppc[0], MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
   PetscCall(MpmMarchCreateRandom(PETSC_COMM_SELF, of->layout, of->scheme, &of->step, 1,
                                  &march)); /* refuses a grid that no run could have */

@@ -73,7 +73,7 @@ static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
   p->tolerance     = of->tolerance;
   p->log_tolerance = log1p(of->tolerance);
   p->least         = (Limit){INFINITY, INFINITY, NAN};
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &p->bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &p->bloch));
   PetscCall(MpmSmallEigenCreate(p->bloch.size, &p->eigen));
   PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.period, of->tolerance, FactorsAt, p, &p->follow));
   PetscFunctionReturn(PETSC_SUCCESS);

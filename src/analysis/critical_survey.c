@@ -41,8 +41,7 @@ PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, 
         scheme.formulation = MpmFormulations[f];
         scheme.transfer    = MpmTransfers[t];
         scheme.basis       = MpmBases[b];
-        PetscCall(
-            MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, of->layout->grid.ends, &scheme.table));
+        PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
         PetscCall(MpmCriticalFind(&each, PETSC_TRUE, &critical));
         PetscCall(row(context, &scheme, &critical));
         PetscCall(MpmTableDestroy(&scheme.table));

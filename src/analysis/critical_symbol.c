@@ -165,7 +165,7 @@ PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, 
   Probe probe = {.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &probe.bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(MpmProgressBegin("phase", &probe.progress));
@@ -182,7 +182,7 @@ PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal cou
   Probe probe = {.tolerance = of->tolerance};
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &probe.bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &probe.bloch));
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(GrowthAt(&probe, courant, beta, growth));
   PetscCall(MpmSmallEigenDestroy(&probe.eigen));
@@ -198,7 +198,7 @@ PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant,
   double complex *matrix, *noisy;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift, &bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &bloch));
   n = bloch.size * bloch.size;
   PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
   PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));

@@ -41,7 +41,7 @@ static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": all eigenvalues of %" PetscInt64_FMT
                 " unknowns are sought for each layout; allowed: at most %d, so fewer cells",
-                scene->layout.grid.cells, scene->layout.ppc, unknowns, MPM_DENSE_MANY);
+                scene->layout.grid[0].cells, scene->layout.ppc[0], unknowns, MPM_DENSE_MANY);
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &march));

@@ -207,7 +207,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
       *nullity += (PetscInt)op->layout->particles;
       continue;
     }
-    PetscCall(MpmRegistersMap(&registers, seen->kind, table->antisymmetric[seen->dst], 0, &map));
+    PetscCall(MpmRegistersMap(&registers, seen->kind, seen->axis, table->parity[seen->dst], 0, &map));
     PetscCall(Nullity(map, &unseen));
     PetscCall(MatDestroy(&map));
     *nullity += unseen;

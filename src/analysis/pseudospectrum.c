@@ -30,7 +30,7 @@ PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
   MpmCheckInput(order <= MPM_RESOLVENT_ORDER,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
-                scene->layout.grid.cells, scene->layout.ppc, order, MPM_RESOLVENT_ORDER);
+                scene->layout.grid[0].cells, scene->layout.ppc[0], order, MPM_RESOLVENT_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

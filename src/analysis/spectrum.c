@@ -257,7 +257,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   if (!MpmSymbolWhyNot(&scene->layout)) {
     PetscCall(MpmSymbolCreate(
         comm, &scene->layout, &scene->scheme, &scene->step,
-        &(MpmSymbolWish){.phases = scene->layout.grid.cells, .keep = PETSC_TRUE, .tolerance = request->tolerance},
+        &(MpmSymbolWish){.phases = scene->layout.grid[0].cells, .keep = PETSC_TRUE, .tolerance = request->tolerance},
         &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }

@@ -29,10 +29,10 @@ static void SetParameter(Point *at, MpmAxisKind kind, const MpmFraction *value)
     at->step.courant = value->value;
     break;
   case MPM_AXIS_DRIFT:
-    at->step.drift = *value;
+    at->step.drift[0] = *value;
     break;
   case MPM_AXIS_OFFSET:
-    at->layout.offset = *value;
+    at->layout.offset[0] = *value;
     break;
   case MPM_AXIS_PPC:
     MpmLayoutSetPpc(&at->layout, (PetscInt)value->num);
@@ -104,7 +104,7 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
   map->growth[i]    = symbol->growth;
   map->beta[i]      = symbol->beta_at_max;
   f.verdict         = MpmVerdictOf(&f);
-  PetscCall(MpmFindingOfPhases(&f, symbol->phases, at.layout.grid.cells));
+  PetscCall(MpmFindingOfPhases(&f, symbol->phases, at.layout.grid[0].cells));
   map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -139,7 +139,7 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
                           map->request->phases, n));
-  if (map->request->phases % map->scene->layout.grid.cells)
+  if (map->request->phases % map->scene->layout.grid[0].cells)
     PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -79,13 +79,13 @@ static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const M
 static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
-  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->layout.grid.cells : 0;
+  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->layout.grid[0].cells : 0;
   const PetscInt64  most  = PetscMin(MOST_EXPONENT * (step + 1), PETSC_MAX_INT / 2);
   PetscInt64        cells;
   PetscReal         part;
 
   PetscFunctionBegin;
-  MpmFractionMultiple(&scene->step.drift, where[MPM_AT_PLACES], &cells, &part);
+  MpmFractionMultiple(&scene->step.drift[0], where[MPM_AT_PLACES], &cells, &part);
   Allow(where[MPM_AT_REBASED] >= cells - slack && where[MPM_AT_REBASED] <= cells + slack, file->path,
         "its particles have not drifted as the scene's have");
   Allow(where[MPM_AT_EXPONENT] >= -most && where[MPM_AT_EXPONENT] <= most, file->path,

@@ -21,34 +21,33 @@ static PetscErrorCode WriteNumber(MpmHdf5 *file, const char name[], PetscReal va
 }
 
 /* A fraction is written as text too, so that 1/7 stays exact. A range is written as its two ends. */
-static PetscErrorCode WriteValue(MpmHdf5 *file, const MpmValue *value)
+static PetscErrorCode WriteOne(MpmHdf5 *file, const MpmValue *value, PetscInt a)
 {
-  const char    *name  = value->field->name;
-  const PetscInt count = (PetscInt)value->whole;
-  char           other[64], text[64];
+  char name[48], other[64], text[64];
 
   PetscFunctionBegin;
+  PetscCall(MpmValueAttribute(value, a, sizeof name, name));
   switch (value->kind) {
   case MPM_AS_COUNT:
-    PetscCall(MpmHdf5WriteInteger(file, "/", name, count));
+    PetscCall(MpmHdf5WriteInteger(file, "/", name, (PetscInt)value->whole[a]));
     break;
   case MPM_AS_LONG:
-    PetscCall(WriteNumber(file, name, (PetscReal)value->whole));
+    PetscCall(WriteNumber(file, name, (PetscReal)value->whole[a]));
     break;
   case MPM_AS_REAL:
-    PetscCall(WriteNumber(file, name, value->number[0]));
+    PetscCall(WriteNumber(file, name, value->number[a][0]));
     break;
   case MPM_AS_RANGE:
     PetscCall(PetscSNPrintf(other, sizeof other, "%s_from", name));
-    PetscCall(WriteNumber(file, other, value->number[0]));
+    PetscCall(WriteNumber(file, other, value->number[a][0]));
     PetscCall(PetscSNPrintf(other, sizeof other, "%s_to", name));
-    PetscCall(WriteNumber(file, other, value->number[1]));
+    PetscCall(WriteNumber(file, other, value->number[a][1]));
     break;
   case MPM_AS_FRACTION:
-    PetscCall(WriteNumber(file, name, value->fraction.value));
-    if (!value->fraction.den) break;
+    PetscCall(WriteNumber(file, name, value->fraction[a].value));
+    if (!value->fraction[a].den) break;
     PetscCall(PetscSNPrintf(other, sizeof other, "%s_exact", name));
-    PetscCall(MpmValueText(value, sizeof text, text));
+    PetscCall(MpmValueOneText(value, a, sizeof text, text));
     PetscCall(WriteText(file, other, text));
     break;
   default:
@@ -65,7 +64,8 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmReque
   PetscFunctionBegin;
   PetscCall(WriteText(file, "version", MPMSTAB_VERSION));
   PetscCall(MpmValuesIn(MPM_IN_FILE, scene, request, &n, values));
-  for (PetscInt i = 0; i < n; i++) PetscCall(WriteValue(file, &values[i]));
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt a = 0; a < values[i].n; a++) PetscCall(WriteOne(file, &values[i], a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -76,6 +76,35 @@ static PetscErrorCode SameRange(Check *c, const char name[], const PetscReal min
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Compares the value of direction a. */
+static PetscErrorCode SameValue(Check *c, const MpmValue *mine, PetscInt a)
+{
+  char name[48];
+
+  PetscFunctionBegin;
+  PetscCall(MpmValueAttribute(mine, a, sizeof name, name));
+  switch (mine->kind) {
+  case MPM_AS_COUNT:
+    SameCount(c, name, (PetscInt)mine->whole[a]);
+    break;
+  case MPM_AS_LONG:
+    SameNumber(c, name, (PetscReal)mine->whole[a]);
+    break;
+  case MPM_AS_REAL:
+    SameNumber(c, name, mine->number[a][0]);
+    break;
+  case MPM_AS_FRACTION:
+    SameNumber(c, name, mine->fraction[a].value);
+    break;
+  case MPM_AS_RANGE:
+    PetscCall(SameRange(c, name, mine->number[a]));
+    break;
+  default:
+    SameText(c, name, mine->text);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SameScene(Check *c)
 {
   MpmValue mine[MPM_MAX_VALUES];
@@ -83,29 +112,8 @@ static PetscErrorCode SameScene(Check *c)
 
   PetscFunctionBegin;
   PetscCall(MpmValuesIn(MPM_IN_MODE_FILE, c->scene, NULL, &n, mine));
-  for (PetscInt i = 0; i < n; i++) {
-    const char *name = mine[i].field->name;
-
-    switch (mine[i].kind) {
-    case MPM_AS_COUNT:
-      SameCount(c, name, (PetscInt)mine[i].whole);
-      break;
-    case MPM_AS_LONG:
-      SameNumber(c, name, (PetscReal)mine[i].whole);
-      break;
-    case MPM_AS_REAL:
-      SameNumber(c, name, mine[i].number[0]);
-      break;
-    case MPM_AS_FRACTION:
-      SameNumber(c, name, mine[i].fraction.value);
-      break;
-    case MPM_AS_RANGE:
-      PetscCall(SameRange(c, name, mine[i].number));
-      break;
-    default:
-      SameText(c, name, mine[i].text);
-    }
-  }
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt a = 0; a < mine[i].n; a++) PetscCall(SameValue(c, &mine[i], a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,12 +153,12 @@ static PetscErrorCode Mode(Check *c)
   PetscCall(MpmModeFileGroup(c->scene, group, sizeof group));
   if (!MpmHdf5ReadAttribute(&c->file, group, "growth", H5T_NATIVE_DOUBLE, &growth))
     Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
-          c->scene->mode);
+          c->scene->mode[0]);
   for (PetscInt f = 0; c->scene->scheme.table->fields[f] && !c->why[0]; f++) {
     PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "re", &largest));
     PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "im", &largest));
   }
-  if (largest == 0) Wrong(c, "mode %" PetscInt_FMT " is zero; " WRITTEN, c->scene->mode);
+  if (largest == 0) Wrong(c, "mode %" PetscInt_FMT " is zero; " WRITTEN, c->scene->mode[0]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

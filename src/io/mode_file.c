@@ -7,7 +7,7 @@
 PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room)
 {
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, room, "/modes/%04" PetscInt_FMT, scene->mode));
+  PetscCall(PetscSNPrintf(group, room, "/modes/%04" PetscInt_FMT, scene->mode[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

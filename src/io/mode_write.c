@@ -32,7 +32,8 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
     PetscReal xi;
 
     MpmLayoutPlace(layout, id, &cell, &xi);
-    x[id] = cell_width * ((cell + layout->grid.cells) % layout->grid.cells + xi); /* jitter may leave the domain */
+    x[id] =
+        cell_width * ((cell + layout->grid[0].cells) % layout->grid[0].cells + xi); /* jitter may leave the domain */
   }
   PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, 1, x));
   PetscCall(PetscFree(x));

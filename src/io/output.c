@@ -29,7 +29,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request,
   PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
-  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->layout->grid.nodes, &o->global));
+  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->layout->grid[0].nodes, &o->global));
   PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -162,7 +162,7 @@ static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[],
   char            particles[32], nodes[32];
 
   snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->layout.particles);
-  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->layout.grid.nodes);
+  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->layout.grid[0].nodes);
   fprintf(xmf,
           "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
           "<Grid Name=\"particles\" GridType=\"Uniform\">\n"

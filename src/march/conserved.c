@@ -52,7 +52,7 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *c)
 
   PetscFunctionBegin;
   for (int end = 0; end < 2; end++)
-    if (MpmEndIsFixed(march->layout->grid.ends[end])) no_walls = PETSC_FALSE;
+    if (MpmEndIsFixed(march->layout->grid[0].ends[end])) no_walls = PETSC_FALSE;
   *c = (MpmConserved){.particles    = march->particles->count,
                       .exponent     = march->exponent,
                       .has_momentum = field != MPM_NONE && no_walls ? PETSC_TRUE : PETSC_FALSE};

@@ -45,7 +45,7 @@ PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
   const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
   const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
   /* the sum of all volumes: in a full grid it is ppc a cell, however many particles share the cell */
-  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->layout.grid.cells * scene->layout.ppc
+  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->layout.grid[0].cells * scene->layout.ppc[0]
                                                  : (PetscReal)scene->layout.particles;
 
   PetscFunctionBegin;

@@ -23,8 +23,8 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   const MpmBasis *basis  = march->scheme->basis;
   const MpmTable *table  = march->scheme->table;
   const PetscBool drifts = MpmStepDrifts(step);
-  const PetscInt  reach = PetscMax(basis->reach_left, basis->reach_right), cells = march->layout->grid.cells;
-  const PetscInt  stride = (PetscInt)ceil(PetscAbsReal(step->drift.value)) + 1;
+  const PetscInt  reach = PetscMax(basis->reach_left, basis->reach_right), cells = march->layout->grid[0].cells;
+  const PetscInt  stride = (PetscInt)ceil(PetscAbsReal(step->drift[0].value)) + 1;
   PetscInt        need, spare;
   PetscMPIInt     size;
 
@@ -79,12 +79,14 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscInt ghost;
 
   PetscFunctionBegin;
+  MpmCheckInput(layout->dim == 1, "dim %" PetscInt_FMT ": particles are marched in one dimension; allowed: 1",
+                layout->dim);
   m->layout     = layout;
   m->scheme     = scheme;
   m->cell_width = 1;
   PetscCall(ChooseGhosts(comm, step, m, &ghost));
-  PetscCall(MpmGridCreate(comm, layout->grid.cells, ghost, MpmLayoutIsPeriodic(layout), &m->grid));
-  PetscCall(MpmParticlesCreate(layout, scheme->table, &step->drift, m->grid, &m->particles));
+  PetscCall(MpmGridCreate(comm, layout->grid[0].cells, ghost, MpmLayoutIsPeriodic(layout), &m->grid));
+  PetscCall(MpmParticlesCreate(layout, scheme->table, &step->drift[0], m->grid, &m->particles));
   PetscCall(CreateVectors(m));
   PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
   PetscCall(RegisterEvents(m));
@@ -172,7 +174,7 @@ PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->layout.varies[w]) particle += OF_NUMBER;
   return (PetscReal)scene->layout.particles * particle +
-         (PetscReal)scene->layout.grid.nodes * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
+         (PetscReal)scene->layout.grid[0].nodes * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
 }
 
 static PetscErrorCode Migrate(MpmMarch *march)
@@ -223,23 +225,27 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, PetscBool with_mass, Vec inverse_mass,
                               Vec node)
 {
-  const MpmBasis      *basis         = march->scheme->basis;
-  const PetscBool      antisymmetric = MpmTableIsAntisymmetric(march->scheme->table, field);
-  const MpmPass        project       = {.nops      = 1,
-                                        .nsums     = 1,
-                                        .sums_mass = with_mass,
-                                        .op        = {{.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                                       .kernel      = basis->kernel[MPM_P2G],
-                                                       .mass_kernel = basis->p2g_mass,
-                                                       .a           = 1,
-                                                       .particle    = field,
-                                                       .to_nodes    = PETSC_TRUE,
-                                                       .weight      = MpmLayoutWeight(march->layout, MPM_P2G)}}};
-  Vec                  spare         = NULL;
-  const MpmNodeVectors nodes         = {
-              .n = 1, .node = &node, .spare = &spare, .inverse_mass = inverse_mass, .antisymmetric = &antisymmetric};
+  const MpmBasis      *basis = march->scheme->basis;
+  MpmParity            parity[1][MPM_MAX_DIM];
+  const MpmPass        project = {.nops      = 1,
+                                  .nsums     = 1,
+                                  .sums_mass = with_mass,
+                                  .op        = {{.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                                 .kernel      = basis->kernel[MPM_P2G],
+                                                 .mass_kernel = basis->p2g_mass,
+                                                 .a           = 1,
+                                                 .particle    = field,
+                                                 .to_nodes    = PETSC_TRUE,
+                                                 .weight      = MpmLayoutWeight(march->layout, MPM_P2G)}}};
+  Vec                  spare   = NULL;
+  const MpmNodeVectors nodes   = {.n            = 1,
+                                  .node         = &node,
+                                  .spare        = &spare,
+                                  .inverse_mass = inverse_mass,
+                                  .parity       = (const MpmParity(*)[MPM_MAX_DIM])parity};
 
   PetscFunctionBegin;
+  PetscCall(PetscArraycpy(parity[0], MpmTableParity(march->scheme->table, field), MPM_MAX_DIM));
   PetscCall(MpmMarchRunPassesOn(march, &nodes, &step, 1, &project, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

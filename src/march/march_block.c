@@ -46,7 +46,7 @@ static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after
     cell = moved;
     xi   = placed->xi;
   }
-  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width, &placed->block);
+  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width[0], &placed->block);
 }
 
 void MpmStagePlace(MpmStage *s)

@@ -1,26 +1,26 @@
 /* The part of a pass that concerns nodes alone: images beyond walls, operations between node fields. */
 #include "march/march_nodes.h"
 
-void MpmMarchFold(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass, PetscReal *const field[],
-                  PetscReal mass[])
+void MpmMarchFold(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
+                  PetscReal *const field[], PetscReal mass[])
 {
   const PetscReal even[2] = {1, 1};
   PetscReal       sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmDirectionMirror(&march->layout->grid, antisymmetric[pass->sum[s]], sign);
+    MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
     MpmGridFold(march->grid, sign, field[pass->sum[s]]);
   }
   if (pass->sums_mass) MpmGridFold(march->grid, even, mass);
 }
 
-void MpmMarchReflect(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass,
+void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
                      PetscReal *const field[])
 {
   PetscReal sign[2];
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmDirectionMirror(&march->layout->grid, antisymmetric[pass->sum[s]], sign);
+    MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
     MpmGridReflect(march->grid, sign, field[pass->sum[s]]);
   }
 }
@@ -78,7 +78,7 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const Mpm
       SetWall(grid, op, field[op->src], field[op->dst]);
     else
       PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, places,
-                                   march->scheme->table->antisymmetric[op->dst], inverse_mass, field[op->src],
+                                   march->scheme->table->parity[op->dst][0], inverse_mass, field[op->src],
                                    field[op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,11 +5,11 @@
 /*
    Not collective. Nodes beyond a wall are images of those inside. Before the sum over ranks, MpmMarchFold adds the sums
    and masses of a pass at images to the nodes that they are images of. After it, MpmMarchReflect sets the images.
-   field[] and antisymmetric[] are by node field.
+   field[] and parity[] are by node field.
 */
-void MpmMarchFold(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass, PetscReal *const field[],
-                  PetscReal mass[]);
-void MpmMarchReflect(const MpmMarch *march, const PetscBool antisymmetric[], const MpmPass *pass,
+void MpmMarchFold(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
+                  PetscReal *const field[], PetscReal mass[]);
+void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
                      PetscReal *const field[]);
 
 /* The nodes [lo, hi) on which a node operation was done while the pass was under way; lo = hi: none. */

@@ -107,7 +107,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   PetscFunctionBegin;
   for (PetscInt f = 0; f < table->nstate; f++) {
     PetscCall(ParticleSquares(march, f, NULL, &squares));
-    sums[0] += h / march->layout->ppc * squares;
+    sums[0] += h / march->layout->ppc[0] * squares;
   }
   if (!formulation->nenergy) PetscCall(SeenSquares(march, &sums[2]));
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
@@ -121,7 +121,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
     sums[2] += h * squares;
     if (on_particles) {
       PetscCall(ParticleSquares(march, term->field, term, &squares));
-      squares /= march->layout->ppc;
+      squares /= march->layout->ppc[0];
     }
     sums[1] += h * squares;
   }

@@ -176,12 +176,12 @@ static PetscErrorCode FinishStage(MpmStage *s)
   PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
   sums[s->pass->nsums] = s->arrays->mass;
-  MpmMarchFold(s->arrays->march, s->arrays->nodes->antisymmetric, s->pass, s->sum, s->arrays->mass);
+  MpmMarchFold(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum, s->arrays->mass);
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
   Complete(s, 0, PetscMin(s->lo, grid->nodes));
   Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
   PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
-  MpmMarchReflect(s->arrays->march, s->arrays->nodes->antisymmetric, s->pass, s->sum);
+  MpmMarchReflect(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum);
   PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,11 +221,11 @@ PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes,
 
 PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample)
 {
-  const MpmNodeVectors nodes = {.n             = march->nnodes,
-                                .node          = march->node,
-                                .spare         = march->spare,
-                                .inverse_mass  = march->inverse_mass,
-                                .antisymmetric = march->scheme->table->antisymmetric};
+  const MpmNodeVectors nodes = {.n            = march->nnodes,
+                                .node         = march->node,
+                                .spare        = march->spare,
+                                .inverse_mass = march->inverse_mass,
+                                .parity       = march->scheme->table->parity};
 
   PetscFunctionBegin;
   PetscCall(MpmMarchRunPassesOn(march, &nodes, &march->particles->step, n, passes, sample));

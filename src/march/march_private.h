@@ -61,13 +61,13 @@ PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, cons
    MpmNodeVectors - the node fields that passes sum to and read, as n local vectors.
 
    spare         - spare[f]: a second array for a field that is summed while it is read, or NULL
-   antisymmetric - antisymmetric[f]: the field is 0 at fixed ends
+   parity        - parity[f]: what the field is beyond the ends of each direction
    inverse_mass  - passes that sum masses set it, and others read it
 S*/
 typedef struct {
-  PetscInt         n;
-  Vec             *node, *spare, inverse_mass;
-  const PetscBool *antisymmetric;
+  PetscInt n;
+  Vec     *node, *spare, inverse_mass;
+  const MpmParity (*parity)[MPM_MAX_DIM];
 } MpmNodeVectors;
 
 /*

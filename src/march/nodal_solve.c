@@ -8,7 +8,7 @@
 PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
                                    MpmNodalSolve **solve)
 {
-  const PetscInt reach = MpmMapReach(basis), width = PetscMin(2 * reach - 1, layout->grid.nodes);
+  const PetscInt reach = MpmMapReach(basis), width = PetscMin(2 * reach - 1, layout->grid[0].nodes);
   const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
   MpmNodalSolve *s;
   PC             pc;
@@ -20,8 +20,8 @@ PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basi
   s->basis  = basis;
   s->grid   = grid;
   s->step   = -1;
-  PetscCall(MatCreateAIJ(comm, grid->nodes, grid->nodes, layout->grid.nodes, layout->grid.nodes,
-                         PetscMin(width, grid->nodes), NULL, PetscMin(width, layout->grid.nodes - grid->nodes), NULL,
+  PetscCall(MatCreateAIJ(comm, grid->nodes, grid->nodes, layout->grid[0].nodes, layout->grid[0].nodes,
+                         PetscMin(width, grid->nodes), NULL, PetscMin(width, layout->grid[0].nodes - grid->nodes), NULL,
                          &s->matrix));
   PetscCall(MatSetOption(s->matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscCall(MatSetOption(s->matrix, MAT_SYMMETRIC, PETSC_TRUE));
@@ -56,8 +56,8 @@ static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi,
   PetscReal      row[MPM_MAX_REACH], sign[MPM_MAX_REACH], square[MPM_MAX_REACH * MPM_MAX_REACH];
 
   PetscFunctionBegin;
-  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width, row);
-  MpmNodesSeen(&s->layout->grid, s->basis, cell, s->antisymmetric, PETSC_TRUE, node, sign);
+  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[0], row);
+  MpmNodesSeen(&s->layout->grid[0], s->basis, cell, s->parity, PETSC_TRUE, node, sign);
   for (PetscInt i = 0; i < reach; i++)
     for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = mass * sign[i] * row[i] * sign[j] * row[j];
   PetscCall(MatSetValues(s->matrix, reach, node, reach, node, square, ADD_VALUES));
@@ -87,7 +87,7 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
 }
 
 PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
                                 const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
 {
   const PetscInt   last = s->grid->nodes - 1;
@@ -95,15 +95,15 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
   PetscReal       *b, mirror[2];
 
   PetscFunctionBegin;
-  if (s->step < 0 || antisymmetric != s->antisymmetric || (s->step != step && particles->drift.value != 0)) {
-    s->antisymmetric = antisymmetric;
+  if (s->step < 0 || parity != s->parity || (s->step != step && particles->drift.value != 0)) {
+    s->parity = parity;
     PetscCall(Assemble(s, particles, step, places));
   }
   s->step = step;
   PetscCall(VecGetArray(s->right, &b));
   for (PetscInt i = 0; i < s->grid->nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
   for (PetscInt end = 0; end < 2; end++)
-    if (s->grid->wall[end] && antisymmetric && s->layout->grid.ends[end] == MPM_FIXED) b[end ? last : 0] = 0;
+    if (s->grid->wall[end] && MpmEndImposes(s->layout->grid[0].ends[end], parity)) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, reason));
@@ -111,19 +111,19 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
   PetscCall(PetscArraycpy(y, a, s->grid->nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
   PetscCall(MpmGridSpread(s->grid, 1, &y));
-  MpmDirectionMirror(&s->layout->grid, antisymmetric, mirror);
+  MpmDirectionMirror(&s->layout->grid[0], parity, mirror);
   MpmGridReflect(s->grid, mirror, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                  const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[])
 {
   KSPConvergedReason reason;
 
   PetscFunctionBegin;
-  PetscCall(MpmNodalSolveTry(s, particles, step, places, antisymmetric, inverse_mass, g, y, &reason));
+  PetscCall(MpmNodalSolveTry(s, particles, step, places, parity, inverse_mass, g, y, &reason));
   MpmCheckInput(reason > 0,
                 "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
                 "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",

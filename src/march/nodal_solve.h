@@ -21,7 +21,7 @@ typedef struct {
   Vec              right, solution;
   KSP              ksp;
   PetscInt64       step;
-  PetscBool        antisymmetric;
+  MpmParity        parity;
 } MpmNodalSolve;
 
 /* Collective. layout, basis and grid must outlive the solve. */
@@ -36,7 +36,7 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
    Input Parameters:
 +  places        - the resting places of this rank's particles
-.  antisymmetric - y is 0 at the walls that impose it (fixed without reaction)
+.  parity - y is 0 at the walls that impose it (fixed without reaction)
 .  inverse_mass  - a local array, 0 where there is no mass
 -  g             - a local array
 
@@ -45,8 +45,8 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
    MpmNodalSolveTry does the same and leaves convergence to the caller: reason is above 0 when it converged.
 */
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                  const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[]);
 PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, PetscBool antisymmetric, const PetscReal inverse_mass[],
+                                const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
                                 const PetscReal g[], PetscReal y[], KSPConvergedReason *reason);

@@ -64,7 +64,7 @@ static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt6
 
     if (!grid->periodic && wrapped != c) continue;
     for (PetscInt j = 0; j < MpmLayoutSitesIn(layout, wrapped); j++) {
-      const PetscInt64 g = MpmLayoutSitesBefore(layout, wrapped) + j - layout->first;
+      const PetscInt64 g = MpmLayoutSitesBefore(layout, wrapped) + j - layout->first[0];
       PetscInt         place;
       PetscReal        part;
 

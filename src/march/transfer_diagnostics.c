@@ -22,7 +22,7 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *r
       !request->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "
       "within a step; allowed: more cells, or fewer ranks",
-      scene->step.drift.value);
+      scene->step.drift[0].value);
   PetscCall(PetscNew(diagnostics));
   x          = *diagnostics;
   x->march   = march;
@@ -83,7 +83,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
     PetscReal xi, row[MPM_MAX_REACH];
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width, row);
+    MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width[0], row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
       const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
@@ -175,7 +175,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
     MpmBlock        block;
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width, &block);
+    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width[0], &block);
     march->scheme->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];
@@ -186,8 +186,8 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
 /* Measures the ringing content of a field. x->node holds P2G of the field at the particles' places. */
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
-  const MpmMarch  *march         = x->march;
-  const PetscBool  antisymmetric = MpmTableIsAntisymmetric(march->scheme->table, field);
+  const MpmMarch  *march  = x->march;
+  const MpmParity  parity = MpmTableParity(march->scheme->table, field)[0];
   PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
   const PetscReal *q;
   MpmPlaces        places;
@@ -199,8 +199,8 @@ static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscRe
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
-  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, antisymmetric, inverse_mass,
-                             g, y, &reason));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, parity, inverse_mass, g, y,
+                             &reason));
   PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[field], &q));
   PetscCall(Remainder(march, &places, q, y, sums));
   PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[field], &q));

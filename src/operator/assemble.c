@@ -14,34 +14,87 @@
 #include "scene/material.h"
 #include <math.h>
 
+static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+
+/*
+   The nodes that a particle has weights at, and these weights: products of the weights along the directions. Along axis
+   they are those of kind, along the others phi_ip. Returns how many there are.
+*/
+static PetscInt RowOf(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, const MpmParity parity[], PetscBool drop,
+                      const PetscInt cell[], const PetscReal xi[], PetscInt column[], PetscReal weight[])
+{
+  const MpmLayout *layout = r->layout;
+  const MpmBasis  *basis  = r->scheme->basis;
+  const PetscInt   reach  = MpmMapReach(basis);
+  PetscInt         n = 1, stride = 1;
+
+  column[0] = 0;
+  weight[0] = 1;
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    PetscInt  node[MPM_MAX_REACH];
+    PetscReal row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
+
+    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], row);
+    MpmNodesSeen(&layout->grid[a], basis, cell[a], parity[a], drop, node, sign);
+    for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n products are read last */
+      for (PetscInt i = 0; i < n; i++) {
+        column[d * n + i] = column[i] + stride * node[d];
+        weight[d * n + i] = weight[i] * (row[d] * sign[d]);
+      }
+    }
+    n *= reach;
+    stride *= layout->grid[a].nodes;
+  }
+  return n;
+}
+
+/* The number of nodes that a particle has weights at. */
+static PetscInt NodesOfParticle(const MpmRegisters *r)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < r->layout->dim; a++) n *= MpmMapReach(r->scheme->basis);
+  return n;
+}
+
+static PetscInt AllNodes(const MpmLayout *layout)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) n *= layout->grid[a].nodes;
+  return n;
+}
+
 /*
    The matrix of a map, particles x nodes. Rows are particles in the order of their ids, times the property that the
    operation multiplies them with. Two of a particle's nodes may be one and the same, in a short periodic grid or at a
    wall; their weights add up.
 */
-static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscBool drop,
-                                       PetscInt64 step, Mat *map)
+static PetscErrorCode ParticlesByNodes(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, const MpmParity parity[],
+                                       PetscBool drop, PetscInt64 step, Mat *map)
 {
   const MpmLayout  *layout = r->layout;
-  const MpmBasis   *basis  = r->scheme->basis;
-  const PetscInt    reach = MpmMapReach(basis), own = PetscMin(reach, r->nodes);
-  const PetscInt    far    = PetscMin(reach, layout->grid.nodes - r->nodes);
+  const PetscInt    most = NodesOfParticle(r), own = PetscMin(most, r->nodes);
+  const PetscInt    far    = PetscMin(most, AllNodes(layout) - r->nodes);
   const MpmProperty weight = MpmLayoutWeight(layout, kind);
+  PetscInt         *columns;
+  PetscReal        *row;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc2(most, &columns, most, &row));
   PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, own, NULL, far, NULL, map));
   for (PetscInt p = 0; p < r->particles; p++) {
     const PetscInt  id = r->begin + p;
-    PetscInt        cell, columns[MPM_MAX_REACH];
-    PetscReal       xi, row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
+    PetscInt        cell[MPM_MAX_DIM];
+    PetscReal       xi[MPM_MAX_DIM];
     const PetscReal w = weight ? MpmMaterialProperty(layout, weight, id) : 1;
 
-    MpmLayoutPlaceAt(layout, &r->step.drift, id, step, &cell, &xi);
-    MpmMapRow(basis, kind, xi, layout->half_width, row);
-    MpmNodesSeen(&r->layout->grid, basis, cell, antisymmetric, drop, columns, sign);
-    for (PetscInt d = 0; d < reach; d++) row[d] *= sign[d] * w;
-    PetscCall(MatSetValues(*map, 1, &id, reach, columns, row, ADD_VALUES));
+    MpmLayoutPlaceAt(layout, r->step.drift, id, step, cell, xi);
+    (void)RowOf(r, kind, axis, parity, drop, cell, xi, columns, row);
+    for (PetscInt i = 0; i < most && weight; i++) row[i] *= w;
+    PetscCall(MatSetValues(*map, 1, &id, most, columns, row, ADD_VALUES));
   }
+  PetscCall(PetscFree2(columns, row));
   PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(*map, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -56,7 +109,7 @@ static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
   PetscFunctionBegin;
   if (r->masses && r->masses_step == step) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecDestroy(&r->masses));
-  PetscCall(ParticlesByNodes(r, MPM_P2G, PETSC_FALSE, PETSC_FALSE, step, &shape));
+  PetscCall(ParticlesByNodes(r, MPM_P2G, 0, even, PETSC_FALSE, step, &shape));
   PetscCall(MatCreateVecs(shape, &r->masses, &ones));
   PetscCall(VecSet(ones, 1));
   PetscCall(MatMultTranspose(shape, ones, r->masses));
@@ -66,7 +119,8 @@ static PetscErrorCode Masses(MpmRegisters *r, PetscInt64 step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step, Mat *map)
+PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscInt axis, const MpmParity parity[],
+                               PetscInt64 step, Mat *map)
 {
   Mat        shape;
   Vec        inverse;
@@ -74,10 +128,10 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *r, MpmOpKind kind, PetscBool antisy
 
   PetscFunctionBegin;
   if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
-    PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, map));
+    PetscCall(ParticlesByNodes(r, kind, axis, parity, PETSC_FALSE, step, map));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ParticlesByNodes(r, kind, antisymmetric, PETSC_FALSE, step, &shape));
+  PetscCall(ParticlesByNodes(r, kind, axis, parity, PETSC_FALSE, step, &shape));
   PetscCall(Masses(r, step));
   PetscCall(VecDuplicate(r->masses, &inverse));
   PetscCall(VecCopy(r->masses, inverse));
@@ -108,13 +162,13 @@ static PetscErrorCode WeighRoots(const MpmRegisters *r, Mat W)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRegistersSolve(MpmRegisters *r, PetscBool antisymmetric, PetscInt64 step, Mat *map)
+PetscErrorCode MpmRegistersSolve(MpmRegisters *r, const MpmParity parity[], PetscInt64 step, Mat *map)
 {
   Mat W;
 
   PetscFunctionBegin;
   PetscCall(Masses(r, step));
-  PetscCall(ParticlesByNodes(r, MPM_G2P, antisymmetric, PETSC_TRUE, step, &W));
+  PetscCall(ParticlesByNodes(r, MPM_G2P, 0, parity, PETSC_TRUE, step, &W));
   PetscCall(WeighRoots(r, W));
   PetscCall(MpmNormalInverse(W, r->masses, map));
   PetscCall(MatDestroy(&W));
@@ -149,23 +203,36 @@ static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The number of sites in the cells before a cell of the last direction. */
+static PetscInt64 SitesBefore(const MpmLayout *layout, PetscInt cell)
+{
+  return layout->dim == 1 ? MpmLayoutSitesBefore(layout, cell) : (PetscInt64)cell * layout->ppc[layout->dim - 1];
+}
+
 /* The sizes and the registers at the start, for polynomials of a degree; 0 for numbers. */
 static PetscErrorCode SetUp(MpmRegisters *r, PetscInt degree)
 {
   const MpmLayout *layout = r->layout;
+  const PetscInt   last   = layout->dim - 1;
   PetscMPIInt      rank, size;
-  PetscInt64       begin, end;
+  PetscInt         plane_nodes = 1;
+  PetscInt64       begin, end, plane = 1; /* the particles of a plane across the last direction */
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(r->comm, &rank));
   PetscCallMPI(MPI_Comm_size(r->comm, &size));
-  r->cells     = MpmGridCount(layout->grid.cells, size, rank);
-  r->first     = MpmGridFirst(layout->grid.cells, size, rank);
-  r->nodes     = r->cells + (rank == size - 1 ? layout->grid.nodes - layout->grid.cells : 0);
-  begin        = PetscMax(MpmLayoutSitesBefore(layout, r->first) - layout->first, 0);
-  end          = PetscMin(MpmLayoutSitesBefore(layout, r->first + r->cells) - layout->first, layout->particles);
-  r->begin     = (PetscInt)begin;
-  r->particles = (PetscInt)PetscMax(end - begin, 0);
+  r->cells = MpmGridCount(layout->grid[last].cells, size, rank);
+  r->first = MpmGridFirst(layout->grid[last].cells, size, rank);
+  for (PetscInt a = 0; a < last; a++) {
+    plane_nodes *= layout->grid[a].nodes;
+    plane *= layout->row[a];
+  }
+  r->node0 = r->first * plane_nodes;
+  r->nodes = (r->cells + (rank == size - 1 ? layout->grid[last].nodes - layout->grid[last].cells : 0)) * plane_nodes;
+  begin    = PetscMax(SitesBefore(layout, r->first) - layout->first[last], 0);
+  end      = PetscMin(SitesBefore(layout, r->first + r->cells) - layout->first[last], layout->particles / plane);
+  r->begin = (PetscInt)(plane * PetscMin(begin, layout->particles / plane));
+  r->particles = (PetscInt)(plane * PetscMax(end - begin, 0));
   r->fields    = r->scheme->table->nstate;
   r->state     = r->particles * r->fields;
   r->columns   = r->state * (degree + 1);
@@ -232,20 +299,31 @@ static PetscErrorCode Raise(const MpmRegisters *r, const MpmOp *op, Mat *matrix)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The index of a node along an axis, and the distance of neighbours along it in the numbering of nodes. */
+static PetscInt IndexAlong(const MpmLayout *layout, PetscInt node, PetscInt axis, PetscInt *stride)
+{
+  *stride = 1;
+  for (PetscInt a = 0; a < axis; a++) *stride *= layout->grid[a].nodes;
+  return node / *stride % layout->grid[axis].nodes;
+}
+
 /* The matrix of a stencil. Nodes beyond a wall are replaced by those that they are images of. */
-static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool antisymmetric, Mat *map)
+static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, const MpmParity parity[], Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
-                         PetscMin(2, r->layout->grid.nodes - r->nodes), NULL, map));
-  for (PetscInt i = r->first; i < r->first + r->nodes; i++) {
+                         PetscMin(2, AllNodes(r->layout) - r->nodes), NULL, map));
+  for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++) {
+    PetscInt       stride;
+    const PetscInt i = IndexAlong(r->layout, node, op->axis, &stride);
+
     for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
       PetscReal      sign;
-      const PetscInt j = MpmDirectionImage(&r->layout->grid, i + d, antisymmetric, &sign);
+      const PetscInt j = MpmDirectionImage(&r->layout->grid[op->axis], i + d, parity[op->axis], &sign);
 
-      PetscCall(MatSetValue(*map, i, j, sign * traits.stencil[d + 1], ADD_VALUES));
+      PetscCall(MatSetValue(*map, node, node + (j - i) * stride, sign * traits.stencil[d + 1], ADD_VALUES));
     }
   }
   PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
@@ -253,26 +331,29 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The row of one wall node becomes a times that of register src. */
+/* The rows of the nodes on one wall become a times those of register src. */
 static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
 {
-  const PetscInt  wall = op->side ? r->layout->grid.nodes - 1 : 0;
-  const PetscBool mine = wall >= r->first && wall < r->first + r->nodes ? PETSC_TRUE : PETSC_FALSE;
-  Mat             only, row;
-  Vec             keep;
+  const PetscInt wall = op->side ? r->layout->grid[op->axis].nodes - 1 : 0;
+  PetscInt       stride;
+  Mat            only, row;
+  Vec            keep;
 
   PetscFunctionBegin;
   if (!r->node[op->dst]) PetscCall(Empty(r, r->nodes, &r->node[op->dst]));
   PetscCall(MatCreateVecs(r->node[op->dst], NULL, &keep));
   PetscCall(VecSet(keep, 1));
-  if (mine) PetscCall(VecSetValue(keep, wall, 0, INSERT_VALUES));
+  for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++)
+    if (IndexAlong(r->layout, node, op->axis, &stride) == wall) PetscCall(VecSetValue(keep, node, 0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(keep));
   PetscCall(VecAssemblyEnd(keep));
   PetscCall(MatDiagonalScale(r->node[op->dst], keep, NULL));
   PetscCall(VecDestroy(&keep));
   if (a == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, &only));
-  if (mine) PetscCall(MatSetValue(only, wall, wall, a, INSERT_VALUES));
+  for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++)
+    if (IndexAlong(r->layout, node, op->axis, &stride) == wall)
+      PetscCall(MatSetValue(only, node, node, a, INSERT_VALUES));
   PetscCall(MatAssemblyBegin(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatMatMult(only, r->node[op->src], MAT_INITIAL_MATRIX, PETSC_DETERMINE, &row));
@@ -302,24 +383,35 @@ static PetscErrorCode Apply(const MpmRegisters *r, const MpmOp *op, Mat map, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The matrices of a step's maps, for symmetric and antisymmetric node fields. Each is made when it is first used. */
+#define PARITIES (MPM_MAX_DIM + 2)
+
+/* The matrices of a step's maps, by axis and by the parity of the node register. Each is made when it is first used. */
 typedef struct {
-  Mat map[MPM_OP_KINDS][2];
+  Mat map[MPM_OP_KINDS][MPM_MAX_DIM][PARITIES];
 } Maps;
+
+/* 0: even; 1 + a: the component of a vector along axis a; the last: a number that is imposed on walls. */
+static PetscInt ParityClass(const MpmLayout *layout, const MpmParity parity[])
+{
+  if (MpmLayoutIsPeriodic(layout) || parity[0] == MPM_EVEN) return 0;
+  for (PetscInt a = 0; a < layout->dim; a++)
+    if (parity[a] == MPM_NORMAL) return 1 + a;
+  return PARITIES - 1;
+}
 
 static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps, Mat *map)
 {
-  const MpmOpTraits traits        = MpmOpTraitsOf(op->kind);
-  const PetscBool   antisymmetric = r->scheme->table->antisymmetric[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known         = &maps->map[op->kind][antisymmetric ? 1 : 0];
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const MpmParity  *parity = r->scheme->table->parity[traits.dst == MPM_ON_NODES ? op->dst : op->src];
+  Mat              *known  = &maps->map[op->kind][op->axis][ParityClass(r->layout, parity)];
 
   PetscFunctionBegin;
   if (!*known && op->kind == MPM_SOLVE)
-    PetscCall(MpmRegistersSolve(r, antisymmetric, step, known));
+    PetscCall(MpmRegistersSolve(r, parity, step, known));
   else if (!*known && traits.dst == traits.src)
-    PetscCall(Stencil(r, op, antisymmetric, known));
+    PetscCall(Stencil(r, op, parity, known));
   else if (!*known)
-    PetscCall(MpmRegistersMap(r, op->kind, antisymmetric, step, known));
+    PetscCall(MpmRegistersMap(r, op->kind, op->axis, parity, step, known));
   *map = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -351,13 +443,14 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
 PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
 {
   const MpmTable *table = r->scheme->table;
-  Maps            maps  = {{{NULL}}};
+  Maps            maps  = {{{{NULL}}}};
 
   PetscFunctionBegin;
   MpmFloatBegin();
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-    for (int antisymmetric = 0; antisymmetric < 2; antisymmetric++) PetscCall(MatDestroy(&maps.map[k][antisymmetric]));
+    for (PetscInt a = 0; a < table->dim; a++)
+      for (PetscInt c = 0; c < PARITIES; c++) PetscCall(MatDestroy(&maps.map[k][a][c]));
   PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

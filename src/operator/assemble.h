@@ -10,7 +10,9 @@
    MpmRegisters - the registers of a table as sparse matrices. The rows of a register are its particles or nodes, and
    its columns are the state at the start.
 
-   first, cells     - the first cell of this rank and their number; the march gives a rank the same cells
+   first, cells     - of the last direction, the first cell of this rank and their number: a rank has a slab of the grid.
+                      In one dimension the march gives a rank the same cells.
+   node0            - the number of this rank's first node. Node (i, j, k) has the number i + nodes_x (j + nodes_y k).
    nodes, particles, state - the numbers of nodes, particles and unknowns of this rank
    begin            - the id of this rank's first particle
    fields           - the number of fields of the state
@@ -22,7 +24,7 @@ typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
   MpmStep          step;
-  PetscInt         first, cells, nodes, begin, particles, state, columns;
+  PetscInt         first, cells, node0, nodes, begin, particles, state, columns;
   PetscInt         fields;
   Vec              masses;
   PetscInt64       masses_step;
@@ -44,14 +46,14 @@ PetscErrorCode MpmRegistersCreatePolynomial(const MpmLayout *layout, const MpmSc
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
-   MpmRegistersMap - the matrix of a map between particles and nodes at a step. From nodes to particles it is particles
-   x nodes. From particles to nodes it is nodes x particles, divided by the nodal masses; rows of nodes without mass are
-   0. antisymmetric says whether the node field is (see MpmTable).
+   MpmRegistersMap - the matrix of a map between particles and nodes along an axis, at a step. From nodes to particles it
+   is particles x nodes. From particles to nodes it is nodes x particles, divided by the nodal masses; rows of nodes
+   without mass are 0. parity is that of the node register, by direction (see MpmTable).
 
    Collective.
 */
-PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBool antisymmetric, PetscInt64 step,
-                               Mat *map);
+PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscInt axis, const MpmParity parity[],
+                               PetscInt64 step, Mat *map);
 
 /*
    MpmRegistersSolve - the matrix of SOLVE at a step, nodes x nodes:
@@ -62,7 +64,7 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscBoo
 
    Collective. It takes all eigenvalues of W^T m W, and refuses grids too large for that.
 */
-PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, PetscBool antisymmetric, PetscInt64 step, Mat *map);
+PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, const MpmParity parity[], PetscInt64 step, Mat *map);
 
 /* Collective. Applies the operations of one step, with the particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);

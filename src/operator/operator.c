@@ -33,31 +33,43 @@ static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether operation o is a sum over particles. */
+static PetscBool IsSum(const MpmTable *table, PetscInt o)
+{
+  MpmOpTraits traits;
+
+  if (o < 0) return PETSC_FALSE;
+  traits = MpmOpTraitsOf(table->ops[o].kind);
+  return traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
    Refuses an operator that would be too large. In a step, each sum over particles carries a number over the reach of
-   the basis, and each stencil over its halo.
+   the basis in every direction, and each stencil over its halo. Sums that begin before one of them is read carry it at
+   the same time.
 */
 static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
 {
   const MpmLayout *layout = op->layout;
   const MpmBasis  *basis  = op->scheme->basis;
   const MpmTable  *table  = op->scheme->table;
-  PetscReal        cells  = 0, nonzeros;
+  PetscReal        cells = 0, nonzeros = (PetscReal)op->order * op->fields * MpmLayoutPpc(layout);
 
   PetscFunctionBegin;
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
 
-    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES) cells += basis->reach_left + basis->reach_right;
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && (table->dim == 1 || !IsSum(table, o - 1)))
+      cells += basis->reach_left + basis->reach_right;
     cells += traits.halo;
-    if (table->ops[o].kind == MPM_SOLVE) cells = layout->grid.cells;
+    if (table->ops[o].kind == MPM_SOLVE) cells = INFINITY;
   }
-  nonzeros = (PetscReal)op->order * op->fields * layout->ppc * PetscMin(2 * cells * op->period + 1, layout->grid.cells);
+  for (PetscInt a = 0; a < layout->dim; a++) nonzeros *= PetscMin(2 * cells * op->period + 1, layout->grid[a].cells);
   MpmCheckInput(nonzeros <= LARGEST,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " and a period of %" PetscInt_FMT
                 " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
                 "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
-                layout->grid.cells, layout->ppc, op->period, nonzeros, LARGEST);
+                layout->grid[0].cells, layout->ppc[0], op->period, nonzeros, LARGEST);
   PetscCall(MpmLayoutCheckMemory(comm, layout, OF_NONZERO * nonzeros, "the spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -80,7 +92,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
     PetscCall(Rescale(&registers, &op->exponent));
   }
   PetscCall(MpmRegistersGather(&registers, &op->A));
-  PetscCall(MpmRegistersMap(&registers, MPM_P2G, PETSC_FALSE, 0, &op->p2g));
+  PetscCall(MpmRegistersMap(&registers, MPM_P2G, 0, (const MpmParity[MPM_MAX_DIM]){MPM_EVEN}, 0, &op->p2g));
   PetscCall(MpmRegistersDestroy(&registers));
   PetscCall(PetscObjectSetName((PetscObject)op->A, "A"));
   PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
@@ -185,7 +197,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->fields = scheme->table->nstate;
   MpmCheckInput(o->fields * layout->particles <= PETSC_MAX_INT / 2,
                 "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": too many unknowns; allowed: at most %d",
-                layout->grid.cells, layout->ppc, PETSC_MAX_INT / 2);
+                layout->grid[0].cells, layout->ppc[0], PETSC_MAX_INT / 2);
   o->order = (PetscInt)(o->fields * layout->particles);
   PetscCall(MpmStepPeriod(step, &o->period));
   PetscCall(CheckSize(comm, o));

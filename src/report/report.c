@@ -21,8 +21,8 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   PetscFunctionBegin;
   PetscCall(MpmReportScene(s, run->request, run->ranks));
   MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
-  if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode);
-  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode, run->request->mode_file);
+  if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode[0]);
+  if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode[0], run->request->mode_file);
   MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
            s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -33,7 +33,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
              c->unstable_at);
   if (MpmSceneDrifts(s))
     MpmPrint("  particles move by %.6g cells per step at every Courant number that is looked at\n",
-             s->step.drift.value);
+             s->step.drift[0].value);
   if (MpmSceneDrifts(s))
     MpmPrint(c->followed
                  ? "  under drift growth comes in windows of Courant number; this is where the first one opens\n"
@@ -152,8 +152,8 @@ static void CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *sch
 
   if (!csv->stream) return;
   fprintf(csv->stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", scheme->formulation->name,
-          scheme->basis->name, scheme->transfer->name, l->ppc, l->offset.value, l->jitter, scene->step.drift.value,
-          MpmEndNames[l->grid.ends[0]], MpmEndNames[l->grid.ends[1]]);
+          scheme->basis->name, scheme->transfer->name, l->ppc[0], l->offset[0].value, l->jitter,
+          scene->step.drift[0].value, MpmEndNames[l->grid[0].ends[0]], MpmEndNames[l->grid[0].ends[1]]);
   MpmTextFileCell(csv, c->courant);
   MpmTextFileCell(csv, c->closed);
   MpmTextFileCell(csv, c->beta);
@@ -210,8 +210,8 @@ PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene, const MpmRequest *r
   if (request->csv[0]) PetscCall(CsvOpen(request->csv, &survey.csv));
   MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
            ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
-           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc,
-           scene->layout.offset.value, scene->step.drift.value, scene->scheme.numbers.order,
+           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc[0],
+           scene->layout.offset[0].value, scene->step.drift[0].value, scene->scheme.numbers.order,
            scene->scheme.numbers.ratio);
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
   PetscCall(MpmCriticalSurvey(&of, PrintCell, &survey));

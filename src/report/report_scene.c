@@ -48,8 +48,8 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
     PetscCall(PrintFields(s, request, "particles in cells: {counts}, repeated; {particles} in all\n"));
   else if (!MpmSceneIsFull(s))
     MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n",
-             (PetscReal)s->layout.first / s->layout.ppc,
-             (PetscReal)(s->layout.first + s->layout.particles) / s->layout.ppc, s->layout.particles);
+             (PetscReal)s->layout.first[0] / s->layout.ppc[0],
+             (PetscReal)(s->layout.first[0] + s->layout.particles) / s->layout.ppc[0], s->layout.particles);
   if (material != MPM_MATERIAL_UNIFORM)
     PetscCall(PrintFields(s, request,
                           "material {material}: density ratio {density_ratio}, stiffness ratio {stiffness_ratio}"));
@@ -149,23 +149,34 @@ static json_t *CountsArray(const MpmScene *s)
   return counts;
 }
 
-static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
+static json_t *OneJson(const MpmScene *s, const MpmValue *value, PetscInt a)
 {
   switch (value->kind) {
   case MPM_AS_COUNT:
   case MPM_AS_LONG:
-    return json_integer((json_int_t)value->whole);
+    return json_integer((json_int_t)value->whole[a]);
   case MPM_AS_REAL:
-    return json_real(value->number[0]);
+    return json_real(value->number[a][0]);
   case MPM_AS_FRACTION:
-    return json_real(value->fraction.value);
+    return json_real(value->fraction[a].value);
   case MPM_AS_RANGE:
-    return json_pack("[f, f]", value->number[0], value->number[1]);
+    return json_pack("[f, f]", value->number[a][0], value->number[a][1]);
   case MPM_AS_COUNTS:
     return CountsArray(s);
   default:
     return json_string(value->text);
   }
+}
+
+/* One value, or a list of one for each direction. */
+static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
+{
+  json_t *list;
+
+  if (value->n == 1) return OneJson(s, value, 0);
+  list = json_array();
+  for (PetscInt a = 0; a < value->n; a++) json_array_append_new(list, OneJson(s, value, a));
+  return list;
 }
 
 /* Sets the value of a field. A key 'object.key' is inside an object, which the first of its keys creates. */

@@ -12,32 +12,30 @@ static const MpmField *FindField(const char name[])
   return NULL;
 }
 
-static PetscErrorCode TakeValue(const MpmField *field, const MpmScene *scene, const MpmRequest *request,
-                                MpmValue *value)
+/* Takes the value of direction a. */
+static PetscErrorCode TakeOne(const MpmScene *scene, const void *place, PetscInt a, MpmValue *value)
 {
-  const char *owner = field->owner == MPM_OF_SCENE ? (const char *)scene : (const char *)request;
-  const void *place = owner + field->at;
+  const MpmField *field = value->field;
 
   PetscFunctionBegin;
-  *value = (MpmValue){.field = field, .kind = field->value};
   switch (field->value) {
   case MPM_AS_TEXT:
     PetscCall(PetscStrncpy(value->text, field->text(scene), sizeof value->text));
     break;
   case MPM_AS_COUNT:
-    value->whole = *(const PetscInt *)place;
+    value->whole[a] = *(const PetscInt *)place;
     break;
   case MPM_AS_LONG:
-    value->whole = *(const PetscInt64 *)place;
+    value->whole[a] = *(const PetscInt64 *)place;
     break;
   case MPM_AS_REAL:
-    value->number[0] = *(const PetscReal *)place;
+    value->number[a][0] = *(const PetscReal *)place;
     break;
   case MPM_AS_FRACTION:
-    value->fraction = *(const MpmFraction *)place;
+    value->fraction[a] = *(const MpmFraction *)place;
     break;
   case MPM_AS_RANGE:
-    PetscCall(PetscArraycpy(value->number, (const PetscReal *)place, 2));
+    PetscCall(PetscArraycpy(value->number[a], (const PetscReal *)place, 2));
     break;
   case MPM_AS_SWITCH:
     PetscCall(PetscStrncpy(value->text, *(const PetscBool *)place ? "true" : "false", sizeof value->text));
@@ -48,10 +46,20 @@ static PetscErrorCode TakeValue(const MpmField *field, const MpmScene *scene, co
   case MPM_NO_VALUE:
     SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s has no value", field->name);
   }
-  if (field->real) {
-    value->kind      = MPM_AS_REAL;
-    value->number[0] = (PetscReal)value->whole;
-  }
+  if (field->real) value->number[a][0] = (PetscReal)value->whole[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeValue(const MpmField *field, const MpmScene *scene, const MpmRequest *request,
+                                MpmValue *value)
+{
+  const char *owner = field->owner == MPM_OF_SCENE ? (const char *)scene : (const char *)request;
+
+  PetscFunctionBegin;
+  *value = (MpmValue){
+      .field = field, .kind = field->real ? MPM_AS_REAL : field->value, .n = field->each ? scene->layout.dim : 1};
+  for (PetscInt a = 0; a < value->n; a++)
+    PetscCall(TakeOne(scene, owner + field->at + (size_t)a * field->each, a, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -89,21 +97,33 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[])
+PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[])
 {
-  const MpmFraction *f = &value->fraction;
+  static const char axes[] = "xyz";
+
+  PetscFunctionBegin;
+  if (value->n == 1)
+    PetscCall(PetscStrncpy(name, value->field->name, room));
+  else
+    PetscCall(PetscSNPrintf(name, room, "%s_%c", value->field->name, axes[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, char text[])
+{
+  const MpmFraction *f = &value->fraction[a];
 
   PetscFunctionBegin;
   switch (value->kind) {
   case MPM_AS_COUNT:
   case MPM_AS_LONG:
-    (void)snprintf(text, room, "%" PetscInt64_FMT, value->whole);
+    (void)snprintf(text, room, "%" PetscInt64_FMT, value->whole[a]);
     break;
   case MPM_AS_REAL:
-    (void)snprintf(text, room, "%.17g", value->number[0]);
+    (void)snprintf(text, room, "%.17g", value->number[a][0]);
     break;
   case MPM_AS_RANGE:
-    (void)snprintf(text, room, "%.17g,%.17g", value->number[0], value->number[1]);
+    (void)snprintf(text, room, "%.17g,%.17g", value->number[a][0], value->number[a][1]);
     break;
   case MPM_AS_FRACTION: /* 1/7 is not the nearest double to it: in many steps the two would differ */
     if (f->den)
@@ -117,17 +137,47 @@ PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmValueHeading(const MpmValue *value, size_t room, char text[])
+static PetscErrorCode OneHeading(const MpmValue *value, PetscInt a, size_t room, char text[])
 {
   PetscFunctionBegin;
   if (value->kind == MPM_AS_REAL)
-    (void)snprintf(text, room, "%.6g", value->number[0]);
+    (void)snprintf(text, room, "%.6g", value->number[a][0]);
   else if (value->kind == MPM_AS_RANGE)
-    (void)snprintf(text, room, "%.6g to %.6g", value->number[0], value->number[1]);
-  else if (value->kind == MPM_AS_FRACTION && !(value->field->exact && value->fraction.den > 1))
-    (void)snprintf(text, room, "%.6g", value->fraction.value);
+    (void)snprintf(text, room, "%.6g to %.6g", value->number[a][0], value->number[a][1]);
+  else if (value->kind == MPM_AS_FRACTION && !(value->field->exact && value->fraction[a].den > 1))
+    (void)snprintf(text, room, "%.6g", value->fraction[a].value);
   else
-    PetscCall(MpmValueText(value, room, text));
+    PetscCall(MpmValueOneText(value, a, room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The values of all directions, with commas between them. */
+static PetscErrorCode Join(const MpmValue *value,
+                           PetscErrorCode (*one)(const MpmValue *value, PetscInt a, size_t room, char text[]),
+                           size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = '\0';
+  for (PetscInt a = 0; a < value->n; a++) {
+    const size_t used = strlen(text), comma = a > 0;
+
+    if (comma) PetscCall(PetscStrlcat(text, ",", room));
+    PetscCall(one(value, a, room - used - comma, text + used + comma));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  PetscCall(Join(value, MpmValueOneText, room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmValueHeading(const MpmValue *value, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  PetscCall(Join(value, OneHeading, room, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,7 +188,8 @@ PetscErrorCode MpmValueAgrees(const MpmValue *value, const char text[], PetscBoo
   PetscFunctionBegin;
   PetscCall(MpmValueText(value, sizeof mine, mine));
   *agrees = !strcmp(mine, text) ? PETSC_TRUE : PETSC_FALSE;
-  if (value->kind == MPM_AS_FRACTION && !strchr(text, '/') && strtod(text, NULL) == value->fraction.value)
+  if (value->kind == MPM_AS_FRACTION && value->n == 1 && !strchr(text, '/') &&
+      strtod(text, NULL) == value->fraction[0].value)
     *agrees = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -58,6 +58,11 @@ static const char *EndWord(PetscInt i)
   return MpmEndNames[i];
 }
 
+static const char *GradientWord(PetscInt i)
+{
+  return MpmGradientNames[i];
+}
+
 static const char *AxisWord(PetscInt i)
 {
   return MpmAxisNames[i];
@@ -78,6 +83,11 @@ static const char *BasisOf(const MpmScene *scene)
 static const char *TransferOf(const MpmScene *scene)
 {
   return scene->scheme.transfer->name;
+}
+
+static const char *GradientOf(const MpmScene *scene)
+{
+  return MpmGradientNames[scene->scheme.space.gradient];
 }
 
 static const char *LayoutOf(const MpmScene *scene)
@@ -119,9 +129,30 @@ static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
   return TransferReads(scene, "blend_ratio");
 }
 
+/* Files that were written before there was more than one dimension have none of these three. */
+static PetscBool HasDim(const MpmScene *scene, MpmRecord record)
+{
+  return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->layout.dim > 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
+{
+  return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneHasPoisson(scene);
+}
+
 static PetscBool HasOffset(const MpmScene *scene, MpmRecord record)
 {
-  return record != MPM_IN_JSON || scene->layout.offset.value != 0.5 ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    if (scene->layout.offset[a].value != 0.5) return PETSC_TRUE;
+  return record != MPM_IN_JSON ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasJitter(const MpmScene *scene, MpmRecord record)
@@ -163,6 +194,8 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 #define ANY                .lo = -PETSC_MAX_REAL, .hi = PETSC_MAX_REAL
 #define NO_RANGE           .word = NULL
 #define KEPT(kind, member) .value = MPM_##kind, .at = offsetof(MpmScene, member)
+#define STRIDE(member)     sizeof(((MpmScene *)0)->member)
+#define EACH(kind, member, element) KEPT(kind, member), .each = STRIDE(element)
 #define MADE(kind, member) KEPT(kind, member), .by_hand = PETSC_TRUE
 #define ASKED(kind, member) .value = MPM_##kind, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member)
 #define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
@@ -180,19 +213,23 @@ const MpmField MpmOptions[] = {
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
   {"dim", MPM_INTEGER, "1", "space dimensions",
-   BETWEEN(1, 1), KEPT(AS_COUNT, dim), IN(10, 5, 0, 0)},
+   BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = HasDim},
+  {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
+   .word = GradientWord, TEXT(GradientOf), IN(33, 22, 28, 23), .shown = HasGradient},
+  {"poisson", MPM_REAL, "0.3", "momentum schemes with dim 2 or 3: Poisson's ratio, plane strain with dim 2; 0.5 is a fluid with pressure only",
+   BETWEEN(0, 0.5), KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
   {"cells", MPM_INTEGER, "64", "cells of the grid",
-   BETWEEN(1, 2147483646), KEPT(AS_COUNT, layout.grid.cells), IN(11, 6, 7, 5)},
+   BETWEEN(1, 2147483646), EACH(AS_COUNT, layout.grid[0].cells, layout.grid[0]), IN(11, 6, 7, 5)},
   {"length", MPM_REAL, "1", "length L of the domain",
-   ABOVE(0), KEPT(AS_REAL, length), IN(16, 0, 19, 0)},
-  {"ppc", MPM_INTEGER, "2", "particles per cell",
-   BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc), IN(12, 7, 0, 6)},
+   ABOVE(0), EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
+  {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
+   BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
    BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), .shown = HasCounts},
   {"layout", MPM_WORD, "uniform", "where particles start",
    .word = LayoutWord, TEXT(LayoutOf), IN(4, 0, 0, 0)},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
-   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), KEPT(AS_FRACTION, layout.offset), IN(9, 13, 9, 13), .shown = HasOffset},
+   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), .shown = HasOffset},
   {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",
    BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), .shown = HasJitter},
   {"cluster", MPM_RANGE, "0,1", "the part lo,hi of each cell that its particles are squeezed into",
@@ -208,8 +245,8 @@ const MpmField MpmOptions[] = {
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), .shown = HasMaterial, .json = "material.stiffness_ratio"},
   {"inclusion", MPM_RANGE, NULL, "cells lo,hi between which the second material is (default: the right half)",
-   ANY, KEPT(AS_RANGE, layout.material.inclusion), IN(30, 21, 18, 12), .shown = HasInclusion, .json = "material.inclusion"},
-  {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free",
+   ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), .shown = HasInclusion, .json = "material.inclusion"},
+  {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
    ABOVE(0), KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
@@ -218,7 +255,7 @@ const MpmField MpmOptions[] = {
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
    ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 0, 0, 0)},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
-   BETWEEN(-1e6, 1e6), .rival = "velocity", KEPT(AS_FRACTION, step.drift), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
+   BETWEEN(-1e6, 1e6), .rival = "velocity", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",
    ANY, .rival = "drift"},
   {"steps", MPM_INTEGER, "100", "time steps",
@@ -228,7 +265,7 @@ const MpmField MpmOptions[] = {
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
    .word = InitialWord, .tasks = "run", TEXT(InitialOf), IN(6, 0, 23, 0)},
   {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; number in mode_file, with eigenmode",
-   BETWEEN(1, 2147483646), .tasks = "run", KEPT(AS_COUNT, mode), IN(13, 0, 24, 0)},
+   BETWEEN(1, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), IN(13, 0, 24, 0)},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run"},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
@@ -302,7 +339,7 @@ const MpmField MpmOptions[] = {
 };
 
 const MpmField MpmDerived[] = {
-  {"first", MADE(AS_LONG, layout.first), IN(23, 0, 13, 17)},
+  {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
   {NULL},
 };

@@ -56,6 +56,8 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    tasks      - those that read it (NULL: all); the others refuse it on the command line
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
    owner, at  - where: the offset in its owner. A text is what the function text says
+   each       - of a value for each direction: the distance in bytes from one direction's place to the next one's. 0: it
+                has one value
    by_hand    - the value is not read from the option as it stands, but by the code that makes its owner
    real       - records have the whole number as a double, as they have all numbers of transfers
    place      - for each record its place among those that are shown there, from 1; 0: it is not shown
@@ -73,7 +75,7 @@ typedef struct {
   const char  *rival, *tasks;
   MpmValueKind value;
   MpmOwner     owner;
-  size_t       at;
+  size_t       at, each;
   PetscBool    by_hand, real;
   const char *(*text)(const MpmScene *scene);
   int place[MPM_RECORDS];
@@ -91,15 +93,16 @@ extern const MpmField MpmOptions[], MpmDerived[];
 #define MPM_NOT_AN_OPTION -1
 PetscInt MpmOptionIndex(const char name[]);
 /*S
-   MpmValue - a field's value in a scene. Its kind says where it is: AS_COUNT, AS_LONG in whole; AS_REAL, AS_RANGE in number;
-   AS_FRACTION in fraction; the others in text.
+   MpmValue - a field's value in a scene, or its n values, one for each direction. Its kind says where they are:
+   AS_COUNT, AS_LONG in whole; AS_REAL in number[i][0], AS_RANGE in number; AS_FRACTION in fraction; the others in text.
 S*/
 typedef struct {
   const MpmField *field;
   MpmValueKind    kind;
-  PetscReal       number[2];
-  PetscInt64      whole;
-  MpmFraction     fraction;
+  PetscInt        n;
+  PetscReal       number[MPM_MAX_DIM][2];
+  PetscInt64      whole[MPM_MAX_DIM];
+  MpmFraction     fraction[MPM_MAX_DIM];
   char            text[MPM_COUNTS_TEXT];
 } MpmValue;
 
@@ -115,6 +118,12 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
 
 /* Not collective. The value of one field, by its name. */
 PetscErrorCode MpmValueOf(const char name[], const MpmScene *scene, const MpmRequest *request, MpmValue *value);
+
+/* Not collective. The name of direction a's value as an attribute: the field's, with _x, _y or _z where there are several. */
+PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[]);
+
+/* Not collective. The value of direction a with all its digits, as MpmValueText has it. */
+PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, char text[]);
 
 /* Not collective. A value with all its digits, as a checkpoint has it; a fraction is exact. */
 PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[]);

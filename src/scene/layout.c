@@ -1,9 +1,10 @@
 /*
-   Particle j of the ppc particles in cell n starts at
+   In each direction, particle j of the ppc particles in cell n starts at
 
      x = (n + (j + offset + jitter (r - 1/2)) / ppc) h
 
-   where r is a hash of the particle's number g. With a cluster, its place in the cell is scaled into the cluster.
+   where r is a hash of the number of the particle's site. With a cluster, its place in the cell is scaled into the
+   cluster.
 */
 #include "base/memory.h"
 #include "scheme/kernels.h"
@@ -35,19 +36,45 @@ PetscInt MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell)
   return layout->counts.of[cell % layout->counts.n];
 }
 
-void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, PetscReal *xi)
+void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[])
 {
-  const MpmFraction *offset = &layout->offset;
+  for (PetscInt a = 0; a < layout->dim - 1; a++) {
+    site[a] = layout->first[a] + id % layout->row[a];
+    id /= layout->row[a];
+  }
+  site[layout->dim - 1] = layout->first[layout->dim - 1] + id;
+}
+
+/* The number of a site. The random numbers of a particle are hashed from it, and do not depend on which sites are taken. */
+static PetscInt64 Number(const MpmLayout *layout, const PetscInt64 site[])
+{
+  PetscInt64 number = 0;
+
+  if (layout->dim == 1) return site[0];
+  for (PetscInt a = layout->dim - 1; a >= 0; a--) number = number * layout->grid[a].cells * layout->ppc[a] + site[a];
+  return number;
+}
+
+/* The seed of the jitter in a direction. */
+static PetscInt64 SeedOf(const MpmLayout *layout, PetscInt axis)
+{
+  return axis == 0 ? layout->seed : (PetscInt64)(0x1p52 * MpmHash(layout->seed + 1, -MPM_MAX_FIELDS - 2 - axis));
+}
+
+/* The resting place of particle j of the count in cell n of a direction. number: of the site. */
+static void PlaceAlong(const MpmLayout *layout, PetscInt axis, PetscInt n, PetscInt j, PetscInt count,
+                       PetscInt64 number, PetscInt *cell, PetscReal *xi)
+{
+  const MpmFraction *offset = &layout->offset[axis];
   const PetscReal   *part   = layout->cluster;
   PetscReal          place; /* in cells from the left end of cell n */
-  PetscInt           n, j, count, shift;
+  PetscInt           shift;
 
-  MpmLayoutSite(layout, layout->first + id, &n, &j, &count);
   if (layout->jitter == 0 && offset->den && offset->den <= 1000000000)
     /* rounded once, so that a position that should meet a node meets it exactly */
     place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(count * offset->den);
   else {
-    const PetscReal displacement = layout->jitter * (MpmHash(layout->seed, layout->first + id) - 0.5);
+    const PetscReal displacement = layout->jitter * (MpmHash(SeedOf(layout, axis), number) - 0.5);
     place                        = (j + offset->value + displacement) / count;
   }
   if (part[1] - part[0] < 1) place = part[0] + (part[1] - part[0]) * place;
@@ -58,33 +85,69 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, Pets
     shift++;
   }
   *cell = n + shift;
-  if (*cell == layout->grid.cells &&
-      !MpmLayoutIsPeriodic(layout)) { /* the node at the right end belongs to the cell at its left */
-    *cell = layout->grid.cells - 1;
+  if (*cell == layout->grid[axis].cells &&
+      layout->grid[axis].ends[0] != MPM_PERIODIC) { /* the node at the right end belongs to the cell at its left */
+    *cell = layout->grid[axis].cells - 1;
     *xi   = nextafter(1, 0);
   }
 }
 
-void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction *drift, PetscInt64 id, PetscInt64 step, PetscInt *cell,
-                      PetscReal *xi)
+void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[])
 {
-  PetscInt   home;
-  PetscInt64 whole;
-  PetscReal  rest, part;
+  PetscInt64 site[MPM_MAX_DIM], number;
+  PetscInt   n, j, count;
 
-  MpmLayoutPlace(layout, id, &home, &rest);
-  MpmFractionMultiple(drift, step, &whole, &part);
-  MpmPlaceBlock(1, &home, &rest, 0, part, cell, xi);
+  MpmLayoutSites(layout, id, site);
+  number = Number(layout, site);
+  if (layout->dim == 1) { /* where cells may have different numbers of sites */
+    MpmLayoutSite(layout, site[0], &n, &j, &count);
+    PlaceAlong(layout, 0, n, j, count, number, cell, xi);
+    return;
+  }
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    count = layout->ppc[a];
+    PlaceAlong(layout, a, (PetscInt)(site[a] / count), (PetscInt)(site[a] % count), count, number, &cell[a], &xi[a]);
+  }
+}
+
+void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
+                      PetscInt cell[], PetscReal xi[])
+{
+  PetscInt  home[MPM_MAX_DIM];
+  PetscReal rest[MPM_MAX_DIM];
+
+  MpmLayoutPlace(layout, id, home, rest);
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    PetscInt64 whole;
+    PetscReal  part;
+
+    MpmFractionMultiple(&drift[a], step, &whole, &part);
+    MpmPlaceBlock(1, &home[a], &rest[a], 0, part, &cell[a], &xi[a]);
+  }
 }
 
 PetscErrorCode MpmStepPeriod(const MpmStep *step, PetscInt *period)
 {
+  PetscInt64 common = 1;
+
   PetscFunctionBegin;
-  MpmCheckInput(step->drift.den > 0 && step->drift.den <= MPM_LONGEST_PERIOD,
-                "drift %.17g: particles are not back in their places within %d steps; allowed: -drift as a fraction "
-                "such as 1/8 with a denominator of at most %d ('mpmstab run' takes any drift)",
-                step->drift.value, MPM_LONGEST_PERIOD, MPM_LONGEST_PERIOD);
-  *period = (PetscInt)step->drift.den;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const MpmFraction *drift = &step->drift[a];
+    PetscInt64         least = common; /* common multiple */
+
+    if (drift->value == 0) continue;
+    MpmCheckInput(drift->den > 0 && drift->den <= MPM_LONGEST_PERIOD,
+                  "drift %.17g: particles are not back in their places within %d steps; allowed: -drift as a fraction "
+                  "such as 1/8 with a denominator of at most %d ('mpmstab run' takes any drift)",
+                  drift->value, MPM_LONGEST_PERIOD, MPM_LONGEST_PERIOD);
+    while (least % drift->den) least += common;
+    common = least;
+    MpmCheckInput(common <= MPM_LONGEST_PERIOD,
+                  "drift: particles are back in their places after %" PetscInt64_FMT
+                  " steps, the least common multiple of the denominators; allowed: at most %d",
+                  common, MPM_LONGEST_PERIOD);
+  }
+  *period = (PetscInt)common;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,11 +160,17 @@ PetscBool MpmLayoutIsUniform(const MpmLayout *layout)
 
 void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc)
 {
-  layout->ppc              = ppc;
-  layout->half_width       = 0.5 / ppc;
   layout->counts.of[0]     = ppc;
   layout->counts.before[1] = ppc;
-  layout->sites = layout->particles = (PetscInt64)layout->grid.cells * ppc;
+  layout->sites            = 1;
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    layout->ppc[a]        = ppc;
+    layout->half_width[a] = 0.5 / ppc;
+    layout->first[a]      = 0;
+    layout->row[a]        = (PetscInt64)layout->grid[a].cells * ppc;
+    layout->sites *= layout->row[a];
+  }
+  layout->particles = layout->sites;
 }
 
 MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind)
@@ -111,13 +180,26 @@ MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind)
   return layout->varies[weight] ? weight : MPM_NO_PROPERTY;
 }
 
-PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])
+static PetscErrorCode Append(char text[], size_t room, const char format[], PetscInt number)
 {
-  char size[64];
+  char part[32];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(size, sizeof size, "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT, layout->grid.cells,
-                          layout->ppc));
+  PetscCall(PetscSNPrintf(part, sizeof part, format, number));
+  PetscCall(PetscStrlcat(text, part, room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])
+{
+  char size[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(size, sizeof size, "cells %" PetscInt_FMT, layout->grid[0].cells));
+  for (PetscInt a = 1; a < layout->dim; a++)
+    PetscCall(Append(size, sizeof size, ",%" PetscInt_FMT, layout->grid[a].cells));
+  PetscCall(Append(size, sizeof size, " with ppc %" PetscInt_FMT, layout->ppc[0]));
+  for (PetscInt a = 1; a < layout->dim; a++) PetscCall(Append(size, sizeof size, ",%" PetscInt_FMT, layout->ppc[a]));
   PetscCall(MpmMemoryCheck(comm, size, bytes, what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

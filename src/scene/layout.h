@@ -5,31 +5,35 @@
 #include <mpmstab/scheme.h>
 
 /*
-   MpmLayoutSite - finds the cell of site g, which of the particles there it is (j), and how many there are (count).
+   MpmLayoutSite - finds the cell of site g, which of the particles there it is (j), and how many there are (count), in
+   one dimension.
 
    Not collective. Sites are numbered cell by cell; particle id has site first + id.
 */
 void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count);
 
-/* Not collective. Return the number of sites in the cells before a cell, and in it. */
+/* Not collective. Return the number of sites in the cells before a cell, and in it, in one dimension. */
 PetscInt64 MpmLayoutSitesBefore(const MpmLayout *layout, PetscInt cell);
 PetscInt   MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell);
 
+/* Not collective. The site of particle id in each direction. */
+void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
+
 /*
-   MpmLayoutPlace - finds the resting place of particle id: its cell and its place xi in [0, 1) there.
+   MpmLayoutPlace - finds the resting place of particle id in each direction: its cell and its place xi in [0, 1) there.
 
    Not collective. The cell is not wrapped into the domain; jitter may move a particle into a neighbour of its own cell.
 */
-void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt *cell, PetscReal *xi);
+void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
 /*
-   MpmLayoutPlaceAt - finds the place of particle id after a number of steps with a drift. It leaves out the whole cells
-   of drift: they move all particles alike and do not change the map from particles to particles.
+   MpmLayoutPlaceAt - finds the place of particle id after a number of steps with a drift, in each direction. It leaves
+   out the whole cells of drift: they move all particles alike and do not change the map from particles to particles.
 
    Not collective.
 */
-void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction *drift, PetscInt64 id, PetscInt64 step, PetscInt *cell,
-                      PetscReal *xi);
+void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
+                      PetscInt cell[], PetscReal xi[]);
 
 /* Collective. Refuses work on a layout that needs more memory than there is; see MpmMemoryCheck. */
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[]);

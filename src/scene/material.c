@@ -10,24 +10,29 @@ const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
 /* Returns the power to which the ratios are raised at place x, in cells. */
-static PetscReal Share(const MpmLayout *layout, PetscReal x)
+static PetscReal Share(const MpmLayout *layout, const PetscReal x[])
 {
   const MpmMaterial *m = &layout->material;
-  const PetscReal    s = x / layout->grid.cells;
+  const PetscReal    s = x[0] / layout->grid[0].cells;
 
-  if (m->kind == MPM_MATERIAL_TWO) return x >= m->inclusion[0] && x < m->inclusion[1] ? 1 : 0;
-  return MpmLayoutIsPeriodic(layout) ? 1 - fabs(2 * s - 1) : s;
+  if (m->kind == MPM_MATERIAL_TWO) {
+    for (PetscInt a = 0; a < layout->dim; a++)
+      if (!(x[a] >= m->inclusion[a][0] && x[a] < m->inclusion[a][1])) return 0;
+    return 1;
+  }
+  return layout->grid[0].ends[0] == MPM_PERIODIC ? 1 - fabs(2 * s - 1) : s;
 }
 
 static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
 {
-  PetscInt  cell;
-  PetscReal xi;
+  PetscInt  cell[MPM_MAX_DIM];
+  PetscReal x[MPM_MAX_DIM];
 
   if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
-  MpmLayoutPlace(layout, id, &cell, &xi);
-  cell = (cell + layout->grid.cells) % layout->grid.cells; /* jitter may cross the end of a periodic domain */
-  return pow(ratio, Share(layout, cell + xi));
+  MpmLayoutPlace(layout, id, cell, x);
+  for (PetscInt a = 0; a < layout->dim; a++) /* jitter may cross the end of a periodic domain */
+    x[a] += (cell[a] + layout->grid[a].cells) % layout->grid[a].cells;
+  return pow(ratio, Share(layout, x));
 }
 
 PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id)
@@ -36,8 +41,11 @@ PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, Pet
   PetscReal volume;
 
   if (property == MPM_STIFFNESS) return Ratio(layout, layout->material.stiffness, id);
-  MpmLayoutSite(layout, layout->first + id, &cell, &j, &count);
-  volume = (PetscReal)layout->ppc / count;
+  volume = 1;
+  if (layout->dim == 1) {
+    MpmLayoutSite(layout, layout->first[0] + id, &cell, &j, &count);
+    volume = (PetscReal)layout->ppc[0] / count;
+  }
   return property == MPM_MASS ? volume * Ratio(layout, layout->material.density, id) : volume;
 }
 
@@ -50,5 +58,5 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
   bound[MPM_VOLUME]    = 1;
   for (PetscInt r = 0; r < layout->counts.n; r++)
     if (layout->counts.of[r])
-      bound[MPM_VOLUME] = PetscMax(bound[MPM_VOLUME], (PetscReal)layout->ppc / layout->counts.of[r]);
+      bound[MPM_VOLUME] = PetscMax(bound[MPM_VOLUME], (PetscReal)layout->ppc[0] / layout->counts.of[r]);
 }

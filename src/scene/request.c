@@ -234,7 +234,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
-  request->phases = scene->layout.grid.cells; /* unless something else is said */
+  request->phases = scene->layout.grid[0].cells; /* unless something else is said */
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));

@@ -11,6 +11,7 @@
 
 #define MOST_PARTICLES (PETSC_MAX_INT / 2)
 #define MOST_DRIFT 1e6 /* cells per step */
+#define SAME_WIDTH 1e-12
 
 /* ---- words ---- */
 
@@ -34,12 +35,31 @@ static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- units, grid and time ---- */
 
+/* All directions have cells of one width. Where no length is given, the first direction has that of the default. */
 static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 {
+  const MpmLayout *l = &scene->layout;
+  char             why[160];
+
   PetscFunctionBegin;
-  scene->cell_width = scene->length / scene->layout.grid.cells;
+  scene->scheme.space.dim = l->dim;
+  scene->cell_width       = scene->length[0] / l->grid[0].cells;
   if (!isnormal(scene->cell_width))
     PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
+  for (PetscInt a = 1; a < l->dim; a++) {
+    const PetscReal width = scene->length[a] / l->grid[a].cells;
+
+    if (MpmSettingsSource(settings, "length") == MPM_FROM_DEFAULT) {
+      scene->length[a] = scene->cell_width * l->grid[a].cells;
+      continue;
+    }
+    PetscCall(PetscSNPrintf(why, sizeof why,
+                            "cells are %.6g wide in the first direction and %.6g in direction %" PetscInt_FMT
+                            "; allowed: the same width in all",
+                            scene->cell_width, width, a + 1));
+    if (!(fabs(width - scene->cell_width) <= SAME_WIDTH * scene->cell_width))
+      PetscCall(MpmSettingsRefuse(settings, "length", why));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,72 +89,105 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
    fraction when the numbers that were given are, so that particles come back to their places. Where its terms are too
    long it is the short fraction that is the same double, if there is one.
 */
+static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene, const MpmFraction *velocity,
+                              MpmFraction *drift)
+{
+  const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
+  const char *const step      = has_dt ? "dt" : "courant";
+  MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over[MPM_MAX_DIM];
+  PetscBool         ok;
+
+  PetscFunctionBegin;
+  factor[1] = *velocity;
+  PetscCall(MpmFractionParse(MpmSettingsText(settings, step), &factor[2], &ok));
+  if (has_dt) {
+    const PetscInt cells = scene->layout.grid[0].cells;
+
+    factor[0] = (MpmFraction){.num = cells, .den = 1, .value = cells};
+    PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, over));
+  } else
+    PetscCall(MpmFractionParse(MpmSettingsText(settings, "wave_speed"), &over[0], &ok));
+  factor[3] = (MpmFraction){.num = over[0].den, .den = over[0].num, .value = 1 / over[0].value};
+  *drift    = MpmFractionProduct(4, factor);
+  if (!drift->den) *drift = MpmFractionNear(velocity->value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
+  if (!(PetscAbsReal(drift->value) <= MOST_DRIFT))
+    PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
 {
-  const PetscBool has_dt    = MpmSettingsGiven(settings, "dt");
-  const char     *names[3]  = {"velocity", has_dt ? "dt" : "courant", has_dt ? "length" : "wave_speed"};
-  MpmFraction     factor[4] = {{.num = scene->layout.grid.cells, .den = 1, .value = scene->layout.grid.cells}};
-  MpmFraction    *last      = &factor[3];
-  PetscReal       velocity;
-  PetscBool       ok;
+  MpmFraction velocity[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsReal(settings, "velocity", &velocity));
-  for (int i = 0; i < 3; i++) PetscCall(MpmFractionParse(MpmSettingsText(settings, names[i]), &factor[i + 1], &ok));
-  *last = (MpmFraction){.num = last->den, .den = last->num, .value = 1 / last->value};
-  if (!has_dt) factor[0] = (MpmFraction){.num = 1, .den = 1, .value = 1};
-  scene->step.drift = MpmFractionProduct(4, factor);
-  if (!scene->step.drift.den)
-    scene->step.drift = MpmFractionNear(velocity * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
-  if (!(PetscAbsReal(scene->step.drift.value) <= MOST_DRIFT))
-    PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
+  PetscCall(MpmSettingsEachFraction(settings, "velocity", scene->layout.dim, velocity));
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    PetscCall(DriftOf(settings, scene, &velocity[a], &scene->step.drift[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- layout ---- */
 
+/* Refuses an option of one dimension where there are more. */
+static PetscErrorCode OneDimensional(const MpmSettings *settings, const MpmScene *scene, const char option[])
+{
+  PetscFunctionBegin;
+  if (scene->layout.dim > 1 && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
+      !MpmSettingsOverruled(settings, option, "dim"))
+    PetscCall(MpmSettingsRefuse(settings, option, "allowed: only with dim 1"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* With counts, ppc is the number of particles in the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
 {
-  MpmCounts *c = &scene->layout.counts;
-  PetscInt64 ppc;
+  MpmLayout *l = &scene->layout;
+  MpmCounts *c = &l->counts;
+  PetscInt64 ppc[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  if (MpmSettingsGiven(settings, "counts"))
+  PetscCall(OneDimensional(settings, scene, "counts"));
+  c->n = 1;
+  if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
   else {
-    PetscCall(MpmSettingsInteger(settings, "ppc", &ppc));
-    c->n     = 1;
-    c->of[0] = (PetscInt)ppc;
+    PetscCall(MpmSettingsEachInteger(settings, "ppc", l->dim, ppc));
+    for (PetscInt a = 0; a < l->dim; a++) l->ppc[a] = (PetscInt)ppc[a];
+    c->of[0] = l->ppc[0];
   }
   for (PetscInt r = 0; r < c->n; r++) {
-    scene->layout.ppc = PetscMax(scene->layout.ppc, c->of[r]);
-    c->before[r + 1]  = c->before[r] + c->of[r];
-    c->voids          = c->voids || (!c->of[r] && r < scene->layout.grid.cells) ? PETSC_TRUE : PETSC_FALSE;
+    l->ppc[0]        = PetscMax(l->ppc[0], c->of[r]);
+    c->before[r + 1] = c->before[r] + c->of[r];
+    c->voids         = c->voids || (!c->of[r] && r < l->grid[0].cells) ? PETSC_TRUE : PETSC_FALSE;
   }
-  scene->layout.sites = scene->layout.grid.cells / c->n * c->before[c->n] + c->before[scene->layout.grid.cells % c->n];
-  if (!scene->layout.sites)
-    PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
+  l->row[0] = l->grid[0].cells / c->n * c->before[c->n] + c->before[l->grid[0].cells % c->n];
+  for (PetscInt a = 1; a < l->dim; a++) l->row[a] = (PetscInt64)l->grid[a].cells * l->ppc[a];
+  if (!l->row[0]) PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
 {
+  MpmLayout *l     = &scene->layout;
+  PetscReal  sites = 1;
+
   PetscFunctionBegin;
   PetscCall(ReadCounts(settings, scene));
-  if (scene->layout.sites > MOST_PARTICLES)
+  for (PetscInt a = 0; a < l->dim; a++) sites *= (PetscReal)l->row[a];
+  if (sites > MOST_PARTICLES)
     PetscCall(MpmSettingsRefuse(settings,
-                                MpmSettingsGiven(settings, "counts") ? "counts"
-                                : MpmSettingsSource(settings, "ppc") ? "ppc"
-                                                                     : "cells",
+                                l->dim == 1 && MpmSettingsGiven(settings, "counts") ? "counts"
+                                : MpmSettingsSource(settings, "ppc")                ? "ppc"
+                                                                                    : "cells",
                                 "cells times ppc is too large; allowed: at most 1073741823 particles"));
-  scene->layout.particles  = scene->layout.sites;
-  scene->layout.half_width = 0.5 / scene->layout.ppc;
-  if (scene->layout.counts.n > 1 && scene->scheme.basis->wide)
+  l->sites = l->particles = (PetscInt64)sites;
+  for (PetscInt a = 0; a < l->dim; a++) l->half_width[a] = 0.5 / l->ppc[a];
+  if (l->counts.n > 1 && scene->scheme.basis->wide)
     PetscCall(MpmSettingsRefuse(settings, "counts",
                                 "particles of different width; allowed: with another basis than gimp, or ppc"));
-  if (!(scene->layout.cluster[0] >= 0 && scene->layout.cluster[1] <= 1))
+  PetscCall(OneDimensional(settings, scene, "cluster"));
+  if (!(l->cluster[0] >= 0 && l->cluster[1] <= 1))
     PetscCall(MpmSettingsRefuse(settings, "cluster", "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -212,62 +265,115 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
+static PetscErrorCode AppendWord(MpmScene *scene, const char between[], MpmEnd end)
 {
-  PetscInt end[2];
+  PetscFunctionBegin;
+  PetscCall(PetscStrlcat(scene->boundary, between, sizeof scene->boundary));
+  PetscCall(PetscStrlcat(scene->boundary, MpmEndNames[end], sizeof scene->boundary));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses ends of direction a that the formulation has no condition for, and particles that would leave there. */
+static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *scene, PetscInt a)
+{
+  const MpmLayout   *l      = &scene->layout;
+  const MpmFraction *offset = &l->offset[a];
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEnds(settings, "boundary", end));
-  if ((end[0] == MPM_PERIODIC) != (end[1] == MPM_PERIODIC))
+  if ((l->grid[a].ends[0] == MPM_PERIODIC) != (l->grid[a].ends[1] == MPM_PERIODIC))
     PetscCall(MpmSettingsRefuse(settings, "boundary", "allowed: periodic at both ends or at none"));
   for (int e = 0; e < 2; e++) {
-    scene->layout.grid.ends[e] = (MpmEnd)end[e];
-    if (end[e] == MPM_FREE)
+    if (l->grid[a].ends[e] == MPM_FREE)
       PetscCall(Require(settings, scene, "boundary", CanBeFree, "condition for a free end (fixed: a wall reflects)"));
-    if (end[e] == MPM_FIXED_REACTION)
+    if (l->grid[a].ends[e] == MPM_FIXED_REACTION)
       PetscCall(Require(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
   }
-  scene->layout.grid.nodes = scene->layout.grid.cells + (MpmSceneIsPeriodic(scene) ? 0 : 1);
-  PetscCall(PetscStrncpy(scene->boundary, MpmEndNames[end[0]], sizeof scene->boundary));
-  if (MpmSceneIsPeriodic(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscStrlcat(scene->boundary, ",", sizeof scene->boundary));
-  PetscCall(PetscStrlcat(scene->boundary, MpmEndNames[end[1]], sizeof scene->boundary));
-  MpmCheckInput(!MpmSceneDrifts(scene),
+  if (l->grid[a].ends[0] == MPM_PERIODIC) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(scene->step.drift[a].value == 0,
                 "drift %g with boundary %s: particles would leave the domain; allowed: drift 0, or boundary periodic",
-                scene->step.drift.value, scene->boundary);
+                scene->step.drift[a].value, scene->boundary);
   MpmCheckInput(
-      scene->layout.offset.value >= scene->layout.jitter / 2 &&
-          scene->layout.offset.value + scene->layout.jitter / 2 <= 1,
+      offset->value >= l->jitter / 2 && offset->value + l->jitter / 2 <= 1,
       "jitter %g with offset %g and boundary %s: a particle may start beyond the end; allowed: offset - jitter/2 "
       ">= 0 and offset + jitter/2 <= 1",
-      scene->layout.jitter, scene->layout.offset.value, scene->boundary);
+      l->jitter, offset->value, scene->boundary);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmLayout *l = &scene->layout;
+  PetscInt   end[MPM_MAX_DIM][2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsEachEnds(settings, "boundary", l->dim, end));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
+    l->grid[a].nodes = l->grid[a].cells + (l->grid[a].ends[0] == MPM_PERIODIC ? 0 : 1);
+    PetscCall(AppendWord(scene, a ? "," : "", l->grid[a].ends[0]));
+    if (l->grid[a].ends[0] != MPM_PERIODIC) PetscCall(AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]));
+  }
+  for (PetscInt a = 0; a < l->dim; a++) PetscCall(CheckEnds(settings, scene, a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Keeps the particles between two places, which are given in cells and lie between two particles' widths. */
 static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscReal range[2], first, end;
+  MpmLayout *l = &scene->layout;
+  PetscReal  range[MPM_MAX_DIM][2];
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->layout.counts.n > 1) {
+  if (l->counts.n > 1) {
     if (!MpmSettingsOverruled(settings, "fill", "counts"))
       PetscCall(MpmSettingsRefuse(settings, "fill", "allowed: with ppc (counts may be 0 where there is nothing)"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmSettingsRange(settings, "fill", range));
-  first = range[0] * scene->layout.ppc;
-  end   = range[1] * scene->layout.ppc;
-  if (!(first >= 0 && end <= (PetscReal)scene->layout.grid.cells * scene->layout.ppc && end > first) ||
-      fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9)
-    PetscCall(MpmSettingsRefuse(settings, "fill",
-                                "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi"));
-  scene->layout.first     = (PetscInt64)round(first);
-  scene->layout.particles = (PetscInt64)round(end) - scene->layout.first;
-  if (!scene->layout.particles)
+  PetscCall(MpmSettingsEachRange(settings, "fill", l->dim, range));
+  l->particles = 1;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscReal first = range[a][0] * l->ppc[a], end = range[a][1] * l->ppc[a];
+
+    if (!(first >= 0 && end <= (PetscReal)l->grid[a].cells * l->ppc[a] && end > first) ||
+        fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9)
+      PetscCall(MpmSettingsRefuse(settings, "fill",
+                                  "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi"));
+    l->first[a] = (PetscInt64)round(first);
+    l->row[a]   = (PetscInt64)round(end) - l->first[a];
+    l->particles *= l->row[a];
+  }
+  if (!l->particles)
     PetscCall(MpmSettingsRefuse(settings, "fill",
                                 "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- gradient and Poisson's ratio ---- */
+
+static PetscBool HasGradient(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_GRAD);
+}
+
+static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "gradient", &i));
+  scene->scheme.space.gradient = (MpmGradient)i;
+  if (scene->scheme.space.gradient != MPM_GRADIENT_BASIS) {
+    if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scene->scheme.formulation))
+      scene->scheme.space.gradient = MPM_GRADIENT_BASIS;
+    else
+      PetscCall(Require(settings, scene, "gradient", HasGradient, "gradient"));
+  }
+  if (MpmSceneHasPoisson(scene) || MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT ||
+      MpmSettingsOverruled(settings, "poisson", "dim") || MpmSettingsOverruled(settings, "poisson", "formulation"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(
+      settings, "poisson", "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -289,18 +395,23 @@ static PetscBool CanDiffer(const MpmFormulation *f)
 
 static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
 {
-  MpmMaterial *m = &scene->layout.material;
+  const MpmLayout *l = &scene->layout;
+  MpmMaterial     *m = &scene->layout.material;
 
   PetscFunctionBegin;
   PetscCall(Require(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
   if (m->kind != MPM_MATERIAL_TWO)
     PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
-  if (m->kind != MPM_MATERIAL_TWO || !MpmSettingsGiven(settings, "inclusion")) {
-    m->inclusion[0] = scene->layout.grid.cells / 2.0;
-    m->inclusion[1] = scene->layout.grid.cells;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscReal *inclusion = m->inclusion[a];
+
+    if (m->kind != MPM_MATERIAL_TWO || !MpmSettingsGiven(settings, "inclusion")) {
+      inclusion[0] = a ? 0 : l->grid[a].cells / 2.0;
+      inclusion[1] = l->grid[a].cells;
+    }
+    if (!(inclusion[0] >= 0 && inclusion[0] < inclusion[1] && inclusion[1] <= l->grid[a].cells))
+      PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
   }
-  if (!(m->inclusion[0] >= 0 && m->inclusion[0] < m->inclusion[1] && m->inclusion[1] <= scene->layout.grid.cells))
-    PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -348,9 +459,14 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmScene *scene)
 
 static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
 {
+  PetscInt64 mode;
+
   PetscFunctionBegin;
+  PetscCall(MpmSettingsInteger(settings, "mode", &mode));
+  scene->mode[0] = (PetscInt)mode;
   if (scene->initial == MPM_INITIAL_MODE &&
-      scene->mode > PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->layout.grid.cells / 2 : scene->layout.grid.cells))
+      scene->mode[0] >
+          PetscMax(1, MpmSceneIsPeriodic(scene) ? scene->layout.grid[0].cells / 2 : scene->layout.grid[0].cells))
     PetscCall(MpmSettingsRefuse(settings, "mode",
                                 MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                           : "allowed: a whole number from 1 to cells"));
@@ -361,7 +477,7 @@ static PetscErrorCode ReadInitial(const MpmSettings *settings, MpmScene *scene)
     scene->initial = MPM_INITIAL_RANDOM;
   }
   if (scene->initial == MPM_INITIAL_STEP &&
-      (!MpmEndIsFixed(scene->layout.grid.ends[0]) || scene->layout.grid.ends[1] != MPM_FREE))
+      (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE))
     PetscCall(
         MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
   if (scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_EIGENMODE &&
@@ -402,8 +518,9 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
+  PetscCall(ReadSpace(settings, scene));
   PetscCall(MpmTableCreate(scene->scheme.formulation, scene->scheme.transfer, &scene->scheme.numbers,
-                           scene->layout.grid.ends, &scene->scheme.table));
+                           &scene->scheme.space, &scene->scheme.table));
   PetscCall(ReadMaterial(settings, scene));
   PetscCall(ReadInitial(settings, scene));
   PetscCall(CheckSizes(settings, scene));

@@ -3,30 +3,39 @@
 #include <math.h>
 #include <string.h>
 
+PetscBool MpmSceneHasPoisson(const MpmScene *scene)
+{
+  for (PetscInt f = 0; scene->scheme.formulation->particle_fields[f]; f++)
+    if (scene->scheme.formulation->particle_ranks[f] == MPM_TENSOR && scene->layout.dim > 1) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
   if (!scene->scheme.formulation->wave) return PETSC_FALSE;
   if (!MpmInitialHasExact(scene->initial) || scene->layout.material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
-  return MpmSceneIsFull(scene) || (scene->layout.first == 0 && scene->layout.grid.ends[1] == MPM_FREE) ? PETSC_TRUE
-                                                                                                       : PETSC_FALSE;
+  return MpmSceneIsFull(scene) || (scene->layout.first[0] == 0 && scene->layout.grid[0].ends[1] == MPM_FREE)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* The length of the material, since a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene)
 {
   return MpmSceneIsPeriodic(scene) || scene->layout.particles == scene->layout.sites
-             ? scene->length
-             : scene->cell_width * (PetscReal)scene->layout.particles / scene->layout.ppc;
+             ? scene->length[0]
+             : scene->cell_width * (PetscReal)scene->layout.particles / scene->layout.ppc[0];
 }
 
 /* Wave number K and phase of a mode in a periodic domain, between two ends alike, or between a fixed and a free end. */
 static void SetWave(const MpmScene *scene, MpmProfile *p)
 {
-  const PetscBool fixed[2] = {MpmEndIsFixed(scene->layout.grid.ends[0]), MpmEndIsFixed(scene->layout.grid.ends[1])};
+  const PetscBool fixed[2] = {MpmEndIsFixed(scene->layout.grid[0].ends[0]),
+                              MpmEndIsFixed(scene->layout.grid[0].ends[1])};
 
-  p->wavenumber = 2 * PETSC_PI * scene->mode / p->length;
+  p->wavenumber = 2 * PETSC_PI * scene->mode[0] / p->length;
   if (MpmSceneIsPeriodic(scene)) return;
-  p->wavenumber = (fixed[0] == fixed[1] ? scene->mode : scene->mode - 0.5) * PETSC_PI / p->length;
+  p->wavenumber = (fixed[0] == fixed[1] ? scene->mode[0] : scene->mode[0] - 0.5) * PETSC_PI / p->length;
   p->phase      = fixed[0] ? 0 : PETSC_PI / 2;
   for (int end = 0; end < 2; end++) p->image[end] = fixed[end] ? -1 : 1;
 }

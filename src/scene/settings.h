@@ -44,10 +44,18 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
    List: whole numbers with commas between them, at most room.
+
+   Each: the values of dim directions, which are one for all or one for each with commas between them. The Ends of
+   several directions have a hyphen between the two words of one: periodic,fixed-free.
 */
 PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
-PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[], MpmFraction *value);
+PetscErrorCode MpmSettingsEachInteger(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[]);
+PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal value[]);
+PetscErrorCode MpmSettingsEachFraction(const MpmSettings *settings, const char name[], PetscInt dim,
+                                       MpmFraction value[]);
+PetscErrorCode MpmSettingsEachRange(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2]);
+PetscErrorCode MpmSettingsEachEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2]);
 PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value);
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
 PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2]);

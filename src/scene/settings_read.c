@@ -99,39 +99,126 @@ static PetscBool ParseReal(const char text[], PetscReal *value)
   return *end || !isfinite(*value) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value)
+static PetscErrorCode ParseInteger(const MpmSettings *settings, const char name[], const char text[], PetscInt64 *value)
 {
-  const PetscInt i    = MpmOptionIndex(name);
-  const char    *text = settings->text[i];
-  char          *end;
+  char *end;
 
   PetscFunctionBegin;
   errno  = 0;
   *value = strtoll(text, &end, 10);
-  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) || !InWholeRange(&MpmOptions[i], *value))
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
+      !InWholeRange(&MpmOptions[MpmOptionIndex(name)], *value))
     PetscCall(RefuseNumber(settings, name, "a whole number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value)
+{
+  PetscFunctionBegin;
+  PetscCall(ParseInteger(settings, name, MpmSettingsText(settings, name), value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
 {
-  const PetscInt i = MpmOptionIndex(name);
-
   PetscFunctionBegin;
-  if (!ParseReal(settings->text[i], value) || !InRange(&MpmOptions[i], *value))
+  if (!ParseReal(MpmSettingsText(settings, name), value) || !InRange(&MpmOptions[MpmOptionIndex(name)], *value))
     PetscCall(RefuseNumber(settings, name, "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsFraction(const MpmSettings *settings, const char name[], MpmFraction *value)
+/* ---- values for each direction ---- */
+
+#define MOST_PARTS (2 * MPM_MAX_DIM)
+#define PART 64 /* characters */
+
+/*
+   Cuts the text of an option at its commas into dim groups of so many parts each. One group stands for all directions.
+   In one dimension the only group is the whole text, with whatever commas it has.
+*/
+static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
+                          char group[MPM_MAX_DIM][2 * PART])
 {
-  const PetscInt i = MpmOptionIndex(name);
-  PetscBool      ok;
+  const char *text                   = MpmSettingsText(settings, name);
+  char        part[MOST_PARTS][PART] = {{0}}, why[160];
+  PetscInt    n                      = 0;
+  PetscBool   fits                   = PETSC_TRUE;
 
   PetscFunctionBegin;
-  PetscCall(MpmFractionParse(settings->text[i], value, &ok));
-  if (!ok || !InRange(&MpmOptions[i], value->value))
-    PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
+  if (dim == 1 && strlen(text) < 2 * PART) {
+    PetscCall(PetscStrncpy(group[0], text, 2 * PART));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (const char *from = text; fits; n++) {
+    const size_t length = strcspn(from, ",");
+
+    if (n == MOST_PARTS || length >= PART) {
+      fits = PETSC_FALSE;
+      break;
+    }
+    PetscCall(PetscStrncpy(part[n], from, length + 1));
+    from += length;
+    if (!*from++) {
+      n++;
+      break;
+    }
+  }
+  if (!fits || (n != parts && n != parts * dim)) {
+    PetscCall(PetscSNPrintf(why, sizeof why,
+                            "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
+                            parts == 2 ? "two values" : "one value", parts * dim,
+                            dim == 1   ? "the direction"
+                            : dim == 2 ? "x and y"
+                                       : "x, y and z"));
+    PetscCall(MpmSettingsRefuse(settings, name, why));
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt at = n == parts ? 0 : parts * a;
+
+    if (parts == 2)
+      PetscCall(PetscSNPrintf(group[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
+    else
+      PetscCall(PetscStrncpy(group[a], part[at], 2 * PART));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEachInteger(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[])
+{
+  char text[MPM_MAX_DIM][2 * PART];
+
+  PetscFunctionBegin;
+  PetscCall(Cut(settings, name, dim, 1, text));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseInteger(settings, name, text[a], &value[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal value[])
+{
+  char text[MPM_MAX_DIM][2 * PART];
+
+  PetscFunctionBegin;
+  PetscCall(Cut(settings, name, dim, 1, text));
+  for (PetscInt a = 0; a < dim; a++)
+    if (!ParseReal(text[a], &value[a]) || !InRange(&MpmOptions[MpmOptionIndex(name)], value[a]))
+      PetscCall(RefuseNumber(settings, name, "a finite number"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEachFraction(const MpmSettings *settings, const char name[], PetscInt dim,
+                                       MpmFraction value[])
+{
+  char text[MPM_MAX_DIM][2 * PART];
+
+  PetscFunctionBegin;
+  PetscCall(Cut(settings, name, dim, 1, text));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscBool ok;
+
+    PetscCall(MpmFractionParse(text[a], &value[a], &ok));
+    if (!ok || !InRange(&MpmOptions[MpmOptionIndex(name)], value[a].value))
+      PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -202,9 +289,8 @@ PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
+static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], const char text[], PetscInt index[2])
 {
-  const char  *text = settings->text[MpmOptionIndex(name)];
   const size_t ends = strcspn(text, SEPARATORS);
   const char  *rest = text + ends + strspn(text + ends, SEPARATORS);
   char         first[64];
@@ -216,9 +302,30 @@ PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2])
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
 {
-  const char *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
+  PetscFunctionBegin;
+  PetscCall(ParseEnds(settings, name, MpmSettingsText(settings, name), index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEachEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2])
+{
+  char text[MPM_MAX_DIM][2 * PART];
+
+  PetscFunctionBegin;
+  if (dim == 1) {
+    PetscCall(MpmSettingsEnds(settings, name, index[0]));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Cut(settings, name, dim, 1, text));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseEnds(settings, name, text[a], index[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[], const char text[], PetscReal range[2])
+{
+  const char *comma     = strchr(text, ',');
   char        first[64] = "";
 
   PetscFunctionBegin;
@@ -229,6 +336,27 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
   }
   PetscCall(
       MpmSettingsRefuse(settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2])
+{
+  PetscFunctionBegin;
+  PetscCall(ParseRange(settings, name, MpmSettingsText(settings, name), range));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsEachRange(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2])
+{
+  char text[MPM_MAX_DIM][2 * PART];
+
+  PetscFunctionBegin;
+  if (dim == 1) {
+    PetscCall(MpmSettingsRange(settings, name, range[0]));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Cut(settings, name, dim, 2, text));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseRange(settings, name, text[a], range[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -301,9 +429,6 @@ static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *fie
   case MPM_AS_REAL:
     PetscCall(MpmSettingsReal(settings, field->name, (PetscReal *)place));
     break;
-  case MPM_AS_FRACTION:
-    PetscCall(MpmSettingsFraction(settings, field->name, (MpmFraction *)place));
-    break;
   case MPM_AS_RANGE:
     PetscCall(MpmSettingsRange(settings, field->name, (PetscReal *)place));
     break;
@@ -316,14 +441,47 @@ static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *fie
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Reads a field that has a value for each direction. */
+static PetscErrorCode ReadEach(const MpmSettings *settings, const MpmField *field, PetscInt dim, char *place)
+{
+  PetscInt64  whole[MPM_MAX_DIM];
+  PetscReal   number[MPM_MAX_DIM], range[MPM_MAX_DIM][2];
+  MpmFraction fraction[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (field->value == MPM_AS_COUNT)
+    PetscCall(MpmSettingsEachInteger(settings, field->name, dim, whole));
+  else if (field->value == MPM_AS_REAL)
+    PetscCall(MpmSettingsEachReal(settings, field->name, dim, number));
+  else if (field->value == MPM_AS_FRACTION)
+    PetscCall(MpmSettingsEachFraction(settings, field->name, dim, fraction));
+  else
+    PetscCall(MpmSettingsEachRange(settings, field->name, dim, range));
+  for (PetscInt a = 0; a < dim; a++, place += field->each) {
+    if (field->value == MPM_AS_COUNT)
+      *(PetscInt *)(void *)place = (PetscInt)whole[a];
+    else if (field->value == MPM_AS_REAL)
+      *(PetscReal *)(void *)place = number[a];
+    else if (field->value == MPM_AS_FRACTION)
+      *(MpmFraction *)(void *)place = fraction[a];
+    else
+      PetscCall(PetscArraycpy((PetscReal *)(void *)place, range[a], 2));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, void *object)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     const MpmField *field = &MpmOptions[i];
+    char           *place = (char *)object + field->at;
 
     if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
-    PetscCall(ReadField(settings, field, (char *)object + field->at));
+    if (field->each) /* only scenes have such fields, and their dimension stands before them */
+      PetscCall(ReadEach(settings, field, ((const MpmScene *)object)->layout.dim, place));
+    else
+      PetscCall(ReadField(settings, field, place));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -125,7 +125,8 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
   const yaml_node_item_t *item = NULL, *end = NULL;
   PetscBool               first = PETSC_TRUE;
   const PetscBool         two   = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
-  size_t                  used  = 0;
+  const PetscBool many = kind == MPM_LIST || MpmOptions[option].each || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
+  size_t          used = 0;
 
   PetscFunctionBegin;
   MpmCheckInput(value->type != YAML_MAPPING_NODE, "%s:%d: key '%s' holds a block; allowed: a value", settings->scene,
@@ -133,11 +134,11 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
   if (value->type == YAML_SEQUENCE_NODE) {
     item = value->data.sequence.items.start;
     end  = value->data.sequence.items.top;
-    MpmCheckInput(kind == MPM_LIST ? end > item : two && end - item == 2, "%s:%d: key '%s': allowed: one value%s",
-                  settings->scene, Line(value), key,
-                  two                ? ", or two [lo, hi]"
-                  : kind == MPM_LIST ? ", or several [a, b, c]"
-                                     : "");
+    MpmCheckInput(many ? end > item : two && end - item == 2, "%s:%d: key '%s': allowed: one value%s", settings->scene,
+                  Line(value), key,
+                  many  ? ", or several [a, b, c]"
+                  : two ? ", or two [lo, hi]"
+                        : "");
   }
   text[0] = '\0';
   do {

@@ -1,19 +1,21 @@
 /* The names of the ends of a domain, and the mirror images of nodes beyond them. */
 #include <mpmstab/boundary.h>
 
-const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", NULL};
+const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", "symmetry", NULL};
 const char *const MpmEndSummaries[] = {
     "no ends (as in the slides)",
     "velocity 0 at the wall node, and no increment for particles; gas is reflected (Sulsky, Chen and Schreyer 1994)",
     "the same, but particles get the wall's reaction as their increment (Uintah's 1-D code)",
-    "nothing imposed: no stress (a bar's end)", NULL};
+    "nothing imposed: no stress (a bar's end)",
+    "a slipping wall: the velocity normal to it is 0, as with fixed; in one dimension the same as fixed",
+    NULL};
 
-void MpmDirectionMirror(const MpmDirection *direction, PetscBool antisymmetric, PetscReal sign[2])
+void MpmDirectionMirror(const MpmDirection *direction, MpmParity parity, PetscReal sign[2])
 {
-  for (int end = 0; end < 2; end++) sign[end] = antisymmetric && MpmEndIsFixed(direction->ends[end]) ? -1 : 1;
+  for (int end = 0; end < 2; end++) sign[end] = MpmEndIsOdd(direction->ends[end], parity) ? -1 : 1;
 }
 
-PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, PetscBool antisymmetric, PetscReal *sign)
+PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, MpmParity parity, PetscReal *sign)
 {
   const PetscInt last = direction->nodes - 1;
   PetscReal      mirror[2];
@@ -24,7 +26,7 @@ PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, PetscBo
     return node < 0 ? node + direction->cells : node;
   }
   if (node >= 0 && node <= last) return node;
-  MpmDirectionMirror(direction, antisymmetric, mirror);
+  MpmDirectionMirror(direction, parity, mirror);
   *sign = mirror[node > last];
   return node < 0 ? -node : 2 * last - node;
 }

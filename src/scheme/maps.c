@@ -22,15 +22,16 @@ void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal ha
   }
 }
 
-void MpmNodesSeen(const MpmDirection *direction, const MpmBasis *basis, PetscInt cell, PetscBool antisymmetric,
-                  PetscBool drop, PetscInt node[], PetscReal sign[])
+void MpmNodesSeen(const MpmDirection *direction, const MpmBasis *basis, PetscInt cell, MpmParity parity, PetscBool drop,
+                  PetscInt node[], PetscReal sign[])
 {
   const PetscInt last = direction->nodes - 1;
 
   for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
-    node[d] = MpmDirectionImage(direction, cell - basis->reach_left + d, antisymmetric, &sign[d]);
-    if (!drop || !antisymmetric) continue;
-    if ((node[d] == 0 && direction->ends[0] == MPM_FIXED) || (node[d] == last && direction->ends[1] == MPM_FIXED))
+    node[d] = MpmDirectionImage(direction, cell - basis->reach_left + d, parity, &sign[d]);
+    if (!drop || direction->ends[0] == MPM_PERIODIC) continue;
+    if ((node[d] == 0 && MpmEndImposes(direction->ends[0], parity)) ||
+        (node[d] == last && MpmEndImposes(direction->ends[1], parity)))
       sign[d] = 0;
   }
 }

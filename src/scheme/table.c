@@ -1,14 +1,40 @@
-/* MpmTableCreate makes a table from a formulation, a transfer and a boundary, and checks it. */
+/*
+   MpmTableCreate makes a table from a formulation, a transfer and a space, and checks it. It writes the operations on
+   scalars, vectors and stresses out as operations on numbers, so that those who interpret a table know only numbers.
+*/
 #include <mpmstab/table.h>
 
-/* What MpmTableCreate needs while it makes a table. */
+const char *const MpmGradientNames[] = {"basis", "mls", NULL};
+
+/*
+   What MpmTableCreate needs while it makes a table. particle[f] and node[n] are the first registers of the formulation's
+   fields. kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE.
+*/
 typedef struct {
   const MpmFormulation     *formulation;
   const MpmTransfer        *transfer;
   const MpmTransferNumbers *numbers;
-  PetscInt                  kept[MPM_MAX_FIELDS]; /* node fields with values from before the wall, or MPM_NONE */
+  const MpmSpace           *space;
+  PetscInt                  particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS];
   MpmTable                 *table;
 } Builder;
+
+/* ---- fields and their components ---- */
+
+static PetscInt Components(const MpmSpace *space, MpmRank rank)
+{
+  if (rank == MPM_VECTOR) return space->dim;
+  return rank == MPM_TENSOR && !MpmSpaceIsFluid(space) ? space->dim * (space->dim + 1) / 2 : 1;
+}
+
+/* The component ab of a stress, or MPM_NONE: the stress of a fluid has only a diagonal, which is one number. */
+static PetscInt Stress(const MpmSpace *space, PetscInt a, PetscInt b)
+{
+  const PetscInt least = PetscMin(a, b), most = PetscMax(a, b);
+
+  if (MpmSpaceIsFluid(space)) return a == b ? 0 : MPM_NONE;
+  return least * space->dim - least * (least - 1) / 2 + most - least;
+}
 
 static PetscErrorCode AppendOp(MpmTable *t, MpmOp op)
 {
@@ -21,22 +47,33 @@ static PetscErrorCode AppendOp(MpmTable *t, MpmOp op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* For an operation on the field with an affine part, appends the operation on that part. */
+static PetscBool IsAffine(const MpmTable *t, PetscInt particle)
+{
+  return particle >= t->affine && particle < t->affine + t->dim ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* For an operation on a component of the vector with an affine part, appends those on the numbers of that part. */
 static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
 {
+  const MpmOp of = op;
+
   PetscFunctionBegin;
-  if (op.kind == MPM_P2G && op.src == t->affine) {
-    op.kind        = MPM_P2G_AFFINE;
-    op.src         = t->affine_part;
-    op.accumulates = PETSC_TRUE;
-  } else if (op.kind == MPM_G2P && op.dst == t->affine) {
-    op.kind = MPM_G2P_AFFINE;
-    op.dst  = t->affine_part;
-  } else if (op.kind == MPM_SCALE && op.dst == t->affine)
-    op.dst = op.src = t->affine_part;
-  else
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(AppendOp(t, op));
+  for (PetscInt axis = 0; axis < t->dim; axis++) {
+    op.axis = axis;
+    if (of.kind == MPM_P2G && IsAffine(t, of.src)) {
+      op.kind        = MPM_P2G_AFFINE;
+      op.src         = t->affine_part + t->dim * (of.src - t->affine) + axis;
+      op.accumulates = PETSC_TRUE;
+    } else if (of.kind == MPM_G2P && IsAffine(t, of.dst)) {
+      op.kind = MPM_G2P_AFFINE;
+      op.dst  = t->affine_part + t->dim * (of.dst - t->affine) + axis;
+    } else if (of.kind == MPM_SCALE && IsAffine(t, of.dst)) {
+      op.dst = op.src = t->affine_part + t->dim * (of.dst - t->affine) + axis;
+      op.axis         = 0;
+    } else
+      PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(AppendOp(t, op));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,8 +96,8 @@ PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 {
   PetscFunctionBegin;
   PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
-  *node                   = t->nnodes++;
-  t->antisymmetric[*node] = t->antisymmetric[like];
+  *node = t->nnodes++;
+  PetscCall(PetscArraycpy(t->parity[*node], t->parity[like], MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,75 +109,261 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Wall(MpmTable *t, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
+/* ---- walls ---- */
+
+static PetscErrorCode Wall(MpmTable *t, PetscInt axis, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
 {
   PetscFunctionBegin;
-  PetscCall(AppendOp(t, (MpmOp){.kind = MPM_WALL, .dst = dst, .src = src, .factor = factor, .side = end}));
+  PetscCall(
+      AppendOp(t, (MpmOp){.kind = MPM_WALL, .axis = axis, .dst = dst, .src = src, .factor = factor, .side = end}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
 {
   PetscFunctionBegin;
-  for (PetscInt end = 0; end < 2; end++)
-    if (t->ends[end] == MPM_FIXED && t->antisymmetric[node]) PetscCall(Wall(t, end, node, node, 0));
+  for (PetscInt axis = 0; axis < t->dim; axis++)
+    for (PetscInt end = 0; end < 2; end++)
+      if (MpmEndImposes(t->ends[axis][end], t->parity[node][axis])) PetscCall(Wall(t, axis, end, node, node, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keeps the values of a node register at all ends with a reaction. */
+static PetscErrorCode Keep(Builder *b, PetscInt node)
+{
+  MpmTable *t = b->table;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTableNode(t, node, &b->kept[node]));
+  for (PetscInt axis = 0; axis < t->dim; axis++)
+    for (PetscInt end = 0; end < 2; end++)
+      if (t->ends[axis][end] == MPM_FIXED_REACTION) PetscCall(Wall(t, axis, end, b->kept[node], node, 1));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   Sets a node field to 0 at ends with a reaction. If a later REACT uses the field, its value before the wall is kept in
-   another node field, the first time that the wall is imposed in the step.
+   Sets a node register to 0 at ends with a reaction. If a later REACT uses it (wanted), its value before the wall is kept
+   in another node register, the first time that the wall is imposed in the step.
 */
-static PetscErrorCode ImposeWithReaction(Builder *b, PetscInt node)
+static PetscErrorCode ImposeWithReaction(Builder *b, PetscInt node, PetscBool wanted)
 {
-  MpmTable *t      = b->table;
-  PetscBool wanted = PETSC_FALSE;
+  MpmTable *t = b->table;
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < b->formulation->nops; o++)
-    if (b->formulation->ops[o].kind == MPM_REACT && b->formulation->ops[o].src == node) wanted = PETSC_TRUE;
-  for (PetscInt end = 0; end < 2; end++) {
-    const PetscBool keep = wanted && b->kept[node] == MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-
-    if (t->ends[end] != MPM_FIXED_REACTION) continue;
-    if (keep) {
-      PetscCall(MpmTableNode(t, node, &b->kept[node]));
-      for (PetscInt each = 0; each < 2; each++)
-        if (t->ends[each] == MPM_FIXED_REACTION) PetscCall(Wall(t, each, b->kept[node], node, 1));
+  for (PetscInt axis = 0; axis < t->dim; axis++) {
+    for (PetscInt end = 0; end < 2; end++) {
+      if (t->ends[axis][end] != MPM_FIXED_REACTION) continue;
+      if (wanted && b->kept[node] == MPM_NONE) PetscCall(Keep(b, node));
+      PetscCall(Wall(t, axis, end, node, node, 0));
     }
-    PetscCall(Wall(t, end, node, node, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode React(Builder *b, const MpmOp *op)
+static PetscErrorCode React(Builder *b, PetscInt dst, PetscInt imposed)
 {
+  const MpmTable *t = b->table;
+
   PetscFunctionBegin;
-  for (PetscInt end = 0; end < 2; end++) {
-    if (b->table->ends[end] == MPM_FIXED) PetscCall(Wall(b->table, end, op->dst, op->dst, 0));
-    if (b->table->ends[end] == MPM_FIXED_REACTION) PetscCall(Wall(b->table, end, op->dst, b->kept[op->src], -1));
+  for (PetscInt axis = 0; axis < t->dim; axis++) {
+    for (PetscInt end = 0; end < 2; end++) {
+      if (MpmEndImposes(t->ends[axis][end], t->parity[dst][axis])) PetscCall(Wall(b->table, axis, end, dst, dst, 0));
+      if (t->ends[axis][end] == MPM_FIXED_REACTION) PetscCall(Wall(b->table, axis, end, dst, b->kept[imposed], -1));
+    }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the operations of formulations, written out for components ---- */
+
+static PetscInt ComponentsOf(const Builder *b, PetscBool on_nodes, PetscInt field)
+{
+  return Components(b->space, on_nodes ? b->formulation->node_ranks[field] : b->formulation->particle_ranks[field]);
+}
+
+static PetscInt RegisterOf(const Builder *b, PetscBool on_nodes, PetscInt field)
+{
+  return on_nodes ? b->node[field] : b->particle[field];
+}
+
+/* An operation between fields of one rank: one on each component. */
+static PetscErrorCode Each(Builder *b, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   to     = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE,
+                  from     = traits.src == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+  MpmOp one                = *op;
+
+  PetscFunctionBegin;
+  if (traits.dst == MPM_NOWHERE) {
+    PetscCall(AppendBoth(b->table, *op));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCheck(ComponentsOf(b, to, op->dst) == ComponentsOf(b, from, op->src), PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: fields of different ranks, in an operation that acts on each component");
+  for (PetscInt c = 0; c < ComponentsOf(b, to, op->dst); c++) {
+    one.dst = RegisterOf(b, to, op->dst) + c;
+    one.src = RegisterOf(b, from, op->src) + c;
+    PetscCall(AppendBoth(b->table, one));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A term of DIV or GRAD: along one axis, with the weights of the space's gradient. */
+static PetscErrorCode Term(Builder *b, const MpmOp *op, PetscInt dst, PetscInt src, PetscInt axis, PetscReal factor,
+                           PetscBool accumulates)
+{
+  const PetscBool mls = b->space->gradient == MPM_GRADIENT_MLS ? PETSC_TRUE : PETSC_FALSE;
+  MpmOp           one = *op;
+
+  PetscFunctionBegin;
+  if (mls && op->kind == MPM_DIV) one.kind = MPM_DIV_MLS;
+  if (mls && op->kind == MPM_GRAD) one.kind = MPM_GRAD_MLS;
+  one.dst         = dst;
+  one.src         = src;
+  one.axis        = axis;
+  one.factor      = op->factor * factor;
+  one.accumulates = accumulates;
+  PetscCall(AppendBoth(b->table, one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Div(Builder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->space->dim, dst = b->node[op->dst], src = b->particle[op->src];
+  const MpmRank  to = b->formulation->node_ranks[op->dst], from = b->formulation->particle_ranks[op->src];
+
+  PetscFunctionBegin;
+  PetscCheck(dim == 1 || (to == MPM_VECTOR && from == MPM_TENSOR), PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: DIV makes a vector of a stress");
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscBool accumulates = op->accumulates;
+
+    for (PetscInt axis = 0; axis < dim; axis++) {
+      const PetscInt component = Stress(b->space, a, axis);
+
+      if (component == MPM_NONE) continue;
+      PetscCall(Term(b, op, dst + a, src + component, axis, 1, accumulates));
+      accumulates = PETSC_TRUE;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), with lambda + 2 mu = 1 */
+static PetscErrorCode GradToStress(Builder *b, const MpmOp *op)
+{
+  const PetscInt  dim = b->space->dim, s = b->particle[op->dst], v = b->node[op->src];
+  const PetscReal nu = b->space->poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
+
+  PetscFunctionBegin;
+  if (MpmSpaceIsFluid(b->space)) {
+    for (PetscInt a = 0; a < dim; a++) PetscCall(Term(b, op, s, v + a, a, 1, PETSC_TRUE));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt c = 0; c < dim; c++)
+      if (c == a || lambda > 0)
+        PetscCall(Term(b, op, s + Stress(b->space, a, a), v + c, c, c == a ? 1 : lambda, PETSC_TRUE));
+    for (PetscInt c = a + 1; c < dim; c++) {
+      PetscCall(Term(b, op, s + Stress(b->space, a, c), v + a, c, mu, PETSC_TRUE));
+      PetscCall(Term(b, op, s + Stress(b->space, a, c), v + c, a, mu, PETSC_TRUE));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Grad(Builder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->space->dim, dst = b->particle[op->dst], src = b->node[op->src];
+  const MpmRank  to = b->formulation->particle_ranks[op->dst], from = b->formulation->node_ranks[op->src];
+
+  PetscFunctionBegin;
+  if (dim == 1)
+    PetscCall(Term(b, op, dst, src, 0, 1, PETSC_TRUE));
+  else if (to == MPM_TENSOR && from == MPM_VECTOR)
+    PetscCall(GradToStress(b, op));
+  else {
+    PetscCheck((to == MPM_VECTOR && from == MPM_SCALAR) || (to == MPM_SCALAR && from == MPM_VECTOR), PETSC_COMM_SELF,
+               PETSC_ERR_SUP, "the table: GRAD makes a stress or a number of a vector, and a vector of a number");
+    for (PetscInt a = 0; a < dim; a++)
+      PetscCall(Term(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1, PETSC_TRUE));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The sum of the second differences over the directions. */
+static PetscErrorCode Lap(Builder *b, const MpmOp *op)
+{
+  MpmOp one = *op;
+
+  PetscFunctionBegin;
+  for (PetscInt axis = 0; axis < b->space->dim; axis++) {
+    one.axis = axis;
+    PetscCall(Each(b, &one));
+    one.accumulates = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool HasField(const Builder *b, MpmPlace place, PetscInt field)
+{
+  const char *const *names = place == MPM_ON_NODES ? b->formulation->node_fields : b->formulation->particle_fields;
+
+  if (place == MPM_NOWHERE) return PETSC_TRUE;
+  for (PetscInt f = 0; names[f]; f++)
+    if (f == field) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode Expand(Builder *b, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  PetscFunctionBegin;
+  PetscCheck(HasField(b, traits.dst, op->dst) && HasField(b, traits.src, op->src), PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: an operation on a field that does not exist");
+  PetscCheck(op->axis == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: formulations name no axis");
+  if (op->kind == MPM_DIV)
+    PetscCall(Div(b, op));
+  else if (op->kind == MPM_GRAD)
+    PetscCall(Grad(b, op));
+  else if (op->kind == MPM_LAP)
+    PetscCall(Lap(b, op));
+  else
+    PetscCall(Each(b, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A filter needs P2G of its field. Where the table has none before the filter, one is added. */
 static PetscErrorCode Filter(Builder *b, const MpmOp *op)
 {
-  MpmTable *t     = b->table;
-  PetscBool taken = PETSC_FALSE;
+  MpmTable      *t     = b->table;
+  const PetscInt first = b->particle[op->dst], node = b->node[op->src], n = ComponentsOf(b, PETSC_TRUE, op->src);
+  PetscBool      taken = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (!b->transfer->filter) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt o = 0; o < t->nops; o++)
-    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == op->src) taken = PETSC_TRUE;
+    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == node) taken = PETSC_TRUE;
   if (!taken) {
-    PetscCall(MpmTableAppend(t, (MpmOp)P2G(op->src, op->dst)));
-    PetscCall(MpmTableImpose(t, op->src));
+    PetscCall(Each(b, &(MpmOp)P2G(op->src, op->dst)));
+    for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableImpose(t, node + c));
   }
-  PetscCall(b->transfer->filter(t, b->numbers, op->dst, op->src));
-  t->filtered[op->dst] = PETSC_TRUE;
-  t->unfiltered--;
+  for (PetscInt c = 0; c < n; c++) {
+    PetscCall(b->transfer->filter(t, b->numbers, first + c, node + c));
+    t->filtered[first + c] = PETSC_TRUE;
+    t->unfiltered--;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether a later REACT uses the value of a node field from before the wall. */
+static PetscBool IsKept(const MpmFormulation *f, PetscInt node)
+{
+  for (PetscInt o = 0; o < f->nops; o++)
+    if (f->ops[o].kind == MPM_REACT && f->ops[o].src == node) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /* A wall with a reaction is imposed after the filter, because the filter must act on the values before the wall. */
@@ -155,18 +378,23 @@ static PetscErrorCode Translate(Builder *b)
         o + 1 < f->nops && op[1].kind == MPM_FILTER && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
 
     if (op->kind == MPM_IMPOSE) {
-      PetscCall(MpmTableImpose(b->table, op->dst));
+      const PetscInt n = ComponentsOf(b, PETSC_TRUE, op->dst);
+
+      for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableImpose(b->table, b->node[op->dst] + c));
       if (filtered) PetscCall(Filter(b, &f->ops[++o]));
-      PetscCall(ImposeWithReaction(b, op->dst));
+      for (PetscInt c = 0; c < n; c++) PetscCall(ImposeWithReaction(b, b->node[op->dst] + c, IsKept(f, op->dst)));
     } else if (op->kind == MPM_FILTER)
       PetscCall(Filter(b, op));
     else if (op->kind == MPM_REACT)
-      PetscCall(React(b, op));
+      for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, op->dst); c++)
+        PetscCall(React(b, b->node[op->dst] + c, b->node[op->src] + c));
     else
-      PetscCall(AppendBoth(b->table, *op));
+      PetscCall(Expand(b, op));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- what the interpreters support ---- */
 
 #define SUPPORTED(condition, o, why)                                                                                   \
   PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)
@@ -194,7 +422,7 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   const PetscBool   to_nodes = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  SUPPORTED(op->axis == 0, o, "there is one axis, 0");
+  SUPPORTED(op->axis >= 0 && op->axis < t->dim, o, "there is no such axis");
   SUPPORTED(op->side == 0 || op->side == 1, o, "an axis has the sides 0 and 1");
   SUPPORTED(op->coefficient >= 0, o, "powers of the Courant number are 0, 1, 2 and so on");
   if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
@@ -226,43 +454,116 @@ static PetscErrorCode CheckOps(const MpmTable *t)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt CountNames(const char *const names[])
+/* ---- the table ---- */
+
+static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
 {
-  PetscInt n = 0;
-  while (names[n]) n++;
-  return n;
+  const PetscInt r = t->nstate;
+
+  PetscFunctionBegin;
+  PetscCheck(r < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(PetscStrncpy(t->names[r], name, sizeof t->names[r]));
+  t->fields[r]    = t->names[r];
+  t->field[r]     = field;
+  t->component[r] = component;
+  t->nstate++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The registers of a field of the state. Their names end in the directions where there are several: v_x, s_xy. */
+static PetscErrorCode AddField(Builder *b, PetscInt field)
+{
+  static const char     axes[] = "xyz";
+  const MpmFormulation *f      = b->formulation;
+  const PetscInt        n = ComponentsOf(b, PETSC_FALSE, field), dim = b->space->dim;
+  char                  name[16];
+
+  PetscFunctionBegin;
+  b->particle[field] = b->table->nstate;
+  if (n == 1)
+    PetscCall(AddState(b->table, f->particle_fields[field], field, 0));
+  else if (f->particle_ranks[field] == MPM_VECTOR)
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c", f->particle_fields[field], axes[a]));
+      PetscCall(AddState(b->table, name, field, a));
+    }
+  else
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt c = a; c < dim; c++) {
+        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c%c", f->particle_fields[field], axes[a], axes[c]));
+        PetscCall(AddState(b->table, name, field, Stress(b->space, a, c)));
+      }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddAffinePart(Builder *b)
+{
+  static const char axes[] = "xyz";
+  MpmTable         *t      = b->table;
+  char              name[16];
+
+  PetscFunctionBegin;
+  t->affine = MPM_NONE;
+  if (!b->transfer->affine) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(b->formulation->affine != MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no field to be affine");
+  t->affine      = b->particle[b->formulation->affine];
+  t->affine_part = t->nstate;
+  for (PetscInt a = 0; a < t->dim; a++)
+    for (PetscInt axis = 0; axis < t->dim; axis++) {
+      PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "c" : "c_%c%c", axes[a], axes[axis]));
+      t->filtered[t->nstate] = PETSC_TRUE;
+      PetscCall(AddState(t, name, MPM_NONE, t->dim * a + axis));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In one dimension a number that is imposed at ends stands for the component along the only direction. */
+static MpmParity ParityOf(const Builder *b, PetscInt node, PetscInt component, PetscInt axis)
+{
+  const MpmFormulation *f       = b->formulation;
+  PetscBool             imposed = PETSC_FALSE;
+
+  for (PetscInt o = 0; o < f->nops; o++)
+    if ((f->ops[o].kind == MPM_IMPOSE || f->ops[o].kind == MPM_REACT) && f->ops[o].dst == node) imposed = PETSC_TRUE;
+  if (!imposed) return MPM_EVEN;
+  if (b->space->dim > 1 && f->node_ranks[node] != MPM_VECTOR) return MPM_TANGENTIAL;
+  return component == axis ? MPM_NORMAL : MPM_TANGENTIAL;
+}
+
+static PetscErrorCode AddNodes(Builder *b)
+{
+  MpmTable *t = b->table;
+
+  PetscFunctionBegin;
+  for (PetscInt n = 0; b->formulation->node_fields[n]; n++) {
+    b->node[n] = t->nnodes;
+    for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, n); c++) {
+      PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+      for (PetscInt axis = 0; axis < t->dim; axis++) t->parity[t->nnodes][axis] = ParityOf(b, n, c, axis);
+      t->nnodes++;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
-                              const MpmTransferNumbers *numbers, const MpmEnd ends[2], MpmTable **table)
+                              const MpmTransferNumbers *numbers, const MpmSpace *space, MpmTable **table)
 {
-  Builder   b = {.formulation = formulation, .transfer = transfer, .numbers = numbers};
+  Builder   b = {.formulation = formulation, .transfer = transfer, .numbers = numbers, .space = space};
   MpmTable *t;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(table));
   t       = *table;
   b.table = t;
+  t->dim  = space->dim;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = MPM_NONE;
-  for (PetscInt end = 0; end < 2; end++) t->ends[end] = ends[end];
-  t->nnodes = CountNames(formulation->node_fields);
-  t->nstate = CountNames(formulation->particle_fields);
-  for (PetscInt f = 0; f < t->nstate; f++) t->fields[f] = formulation->particle_fields[f];
-  t->affine = MPM_NONE;
-  if (transfer->affine) {
-    PetscCheck(formulation->affine != MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no field to be affine");
-    t->affine              = formulation->affine;
-    t->affine_part         = t->nstate;
-    t->fields[t->nstate++] = "c";
-  }
-  t->nparticles = t->unfiltered = t->nstate;
-  if (transfer->affine) {
-    t->filtered[t->affine_part] = PETSC_TRUE;
-    t->unfiltered--;
-  }
-  for (PetscInt o = 0; o < formulation->nops; o++)
-    if (formulation->ops[o].kind == MPM_IMPOSE || formulation->ops[o].kind == MPM_REACT)
-      t->antisymmetric[formulation->ops[o].dst] = PETSC_TRUE;
+  PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
+  for (PetscInt f = 0; formulation->particle_fields[f]; f++) PetscCall(AddField(&b, f));
+  t->unfiltered = t->nstate;
+  PetscCall(AddAffinePart(&b));
+  t->nparticles = t->nstate;
+  PetscCall(AddNodes(&b));
   PetscCall(Translate(&b));
   PetscCall(CheckOps(t));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -287,11 +588,12 @@ const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
   return NULL;
 }
 
-PetscBool MpmTableIsAntisymmetric(const MpmTable *table, PetscInt field)
+const MpmParity *MpmTableParity(const MpmTable *table, PetscInt field)
 {
-  const MpmOp *seen = MpmTableSeenBy(table, field);
+  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+  const MpmOp           *seen              = MpmTableSeenBy(table, field);
 
-  return seen && seen->kind == MPM_P2G ? table->antisymmetric[seen->dst] : PETSC_FALSE;
+  return seen && seen->kind == MPM_P2G ? table->parity[seen->dst] : even;
 }
 
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)

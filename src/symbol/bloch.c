@@ -25,7 +25,7 @@
 
 static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, PetscInt j)
 {
-  return b->rows + ((step * KINDS + kind) * b->layout->ppc + j) * MPM_MAX_REACH;
+  return b->rows + ((step * KINDS + kind) * b->layout->ppc[0] + j) * MPM_MAX_REACH;
 }
 
 /* Every table has a P2G, whose weights give the masses. SOLVE needs G2P too. */
@@ -39,7 +39,7 @@ static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
 PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction *drift, MpmBloch *b)
 {
   const PetscInt period = (PetscInt)drift->den;
-  const PetscInt ppc = layout->ppc, reach = MpmMapReach(scheme->basis);
+  const PetscInt ppc = layout->ppc[0], reach = MpmMapReach(scheme->basis);
   PetscInt       lowest = PETSC_MAX_INT, highest = -PETSC_MAX_INT;
 
   PetscFunctionBegin;
@@ -61,7 +61,7 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
       b->node[step * ppc + j] = cell - scheme->basis->reach_left;
       for (PetscInt kind = 0; kind < KINDS; kind++)
         if (b->used[kind])
-          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi, layout->half_width, (PetscReal *)RowOf(b, step, kind, j));
+          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi, layout->half_width[0], (PetscReal *)RowOf(b, step, kind, j));
       for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
       lowest  = PetscMin(lowest, b->node[step * ppc + j]);
       highest = PetscMax(highest, b->node[step * ppc + j]);
@@ -92,7 +92,7 @@ static void SetPhase(MpmBloch *b, PetscReal beta)
 /* The symbols of the maps at each particle and a step: sum_d row_d e^(i beta d). */
 static void SetTies(MpmBloch *b, PetscInt step)
 {
-  const PetscInt ppc = b->layout->ppc, reach = MpmMapReach(b->scheme->basis);
+  const PetscInt ppc = b->layout->ppc[0], reach = MpmMapReach(b->scheme->basis);
 
   for (PetscInt kind = 0; kind < KINDS; kind++) {
     if (!b->used[kind]) continue;
@@ -112,7 +112,7 @@ static void SetTies(MpmBloch *b, PetscInt step)
 
 static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt j)
 {
-  return b->tie[kind * b->layout->ppc + j];
+  return b->tie[kind * b->layout->ppc[0] + j];
 }
 
 /* dst += factor src, for rows of n numbers. */
@@ -137,7 +137,7 @@ static PetscReal Inverse(const MpmBloch *b, PetscInt step)
 {
   PetscReal alpha = 0;
 
-  for (PetscInt j = 0; j < b->layout->ppc; j++) {
+  for (PetscInt j = 0; j < b->layout->ppc[0]; j++) {
     const double complex tie = Tie(b, MPM_G2P, j);
 
     alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->masses[step];
@@ -150,7 +150,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
   const PetscReal   a      = b->values[o];
-  const PetscInt    ppc = b->layout->ppc, n = b->size;
+  const PetscInt    ppc = b->layout->ppc[0], n = b->size;
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
@@ -201,7 +201,7 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, Pe
                               PetscInt *exponent)
 {
   const MpmTable *t   = b->scheme->table;
-  const PetscInt  ppc = b->layout->ppc, n = b->size;
+  const PetscInt  ppc = b->layout->ppc[0], n = b->size;
 
   PetscFunctionBegin;
   *exponent = 0;

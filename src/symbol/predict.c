@@ -12,6 +12,7 @@
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
+  if (layout->dim > 1) return "the formulas are for one dimension";
   if (drifts) return "the formulas are for particles at rest";
   if (!MpmLayoutIsPeriodic(layout)) return "the formulas are for a periodic domain";
   if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
@@ -39,14 +40,15 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
                                         .why_not_published = WhyNotPublished(layout, scheme, drifts)};
   p->why_not_corrected = scheme->formulation->corrected ? p->why_not : "the formulation has no closed form";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc3(layout->ppc, &p->node, layout->ppc * reach, &p->value, layout->ppc * reach, &p->slope));
-  for (PetscInt j = 0; j < layout->ppc; j++) {
+  PetscCall(
+      PetscMalloc3(layout->ppc[0], &p->node, layout->ppc[0] * reach, &p->value, layout->ppc[0] * reach, &p->slope));
+  for (PetscInt j = 0; j < layout->ppc[0]; j++) {
     PetscReal xi;
 
     MpmLayoutPlace(layout, j, &p->node[j], &xi);
-    MpmMapRow(scheme->basis, MPM_G2P, xi, layout->half_width, p->value + j * reach);
-    MpmMapRow(scheme->basis, MPM_GRAD, xi, layout->half_width, p->slope + j * reach);
-    mean += xi / layout->ppc;
+    MpmMapRow(scheme->basis, MPM_G2P, xi, layout->half_width[0], p->value + j * reach);
+    MpmMapRow(scheme->basis, MPM_GRAD, xi, layout->half_width[0], p->slope + j * reach);
+    mean += xi / layout->ppc[0];
   }
   p->e = 2 * mean - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -71,8 +73,8 @@ static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], Pet
 
 MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
 {
-  const PetscInt ppc  = p->layout->ppc;
-  MpmCellSymbols cell = {.beta = beta};
+  const PetscInt ppc  = p->layout->ppc[0];
+  MpmCellSymbols cell = {.lap = 4 * PetscSqr(sin(beta / 2))};
 
   for (PetscInt j = 0; j < ppc; j++) {
     const double complex value = SymbolOf(p, p->value, j, beta), slope = SymbolOf(p, p->slope, j, beta);
@@ -102,7 +104,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, PetscR
 
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 {
-  const PetscInt phases = PetscMin(scene->layout.grid.cells, MOST_PHASES);
+  const PetscInt phases = PetscMin(scene->layout.grid[0].cells, MOST_PHASES);
   MpmPredictor   predictor;
 
   PetscFunctionBegin;
@@ -115,8 +117,8 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
     predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, scene->step.courant, beta));
   }
   if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
-    predictions->corrected_mode =
-        MpmPredictorCorrected(&predictor, scene->step.courant, MpmSymbolPhase(scene->mode, scene->layout.grid.cells));
+    predictions->corrected_mode = MpmPredictorCorrected(&predictor, scene->step.courant,
+                                                        MpmSymbolPhase(scene->mode[0], scene->layout.grid[0].cells));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

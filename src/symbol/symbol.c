@@ -82,7 +82,7 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 static PetscReal LargestWithoutNull(Reader *r)
 {
   const MpmScheme *scheme = r->bloch.scheme;
-  const PetscInt   others = r->bloch.layout->ppc - 1, rest = scheme->table->unfiltered * others,
+  const PetscInt   others = r->bloch.layout->ppc[0] - 1, rest = scheme->table->unfiltered * others,
                  all      = scheme->table->nstate * others;
   double complex *value   = r->eigen.value;
   PetscReal       largest = 0;
@@ -169,9 +169,10 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 
 const char *MpmSymbolWhyNot(const MpmLayout *layout)
 {
+  if (layout->dim > 1) return "the symbol is of one dimension";
   if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
   if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
-  if (layout->ppc > MOST_PPC) return "with so many particles per cell its blocks are too large";
+  if (layout->ppc[0] > MOST_PPC) return "with so many particles per cell its blocks are too large";
   return NULL;
 }
 
@@ -194,7 +195,7 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
   MpmCheckInput(MpmLayoutIsPeriodic(layout),
                 "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
                 "any)",
-                MpmEndNames[layout->grid.ends[0]], MpmEndNames[layout->grid.ends[1]]);
+                MpmEndNames[layout->grid[0].ends[0]], MpmEndNames[layout->grid[0].ends[1]]);
   MpmCheckInput(layout->counts.n == 1 && layout->material.kind == MPM_MATERIAL_UNIFORM,
                 "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
                 "any layout)",
@@ -207,7 +208,7 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
                 "takes any layout)",
                 layout->jitter);
   MpmCheckInput(!MpmSymbolWhyNot(layout),
-                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", layout->ppc,
+                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", layout->ppc[0],
                 MOST_PPC);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -236,7 +237,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   s->half   = wish->phases / 2;
   s->first  = (PetscInt)((PetscInt64)(s->half + 1) * rank / size);
   s->count  = (PetscInt)((PetscInt64)(s->half + 1) * (rank + 1) / size) - s->first;
-  PetscCall(MpmBlochCreate(layout, scheme, &step->drift, &reader.bloch));
+  PetscCall(MpmBlochCreate(layout, scheme, &step->drift[0], &reader.bloch));
   s->size = reader.bloch.size;
   PetscCall(CheckSize(comm, s));
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));

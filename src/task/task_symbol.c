@@ -81,7 +81,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
                           "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
                           symbol->phases, symbol->phases));
-  PetscCall(MpmFindingOfPhases(&finding, symbol->phases, scene->layout.grid.cells));
+  PetscCall(MpmFindingOfPhases(&finding, symbol->phases, scene->layout.grid[0].cells));
   if (MpmPredictDisagrees(&comparison, symbol->growth))
     PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
   PetscCall(WriteFiles(scene, request, symbol, &predictor));

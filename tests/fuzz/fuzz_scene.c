@@ -64,20 +64,20 @@ static PetscErrorCode TakeOptions(const char task[], int n, char **words)
 /* Checks what every function that gets a scene relies on. */
 static void CheckScene(const MpmScene *s, const MpmRequest *r)
 {
-  const PetscInt64 places = (PetscInt64)s->layout.grid.cells * s->layout.ppc;
+  const PetscInt64 places = (PetscInt64)s->layout.grid[0].cells * s->layout.ppc[0];
 
-  FuzzNeed(s->layout.grid.cells >= 1 && s->layout.ppc >= 1 && s->layout.grid.nodes >= s->layout.grid.cells &&
-               places <= PETSC_MAX_INT / 2,
+  FuzzNeed(s->layout.grid[0].cells >= 1 && s->layout.ppc[0] >= 1 &&
+               s->layout.grid[0].nodes >= s->layout.grid[0].cells && places <= PETSC_MAX_INT / 2,
            "cells");
-  FuzzNeed(s->layout.particles >= 1 && s->layout.first >= 0 && s->layout.first + s->layout.particles <= places,
+  FuzzNeed(s->layout.particles >= 1 && s->layout.first[0] >= 0 && s->layout.first[0] + s->layout.particles <= places,
            "particles");
   FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
   FuzzNeed(s->dt > 0 && s->step.courant > 0 && r->steps >= 1 && r->output_every >= 1, "time");
-  FuzzNeed(isfinite(s->step.drift.value) && s->step.drift.den >= 0 && s->layout.offset.value >= 0 &&
-               s->layout.offset.value < 1,
+  FuzzNeed(isfinite(s->step.drift[0].value) && s->step.drift[0].den >= 0 && s->layout.offset[0].value >= 0 &&
+               s->layout.offset[0].value < 1,
            "places");
   FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(r->phases >= 1 && r->modes >= 0 && s->mode >= 1 && s->scheme.table->nops > 0, "a count");
+  FuzzNeed(r->phases >= 1 && r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
   FuzzNeed(!MpmSceneDrifts(s) || MpmSceneIsPeriodic(s), "drift into a wall");
 }
 

@@ -36,7 +36,7 @@ static PetscErrorCode SceneOf(const char options[], const MpmFormulation *f, Mpm
   PetscCall(CheckScene(options, scene));
   (*scene)->scheme.formulation = f;
   PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
-  PetscCall(MpmTableCreate(f, (*scene)->scheme.transfer, &(*scene)->scheme.numbers, (*scene)->layout.grid.ends,
+  PetscCall(MpmTableCreate(f, (*scene)->scheme.transfer, &(*scene)->scheme.numbers, &(*scene)->scheme.space,
                            &(*scene)->scheme.table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -31,7 +31,7 @@ static PetscErrorCode Growth(const MpmOperator *op, PetscReal *growth)
 
 static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
 {
-  const MpmSymbolWish wish = {.phases = op->layout->grid.cells, .tolerance = 1e-6};
+  const MpmSymbolWish wish = {.phases = op->layout->grid[0].cells, .tolerance = 1e-6};
   MpmSymbol          *symbol;
   MpmPredictor        predictor;
   MpmComparison       comparison;

@@ -16,7 +16,7 @@ static PetscErrorCode PlainCreate(const MpmMarch *start, Plain *s)
   const MpmScene *scene = start->scene;
 
   PetscFunctionBegin;
-  s->cells = scene->layout.grid.cells;
+  s->cells = scene->layout.grid[0].cells;
   s->n     = (PetscInt)scene->layout.particles;
   PetscCall(GatherField(start, scene->scheme.table->fields[0], &s->a));
   PetscCall(GatherField(start, scene->scheme.table->fields[1], &s->b));
@@ -124,7 +124,7 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
 /* Computes x = rest + n delta in extended precision, so that particles meet nodes where the fractions say they do. */
 static void PlainDrift(const MpmScene *scene, PetscInt64 n, const Plain *s)
 {
-  const long double moved = (long double)scene->step.drift.num * n / scene->step.drift.den;
+  const long double moved = (long double)scene->step.drift[0].num * n / scene->step.drift[0].den;
 
   for (PetscInt p = 0; p < s->n; p++) {
     const long double x = fmodl(s->rest[p] + moved, s->cells), turned = x < 0 ? x + s->cells : x;

@@ -155,7 +155,7 @@ static PetscErrorCode CheckFactors(const char options[], PetscBool scatter, cons
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_TRUE, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_TRUE, &symbol));
   PetscCall(MpmSymbolTarget(PETSC_COMM_WORLD, symbol, op->exponent, target));
   for (int part = 0; part < 2; part++) target[part] *= 1 + 1e-10;
   if (scatter)

@@ -19,7 +19,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
   CHECK(fabs(symbol->growth - oracle) <= (fabs(oracle - 1) < 1e-6 ? SPLIT : 1e-8), "%s: %.12g", row, symbol->growth);
   finding = (MpmFinding){.growth          = symbol->growth,
                          .tolerance       = 1e-6,
@@ -47,7 +47,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -cells %d -ppc %d -courant %.6f -offset %.9f",
                           formulation, 8 + n, 1 + n % 4, courant, offset));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
@@ -71,7 +71,7 @@ static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal b
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK_NEAR(comparison.published, off, 1e-8);
@@ -90,9 +90,9 @@ static PetscErrorCode CheckRanksAndPhases(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_TRUE, &all));
-  PetscCall(CheckSymbol(PETSC_COMM_SELF, scene, scene->layout.grid.cells, PETSC_TRUE, &alone));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 3 * scene->layout.grid.cells, PETSC_TRUE, &finer));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_TRUE, &all));
+  PetscCall(CheckSymbol(PETSC_COMM_SELF, scene, scene->layout.grid[0].cells, PETSC_TRUE, &alone));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 3 * scene->layout.grid[0].cells, PETSC_TRUE, &finer));
   CHECK(all->growth == alone->growth && all->beta_at_max == alone->beta_at_max, "%s: %.17g at %g, %.17g at %g", options,
         all->growth, all->beta_at_max, alone->growth, alone->beta_at_max);
   CHECK(finer->growth >= all->growth - 1e-12, "%s: finer phases give %.17g", options, finer->growth);
@@ -130,7 +130,7 @@ static PetscErrorCode CheckLongPeriod(const char options[], PetscReal lo, PetscR
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid.cells, PETSC_FALSE, &symbol));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
   CHECK(isfinite(symbol->growth) && symbol->growth > lo && symbol->growth < hi, "%s: growth %g", options,
         symbol->growth);
   if (off_range) CHECK(symbol->exponent > 1024, "%s: exponent %d", options, (int)symbol->exponent);

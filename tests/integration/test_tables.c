@@ -75,7 +75,7 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
   PetscCall(CheckScene(options, &scene));
   scheme             = scene->scheme;
   scheme.formulation = &test;
-  PetscCall(MpmTableCreate(&test, scheme.transfer, &scheme.numbers, scene->layout.grid.ends, &scheme.table));
+  PetscCall(MpmTableCreate(&test, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
   CHECK(scheme.table->nstate == 2 * copies && scheme.table->nnodes >= 3 * copies, "%s: %d particle fields", options,
         (int)scheme.table->nstate);
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &op));
@@ -87,7 +87,7 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
   PetscCall(GrowthOf(elastic, &expected));
   CHECK(expected > 1.01, "%s: growth %g says nothing", options, expected);
   CHECK_NEAR(growth, expected, 1e-8);
-  wish.phases = scene->layout.grid.cells;
+  wish.phases = scene->layout.grid[0].cells;
   if (!MpmSymbolWhyNot(&scene->layout)) {
     PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &wish, &symbol));
     CHECK_NEAR(symbol->growth, expected, 1e-8);
@@ -102,21 +102,21 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
 
 static PetscErrorCode Refuses(const char what[], PetscInt nops, const MpmOp ops[])
 {
-  const MpmFormulation test    = {.name            = "test",
-                                  .particle_fields = {"u", "w"},
-                                  .node_fields     = {"u_i", "w_i"},
-                                  .nops            = nops,
-                                  .ops             = ops,
-                                  .staggered       = MPM_NONE,
-                                  .affine          = MPM_NONE,
-                                  .conserved       = MPM_NONE};
-  const MpmEnd         ends[2] = {MPM_PERIODIC, MPM_PERIODIC};
+  const MpmFormulation test  = {.name            = "test",
+                                .particle_fields = {"u", "w"},
+                                .node_fields     = {"u_i", "w_i"},
+                                .nops            = nops,
+                                .ops             = ops,
+                                .staggered       = MPM_NONE,
+                                .affine          = MPM_NONE,
+                                .conserved       = MPM_NONE};
+  const MpmSpace       space = {.dim = 1}; /* periodic */
   MpmTable            *table;
   PetscErrorCode       error;
 
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, ends, &table);
+  error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, &space, &table);
   PetscCall(PetscPopErrorHandler());
   CHECK(error == PETSC_ERR_SUP, "%s: error %d", what, (int)error);
   PetscCall(MpmTableDestroy(&table));

@@ -195,7 +195,7 @@ static PetscErrorCode CheckRandom(PetscInt n, PetscInt phases, PetscBool say)
   of = MpmCriticalCaseOf(scene, check_request.tolerance);
   PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &c));
   s.tolerance = check_request.tolerance;
-  PetscCall(MpmBlochCreate(&scene->layout, &scene->scheme, &scene->step.drift, &s.bloch));
+  PetscCall(MpmBlochCreate(&scene->layout, &scene->scheme, &scene->step.drift[0], &s.bloch));
   PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
   PetscCall(Scan(&s, PetscMin(c.courant, MOST), phases, &least, &at));
   CHECK(isinf(least), "scheme %d, %s: limit %.9g, but growth at %.9g, phase %.6g", (int)n, options, c.courant, least,

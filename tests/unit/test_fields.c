@@ -13,6 +13,9 @@ static const char *const other[][2] = {
     {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
     {"boundary", "-boundary fixed,free"},
     {"cells", "-cells 9"},
+    {"dim", "-dim 2"},
+    {"gradient", "-gradient mls"},
+    {"poisson", "-dim 2 -poisson 0.2"},
     {"counts", "-counts 1,2"},
     {"offset", "-offset 1/4"},
     {"jitter", "-jitter 0.25"},
@@ -159,7 +162,7 @@ static PetscErrorCode CheckAgrees(void)
   PetscFunctionBegin;
   PetscCall(CheckScene("-cells 8 -velocity 0.25", &scene));
   PetscCall(MpmValueOf("drift", scene, NULL, &value));
-  CHECK(scene->step.drift.num == 1 && scene->step.drift.den == 8, "drift %g", scene->step.drift.value);
+  CHECK(scene->step.drift[0].num == 1 && scene->step.drift[0].den == 8, "drift %g", scene->step.drift[0].value);
   for (int i = 0; i < 4; i++) {
     PetscCall(MpmValueAgrees(&value, texts[i], &agrees));
     CHECK(agrees == (i < 2), "1/8 and %s", texts[i]);
@@ -181,7 +184,8 @@ static PetscErrorCode CheckText(void)
   PetscCall(PetscOptionsInsertString(NULL, "-cells 12"));
   PetscCall(MpmSceneFromText("{formulation: usl, cells: 16, drift: 1/8, steps: 7, boundary: periodic}", &scene));
   PetscCall(PetscOptionsClear(NULL));
-  CHECK(scene->layout.grid.cells == 16 && scene->step.drift.den == 8 && !strcmp(scene->scheme.formulation->name, "usl"),
+  CHECK(scene->layout.grid[0].cells == 16 && scene->step.drift[0].den == 8 &&
+            !strcmp(scene->scheme.formulation->name, "usl"),
         "not what was said");
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));

@@ -49,6 +49,15 @@ static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal wei
   return sum;
 }
 
+/* The weights of a gather by Moment, divided: phi (x_i - x_p) h / D. */
+static inline PetscReal Fitted(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+{
+  const PetscReal sum = Moment(xi, half_width, weight);
+
+  for (int d = 0; d < NODES; d++) weight[d] /= sum;
+  return 1;
+}
+
 /* A loop is vectorised only if the compiler knows its weights and the length of its runs, without a call. */
 #define INLINE static inline __attribute__((always_inline))
 
@@ -226,15 +235,22 @@ static void Grad(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, P
   Gather(Gradient, b, a, particle, node);
 }
 
+/* GRAD_MLS is the same map as G2P_AFFINE. */
 #ifndef G2P_AFFINE
 #define G2P_AFFINE G2PAffine
+#define DIV_MLS DivMls
 static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
   Gather(Moment, b, a, particle, node);
+}
+
+static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(Fitted, b, a, particle, node, NULL);
 }
 #endif
 
 #define KERNELS                                                                                                        \
   .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                                                      \
-  .kernel = {[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,                                         \
-             [MPM_G2P] = G2P_, [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad}
+  .kernel = {[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,              \
+             [MPM_G2P] = G2P_, [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE}

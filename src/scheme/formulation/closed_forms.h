@@ -21,7 +21,8 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 /* The initialisers that formulations of velocity v and stress s share. ops is the table of the file. */
 /* clang-format off */
 #define MOMENTUM                                                                                                       \
-  .particle_fields = {"v", "s"}, .node_fields = {"v_i", "a_i"}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,    \
+  .particle_fields = {"v", "s"}, .particle_ranks = {MPM_VECTOR, MPM_TENSOR}, .node_fields = {"v_i", "a_i"},            \
+  .node_ranks = {MPM_VECTOR, MPM_VECTOR}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,                          \
   .affine = V, .conserved = V, .free_ends = PETSC_TRUE, .materials = PETSC_TRUE,                                       \
   .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                                                             \
   .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum

@@ -5,6 +5,9 @@
 
    Source: Berzins, Kirby and Gritton 2013, '1d Linear Elastic Model', The Algorithm. The slides print the sums of steps
    5 and 6 over p; they must run over the nodes i.
+
+   The slides stop at one dimension. In more, u and w stay one number each, and LAP is the Laplacian of 2 dim + 1 nodes:
+   the scalar wave equation u_tt = c^2 div grad u.
 */
 #include "scheme/formulation/closed_forms.h"
 #include <math.h>
@@ -38,7 +41,7 @@ static PetscReal Published(PetscReal k, PetscReal beta)
 /* P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi). */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal s = 4 * PetscSqr(k * sin(cell->beta / 2)), alpha = cell->alpha, f = cell->filter;
+  const PetscReal s = k * k * cell->lap, alpha = cell->alpha, f = cell->filter;
 
   return MpmQuadraticRadius(1 + f - alpha * s, f * (1 - alpha * (1 - alpha) * s));
 }
@@ -48,13 +51,13 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal alpha = cell->alpha, f = cell->filter;
 
-  return sqrt(2 * (1 + f) / (alpha * (1 + f * (1 - alpha)))) / (2 * sin(cell->beta / 2));
+  return sqrt(2 * (1 + f) / (alpha * (1 + f * (1 - alpha))) / cell->lap);
 }
 
 const MpmFormulation MpmElastic = {.name            = "elastic",
                                    .summary         = "linear elastic bar: displacement and velocity",
                                    .reference       = "Berzins, Kirby and Gritton 2013",
-                                   .particle_fields = {"u", "w"},
+                                   .particle_fields = {"u", "w"}, /* numbers, in any dimension */
                                    .node_fields     = {"u_i", "w_i", "a_i"},
                                    .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
                                    .ops             = ops,
