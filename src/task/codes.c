@@ -25,7 +25,7 @@ static const MpmCodeOption cb_geo[] = {
     {"ED2Q4, ED3H8", "-basis linear", "src/element.cc"},
     {"ED2Q16G, ED3H64G", "-basis gimp", "src/element.cc"},
     {"ED2T3, ED2T6, ED2Q8, ED2Q9, ED3H20", "none: other elements", "src/element.cc"},
-    {"\"dt\"", "the step; nothing checks it", "include/solvers/mpm_base.tcc"},
+    {"\"dt\"", "the user's", "include/solvers/mpm_base.tcc"},
     {NULL, NULL, NULL}};
 
 static const MpmCodeOption geomechanics_mpm[] = {
@@ -161,8 +161,10 @@ static const MpmCodeOption uintah[] = {
     {"cpdi, fast_cpdi, cpti", "none", "src/CCA/Components/MPM/Core/MPMFlags.cc"},
     {"interpolator 3rdorderBS", "-basis quadratic", "src/Core/Grid/TOBSplineInterpolator.cc"},
     {"interpolator 4thorderBS", "-basis cubic", "src/Core/Grid/BSplineInterpolator.cc"},
-    {"timestep_multiplier", "a factor of h / c; it has no default",
+    {"timestep_multiplier, no default", "a factor of the material's step",
      "src/CCA/Components/Application/ApplicationCommon.cc"},
+    {"dt of a material", "h / (c + the fastest particle)",
+     "src/CCA/Components/MPM/Materials/ConstitutiveModel/HypoElastic.cc"},
     {"one_d_mpm_new", "-formulation usf -transfer flip -basis linear -boundary fixed_reaction",
      "src/CCA/Components/MPM/Matlab/one_d_mpm_new.m"},
     {NULL, NULL, NULL}};
