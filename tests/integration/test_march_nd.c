@@ -151,6 +151,7 @@ static PetscErrorCode RanksAgree(void)
       "-dim 2 -cells 24,25 -formulation musl -jitter 0.9 -basis gimp -boundary fixed,symmetry-free -initial random "
       "-steps 20 -courant 0.1",
       "-dim 2 -cells 24,25 -formulation gas2 -jitter 0.9 -drift 7/3,1/2 -initial random -steps 20 -courant 0.05",
+      "-dim 2 -cells 30 -formulation usl -drift 61/3,-20/3 -initial random -steps 10 -courant 0.02",
       "-dim 2 -cells 24 -formulation elastic -boundary fixed,periodic -initial random -steps 20 -courant 0.1",
       "-dim 3 -cells 12,13,12 -ppc 1 -formulation usl -transfer apic -gradient mls -basis quadratic -drift "
       "1/3,-1/4,1/5 "
