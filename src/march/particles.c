@@ -146,14 +146,13 @@ static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, Pets
   PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
   for (PetscInt f = 0; particles->table->fields[f]; f++) {
-    const PetscReal t = scene->stagger && f == scene->scheme.formulation->staggered ? -scene->dt / 2 : 0;
-    PetscReal      *q;
+    PetscReal *q;
 
     PetscCall(MpmParticlesGet(particles, particles->table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) {
       const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
 
-      q[p] = scene->scheme.formulation->wave->value(&profile, f, X, t);
+      q[p] = MpmSceneExact(scene, &profile, f, &X, 0);
     }
     PetscCall(MpmParticlesRestore(particles, particles->table->fields[f], &q));
   }

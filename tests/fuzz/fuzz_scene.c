@@ -77,7 +77,8 @@ static void CheckScene(const MpmScene *s, const MpmRequest *r)
                s->layout.offset[0].value < 1,
            "places");
   FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(r->phases >= 1 && r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
+  FuzzNeed(r->phases >= 1 && r->modes >= 0 && (s->mode[0] || s->mode[1] || s->mode[2]) && s->scheme.table->nops > 0,
+           "a count");
   FuzzNeed(!MpmSceneDrifts(s) || MpmSceneIsPeriodic(s), "drift into a wall");
 }
 
