@@ -483,6 +483,7 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
     if (mode[a] > most || mode[a] < (ends ? 0 : -most)) fits = PETSC_FALSE;
     if (mode[a]) none = PETSC_FALSE;
   }
+  if (none && scene->initial != MPM_INITIAL_MODE) scene->mode[0] = 1; /* a scene's mode that is not read any more */
   if (scene->initial != MPM_INITIAL_MODE || (fits && !none)) PetscFunctionReturn(PETSC_SUCCESS);
   if (l->dim > 1)
     PetscCall(MpmSettingsRefuse(settings, "mode",
