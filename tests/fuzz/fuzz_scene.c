@@ -64,21 +64,29 @@ static PetscErrorCode TakeOptions(const char task[], int n, char **words)
 /* Checks what every function that gets a scene relies on. */
 static void CheckScene(const MpmScene *s, const MpmRequest *r)
 {
-  const PetscInt64 places = (PetscInt64)s->layout.grid[0].cells * s->layout.ppc[0];
+  const MpmLayout *l     = &s->layout;
+  PetscInt64       taken = 1;
 
-  FuzzNeed(s->layout.grid[0].cells >= 1 && s->layout.ppc[0] >= 1 &&
-               s->layout.grid[0].nodes >= s->layout.grid[0].cells && places <= PETSC_MAX_INT / 2,
-           "cells");
-  FuzzNeed(s->layout.particles >= 1 && s->layout.first[0] >= 0 && s->layout.first[0] + s->layout.particles <= places,
-           "particles");
+  FuzzNeed(l->dim >= 1 && l->dim <= MPM_MAX_DIM && s->scheme.table->dim == l->dim, "dimension");
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscInt64 places = (PetscInt64)l->grid[a].cells * l->ppc[a];
+
+    FuzzNeed(l->grid[a].cells >= 1 && l->ppc[a] >= 1 && l->grid[a].nodes >= l->grid[a].cells &&
+                 places <= PETSC_MAX_INT / 2,
+             "cells");
+    FuzzNeed(l->row[a] >= 1 && l->first[a] >= 0 && l->first[a] + l->row[a] <= places, "particles");
+    FuzzNeed(isfinite(s->step.drift[a].value) && s->step.drift[a].den >= 0 && l->offset[a].value >= 0 &&
+                 l->offset[a].value < 1,
+             "places");
+    FuzzNeed(s->step.drift[a].value == 0 || l->grid[a].ends[0] == MPM_PERIODIC, "drift into a wall");
+    FuzzNeed(fabs(s->length[a] - s->cell_width * l->grid[a].cells) <= 1e-9 * s->length[a], "width");
+    taken *= l->row[a];
+  }
+  FuzzNeed(l->particles == taken && l->sites <= PETSC_MAX_INT / 2, "particles in all");
   FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
   FuzzNeed(s->dt > 0 && s->step.courant > 0 && r->steps >= 1 && r->output_every >= 1, "time");
-  FuzzNeed(isfinite(s->step.drift[0].value) && s->step.drift[0].den >= 0 && s->layout.offset[0].value >= 0 &&
-               s->layout.offset[0].value < 1,
-           "places");
   FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(r->phases >= 1 && r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
-  FuzzNeed(!MpmSceneDrifts(s) || MpmSceneIsPeriodic(s), "drift into a wall");
+  FuzzNeed(r->phases[0] >= 1 && r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

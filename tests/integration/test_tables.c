@@ -87,7 +87,7 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
   PetscCall(GrowthOf(elastic, &expected));
   CHECK(expected > 1.01, "%s: growth %g says nothing", options, expected);
   CHECK_NEAR(growth, expected, 1e-8);
-  wish.phases = scene->layout.grid[0].cells;
+  wish.phases[0] = scene->layout.grid[0].cells;
   if (!MpmSymbolWhyNot(&scene->layout)) {
     PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &wish, &symbol));
     CHECK_NEAR(symbol->growth, expected, 1e-8);
@@ -146,6 +146,81 @@ static PetscErrorCode RefusesUnsupported(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscInt CountOps(const MpmTable *table, MpmOpKind kind)
+{
+  PetscInt n = 0;
+
+  for (PetscInt o = 0; o < table->nops; o++) n += table->ops[o].kind == kind;
+  return n;
+}
+
+/* The names of the state's registers, and the numbers of operations along axes, of a scene. */
+static PetscErrorCode Holds(const char options[], const char names[], PetscInt div, PetscInt grad)
+{
+  char            all[256] = "";
+  MpmScene       *scene;
+  const MpmTable *t;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  t = scene->scheme.table;
+  for (PetscInt f = 0; t->fields[f]; f++) {
+    if (f) PetscCall(PetscStrlcat(all, " ", sizeof all));
+    PetscCall(PetscStrlcat(all, t->fields[f], sizeof all));
+  }
+  CHECK(!strcmp(all, names), "%s: %s", options, all);
+  CHECK(CountOps(t, MPM_DIV) + CountOps(t, MPM_DIV_MLS) == div, "%s: %d of DIV", options, (int)CountOps(t, MPM_DIV));
+  CHECK(CountOps(t, MPM_GRAD) + CountOps(t, MPM_GRAD_MLS) == grad, "%s: %d of GRAD", options,
+        (int)CountOps(t, MPM_GRAD));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A table has the registers and operations of its dimension and material, and no others. */
+static PetscErrorCode HoldsWhatItNeeds(void)
+{
+  PetscFunctionBegin;
+  PetscCall(Holds("-formulation usl", "v s", 1, 1));
+  PetscCall(Holds("-formulation usl -transfer apic", "v s c", 1, 1));
+  PetscCall(Holds("-dim 2 -cells 4 -formulation usl -poisson 0", "v_x v_y s_xx s_xy s_yy", 4, 4));
+  PetscCall(Holds("-dim 2 -cells 4 -formulation usl -poisson 0.3", "v_x v_y s_xx s_xy s_yy", 4, 6));
+  PetscCall(Holds("-dim 2 -cells 4 -formulation usl -poisson 0.5", "v_x v_y s", 2, 2));
+  PetscCall(Holds("-dim 2 -cells 4 -formulation usl -poisson 0.5 -transfer apic -gradient mls",
+                  "v_x v_y s c_xx c_xy c_yx c_yy", 2, 2));
+  PetscCall(Holds("-dim 3 -cells 4 -formulation usl", "v_x v_y v_z s_xx s_xy s_xz s_yy s_yz s_zz", 9, 15));
+  PetscCall(Holds("-dim 3 -cells 4 -formulation gas2", "u_x u_y u_z r", 0, 6));
+  PetscCall(Holds("-dim 3 -cells 4 -formulation elastic", "u w", 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A formulation whose GRAD makes a number of a number works in one dimension only. */
+static PetscErrorCode RefusesRanks(void)
+{
+  const MpmOp          ops[] = {P2G(0, 0), GRAD(1, 0, COURANT), DRIFT};
+  const MpmFormulation test  = {.name            = "test",
+                                .particle_fields = {"u", "w"},
+                                .node_fields     = {"u_i"},
+                                .nops            = PETSC_STATIC_ARRAY_LENGTH(ops),
+                                .ops             = ops,
+                                .staggered       = MPM_NONE,
+                                .affine          = MPM_NONE,
+                                .conserved       = MPM_NONE};
+
+  PetscFunctionBegin;
+  for (PetscInt dim = 1; dim <= MPM_MAX_DIM; dim++) {
+    const MpmSpace space = {.dim = dim};
+    MpmTable      *table;
+    PetscErrorCode error;
+
+    PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+    error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, &space, &table);
+    PetscCall(PetscPopErrorHandler());
+    CHECK(error == (dim == 1 ? PETSC_SUCCESS : PETSC_ERR_SUP), "dim %d: error %d", (int)dim, (int)error);
+    PetscCall(MpmTableDestroy(&table));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   static const char *const rests[] = {
@@ -165,6 +240,8 @@ static PetscErrorCode Test(int argc, char **argv)
     PetscCall(Agrees(options, COPIES));
   }
   PetscCall(RefusesUnsupported());
+  PetscCall(RefusesRanks());
+  PetscCall(HoldsWhatItNeeds());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
