@@ -10,19 +10,21 @@
 
 static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
 {
-  const MpmPredictor  *predictor = (const MpmPredictor *)context;
-  const MpmCellSymbols cell      = MpmPredictorSymbols(predictor, beta);
+  const MpmPredictor *predictor = (const MpmPredictor *)context;
+  MpmCellSymbols      cell[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  *limit = predictor->scheme->formulation->limit(&cell);
+  (void)MpmPredictorSymbols(predictor, &beta, cell);
+  *limit = predictor->scheme->formulation->limit(&cell[0]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                        MpmCritical *c)
 {
-  MpmPredictor predictor;
-  PetscReal    limit, beta;
+  MpmPredictor   predictor;
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  PetscReal      limit, beta;
 
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
@@ -41,7 +43,10 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
       c->closed_beta = beta;
     }
   }
-  if (!isnan(c->closed)) c->cell = MpmPredictorSymbols(&predictor, c->closed_beta);
+  if (!isnan(c->closed)) {
+    (void)MpmPredictorSymbols(&predictor, &c->closed_beta, cell);
+    c->cell = cell[0];
+  }
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -52,12 +52,12 @@ typedef struct {
 
 static PetscErrorCode FactorsAt(void *context, PetscReal x, double complex value[])
 {
-  Plane   *p = (Plane *)context;
-  PetscInt exponent;
+  Plane          *p    = (Plane *)context;
+  const PetscReal beta = p->over_phases ? x : p->fixed;
+  PetscInt        exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&p->bloch, p->over_phases ? p->fixed : x, p->over_phases ? x : p->fixed, PETSC_FALSE,
-                           p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, p->over_phases ? p->fixed : x, &beta, PETSC_FALSE, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) value[i] = p->eigen.value[i] * scalbn(1, (int)exponent);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,7 +73,7 @@ static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
   p->tolerance     = of->tolerance;
   p->log_tolerance = log1p(of->tolerance);
   p->least         = (Limit){INFINITY, INFINITY, NAN};
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &p->bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
   PetscCall(MpmSmallEigenCreate(p->bloch.size, &p->eigen));
   PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.period, of->tolerance, FactorsAt, p, &p->follow));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -395,14 +395,14 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
 
 PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
 {
-  const MpmSymbolWish wish = {.phases = 2 * MPM_CRITICAL_PHASES, .tolerance = of->tolerance};
+  const MpmSymbolWish wish = {.phases = {2 * MPM_CRITICAL_PHASES}, .tolerance = of->tolerance};
   MpmSymbol          *symbol;
   PetscReal           bracket[2] = {0, INFINITY};
   Plane              *p;
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, &wish, &symbol));
-  *beta                    = symbol->beta_at_max;
+  *beta                    = symbol->beta_at_max[0];
   finding->tolerance       = of->tolerance;
   finding->growth          = symbol->growth;
   finding->uncertainty     = symbol->uncertainty;

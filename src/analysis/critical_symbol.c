@@ -30,7 +30,7 @@ static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, PetscReal beta, Pets
 
   PetscFunctionBegin;
   p->evaluations++;
-  PetscCall(MpmBlochMatrix(&p->bloch, courant, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, courant, &beta, PETSC_FALSE, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->eigen.value[i]));
   *growth = MpmGrowthPerStep(largest, exponent, p->bloch.period);
@@ -165,7 +165,7 @@ PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, 
   Probe probe = {.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &probe.bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
   c->order = probe.bloch.size;
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(MpmProgressBegin("phase", &probe.progress));
@@ -182,7 +182,7 @@ PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal cou
   Probe probe = {.tolerance = of->tolerance};
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &probe.bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
   PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
   PetscCall(GrowthAt(&probe, courant, beta, growth));
   PetscCall(MpmSmallEigenDestroy(&probe.eigen));
@@ -198,11 +198,11 @@ PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant,
   double complex *matrix, *noisy;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, &of->step.drift[0], &bloch));
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
   n = bloch.size * bloch.size;
   PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_TRUE, noisy, &other));
+  PetscCall(MpmBlochMatrix(&bloch, courant, &beta, PETSC_FALSE, matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&bloch, courant, &beta, PETSC_TRUE, noisy, &other));
   for (PetscInt i = 0; i < n; i++) {
     norm  = hypot(norm, cabs(matrix[i]));
     moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - matrix[i]));

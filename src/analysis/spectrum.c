@@ -20,7 +20,7 @@
 */
 static PetscErrorCode Mismatch(MPI_Comm comm, MpmSpectrum *s)
 {
-  const PetscInt n = s->symbol->size * s->symbol->phases;
+  const PetscInt n = s->symbol->size * s->symbol->all;
   PetscReal     *factors, largest = 0;
 
   PetscFunctionBegin;
@@ -244,7 +244,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   s             = *spectrum;
   s->scene      = scene;
   s->request    = request;
-  s->comparison = (MpmComparison){NAN, NAN, NAN, NAN};
+  s->comparison = (MpmComparison){.published = NAN, .published_beta = NAN, .corrected = NAN};
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
@@ -255,10 +255,10 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));
   if (!MpmSymbolWhyNot(&scene->layout)) {
-    PetscCall(MpmSymbolCreate(
-        comm, &scene->layout, &scene->scheme, &scene->step,
-        &(MpmSymbolWish){.phases = scene->layout.grid[0].cells, .keep = PETSC_TRUE, .tolerance = request->tolerance},
-        &s->symbol));
+    MpmSymbolWish wish = {.keep = PETSC_TRUE, .tolerance = request->tolerance};
+
+    for (PetscInt a = 0; a < scene->layout.dim; a++) wish.phases[a] = scene->layout.grid[a].cells;
+    PetscCall(MpmSymbolCreate(comm, &scene->layout, &scene->scheme, &scene->step, &wish, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));

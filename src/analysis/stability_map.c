@@ -92,7 +92,7 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
   MpmStabilityMap    *map  = context;
   MpmFinding          f    = {.tolerance = map->request->tolerance};
   const Point         at   = PointOf(map, i);
-  const MpmSymbolWish wish = {.phases    = map->request->phases,
+  const MpmSymbolWish wish = {.phases    = {map->request->phases[0]},
                               .tolerance = map->request->tolerance}; /* the map's own progress line counts the points */
   MpmSymbol          *symbol;
 
@@ -102,9 +102,9 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
   f.uncertainty     = symbol->uncertainty;
   f.defective_error = symbol->defective_error;
   map->growth[i]    = symbol->growth;
-  map->beta[i]      = symbol->beta_at_max;
+  map->beta[i]      = symbol->beta_at_max[0];
   f.verdict         = MpmVerdictOf(&f);
-  PetscCall(MpmFindingOfPhases(&f, symbol->phases, at.layout.grid[0].cells));
+  PetscCall(MpmFindingOfPhases(&f, symbol->phases[0], at.layout.grid[0].cells));
   map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -138,8 +138,8 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
-                          map->request->phases, n));
-  if (map->request->phases % map->scene->layout.grid[0].cells)
+                          map->request->phases[0], n));
+  if (map->request->phases[0] % map->scene->layout.grid[0].cells)
     PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,34 +2,38 @@
 #include "base/textfile.h"
 #include "io/symbol_files.h"
 
-/* Writes a curve over 0 .. half at all phases; growth is even in beta. */
-static PetscErrorCode WriteEven(const MpmSymbol *s, const char name[], PetscReal half[], PetscBool have,
-                                MpmDataFile *file)
+/* Writes a curve over the classes at all phases. have: this rank has it. */
+static PetscErrorCode WriteCurve(const MpmSymbol *s, const char name[], const PetscReal curve[], PetscBool have,
+                                 MpmDataFile *file)
 {
   PetscReal *all;
+  PetscBool  conjugate;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->phases, &all));
-  for (PetscInt m = 0; m < s->phases && have; m++) all[m] = half[m <= s->half ? m : s->phases - m];
-  PetscCall(MpmDataFileArray(file, "/symbol", name, s->phases, 1, all));
+  PetscCall(PetscMalloc1(s->all, &all));
+  for (PetscInt m = 0; m < s->all && have; m++) all[m] = curve[MpmSymbolClass(s, m, &conjugate)];
+  PetscCall(MpmDataFileArray(file, "/symbol", name, s->all, 1, all));
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
 {
-  PetscReal *published, *corrected, *beta;
+  const PetscInt dim = s->layout->dim;
+  PetscReal     *published, *corrected, *beta;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(s->phases, &beta, s->half + 1, &published, s->half + 1, &corrected));
-  for (PetscInt m = 0; m < s->phases; m++) beta[m] = MpmSymbolPhase(m, s->phases);
-  for (PetscInt m = 0; m <= s->half; m++) {
-    published[m] = MpmPredictorPublished(p, s->step.courant, beta[m]);
-    corrected[m] = MpmPredictorCorrected(p, s->step.courant, beta[m]);
+  PetscCall(PetscMalloc3(dim * s->all, &beta, s->classes, &published, s->classes, &corrected));
+  for (PetscInt m = 0; m < s->all; m++) MpmSymbolBeta(s, m, beta + dim * m);
+  for (PetscInt i = 0; i < s->classes; i++) {
+    const PetscInt m = MpmSymbolPhaseOfClass(s, i);
+
+    published[i] = MpmPredictorPublished(p, s->step.courant, beta + dim * m);
+    corrected[i] = MpmPredictorCorrected(p, s->step.courant, beta + dim * m);
   }
-  PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->phases, 1, beta));
-  PetscCall(WriteEven(s, "published", published, PETSC_TRUE, file));
-  PetscCall(WriteEven(s, "corrected", corrected, PETSC_TRUE, file));
+  PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->all, dim, beta));
+  PetscCall(WriteCurve(s, "published", published, PETSC_TRUE, file));
+  PetscCall(WriteCurve(s, "corrected", corrected, PETSC_TRUE, file));
   PetscCall(PetscFree3(beta, published, corrected));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -44,32 +48,38 @@ PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmData
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(WriteFormulas(s, p, file));
   PetscCall(MpmSymbolGather(comm, s, s->per_phase, &growth));
-  PetscCall(WriteEven(s, "growth", growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
+  PetscCall(WriteCurve(s, "growth", growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
   PetscCall(PetscFree(growth));
   if (!s->factors) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSymbolGatherFactors(comm, s, 0, &factors));
-  PetscCall(MpmDataFileArray(file, "/symbol", "factors", s->phases, 2 * s->size, factors));
+  PetscCall(MpmDataFileArray(file, "/symbol", "factors", s->all, 2 * s->size, factors));
   PetscCall(PetscFree(factors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, const char path[])
 {
-  PetscReal  *growth, *seen = NULL;
-  MpmTextFile csv;
+  static const char *const names[MPM_MAX_DIM] = {"beta", "beta_x,beta_y", "beta_x,beta_y,beta_z"};
+  PetscReal               *growth, *seen = NULL;
+  MpmTextFile              csv;
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->per_phase, &growth));
   if (s->without_null) PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->without_null, &seen));
   PetscCall(MpmTextFileOpen(path, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "beta,growth%s,published,corrected\n", seen ? ",growth_seen" : "");
-    for (PetscInt m = 0; m <= s->half; m++) {
-      const PetscReal beta = MpmSymbolPhase(m, s->phases);
+    const PetscInt rows = s->layout->dim == 1 ? s->classes : s->all;
 
-      fprintf(csv.stream, "%.17g", beta);
-      MpmTextFileCell(&csv, growth[m]);
-      if (seen) MpmTextFileCell(&csv, seen[m]);
+    fprintf(csv.stream, "%s,growth%s,published,corrected\n", names[s->layout->dim - 1], seen ? ",growth_seen" : "");
+    for (PetscInt m = 0; m < rows; m++) {
+      PetscReal      beta[MPM_MAX_DIM];
+      PetscBool      conjugate;
+      const PetscInt i = MpmSymbolClass(s, m, &conjugate);
+
+      MpmSymbolBeta(s, m, beta);
+      for (PetscInt a = 0; a < s->layout->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "", beta[a]);
+      MpmTextFileCell(&csv, growth[i]);
+      if (seen) MpmTextFileCell(&csv, seen[i]);
       MpmTextFileCell(&csv, MpmPredictorPublished(p, s->step.courant, beta));
       MpmTextFileCell(&csv, MpmPredictorCorrected(p, s->step.courant, beta));
       fprintf(csv.stream, "\n");

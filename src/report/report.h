@@ -17,6 +17,15 @@ PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char t
 /* Collective. Prints the rows of the closed forms, or the reason why they do not cover the scene. */
 PetscErrorCode MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
 
+/*
+   MpmReportVector - numbers of the directions as text, with so many digits: the number itself in one dimension, else
+   (x, y). MpmReportCounts - whole numbers as text: 8, else 8 x 16.
+
+   Not collective.
+*/
+PetscErrorCode MpmReportVector(PetscInt n, const PetscReal values[], int digits, size_t room, char text[]);
+PetscErrorCode MpmReportCounts(PetscInt n, const PetscInt counts[], size_t room, char text[]);
+
 /* Collective. Prints in a sentence where the published formula fails and whether the corrected one holds. */
 PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
 

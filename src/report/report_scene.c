@@ -87,6 +87,33 @@ PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char t
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmReportVector(PetscInt n, const PetscReal values[], int digits, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (PetscInt a = 0; a < n; a++) {
+    char part[32];
+
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.*g", a ? ", " : n > 1 ? "(" : "", digits, values[a]));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  if (n > 1) PetscCall(PetscStrlcat(text, ")", room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportCounts(PetscInt n, const PetscInt counts[], size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (PetscInt a = 0; a < n; a++) {
+    char part[32];
+
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? " x " : "", counts[a]));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
 {
   const MpmFormulation *f    = p->scheme->formulation;
@@ -104,6 +131,7 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
 PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
 {
   const MpmFormulation *f = p->scheme->formulation;
+  char                  beta[96];
 
   PetscFunctionBegin;
   if (c->published > WORTH_SAYING) {
@@ -113,8 +141,9 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
       MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
+  PetscCall(MpmReportVector(p->layout->dim, c->corrected_beta, 4, sizeof beta, beta));
   if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
-    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %.4g\n", c->corrected, c->corrected_beta);
+    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %s\n", c->corrected, beta);
   else if (isfinite(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -249,12 +278,19 @@ json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison 
 
 json_t *MpmJsonSymbol(const MpmSymbol *symbol)
 {
-  json_t *object = json_object();
+  const PetscInt dim    = symbol->layout->dim;
+  json_t        *object = json_object(), *phases = json_array(), *beta = json_array();
 
-  json_object_set_new(object, "phases", json_integer(symbol->phases));
+  for (PetscInt a = 0; a < dim; a++) {
+    json_array_append_new(phases, json_integer(symbol->phases[a]));
+    json_array_append_new(beta, json_real(symbol->beta_at_max[a]));
+  }
+  json_object_set(object, "phases", dim == 1 ? json_array_get(phases, 0) : phases);
   MpmJsonSet(object, "growth", symbol->growth);
-  MpmJsonSet(object, "beta_at_max", symbol->beta_at_max);
+  json_object_set(object, "beta_at_max", dim == 1 ? json_array_get(beta, 0) : beta);
   MpmJsonSet(object, "seconds", symbol->seconds);
+  json_decref(phases);
+  json_decref(beta);
   return object;
 }
 

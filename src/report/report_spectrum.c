@@ -5,7 +5,7 @@
 
 static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
 {
-  char text[256];
+  char text[256], beta[96], phases[64];
 
   PetscFunctionBegin;
   if (!s->symbol) {
@@ -13,8 +13,9 @@ static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
     PetscCall(MpmReportGrowth("symbol", NAN, text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.4g of %" PetscInt_FMT " phases", s->symbol->beta_at_max,
-                          s->symbol->phases));
+  PetscCall(MpmReportVector(s->symbol->layout->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
+  PetscCall(MpmReportCounts(s->symbol->layout->dim, s->symbol->phases, sizeof phases, phases));
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
   PetscCall(MpmReportGrowth("symbol", s->symbol->growth, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -52,7 +52,7 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   PetscCall(MpmReportScene(map->scene, map->request, ranks));
   PetscCall(PrintPicture(map));
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt_FMT " phases\n", map->points[0],
-           map->points[1], map->request->phases);
+           map->points[1], map->request->phases[0]);
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, MpmAxisNames[axes[0].kind],
@@ -90,7 +90,7 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
   for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
-  json_object_set_new(part, "phases", json_integer(map->request->phases));
+  json_object_set_new(part, "phases", json_integer(map->request->phases[0]));
   json_object_set_new(part, "unstable", json_integer(map->unstable));
   json_object_set_new(part, "undecided", json_integer(map->undecided));
   if (map->limits) {

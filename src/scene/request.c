@@ -234,8 +234,9 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
-  request->phases = scene->layout.grid[0].cells; /* unless something else is said */
-  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, request));
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    request->phases[a] = scene->layout.grid[a].cells; /* unless something else is said */
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, request));

@@ -38,7 +38,7 @@ typedef struct {
    steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
-   phases            - at which symbol and map take the symbol
+   phases            - at which symbol and map take the symbol, in each direction
    modes             - eigenvectors that spectrum writes
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
@@ -53,7 +53,7 @@ typedef struct {
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance;
   PetscBool       weights, source_term, ringing, measure, survey;
-  PetscInt        phases, modes, layouts, powers, pseudospectrum;
+  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
   MpmProgressWish progress;
   MpmAxis         axes[2];
   MpmExpect       expect;

@@ -593,7 +593,7 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, scene));
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
   PetscCall(ReadGrid(settings, scene));
   PetscCall(ReadLayout(settings, scene));

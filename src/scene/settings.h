@@ -81,8 +81,11 @@ const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const c
 /* Not collective. Whether a key of the scene file has lost its sense because the command line changed another. */
 PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[]);
 
-/* Collective. Reads the options that were given into the fields of a scene or a request that keep them as they stand. */
-PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, void *object);
+/*
+   Collective. Reads the options that were given into the fields of a scene or a request that keep them as they stand.
+   Some have a value for each of *dim directions. Of a scene dim is itself a field, which is read before these.
+*/
+PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);

@@ -470,7 +470,7 @@ static PetscErrorCode ReadEach(const MpmSettings *settings, const MpmField *fiel
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, void *object)
+PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
@@ -478,8 +478,8 @@ PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner
     char           *place = (char *)object + field->at;
 
     if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
-    if (field->each) /* only scenes have such fields, and their dimension stands before them */
-      PetscCall(ReadEach(settings, field, ((const MpmScene *)object)->layout.dim, place));
+    if (field->each)
+      PetscCall(ReadEach(settings, field, *dim, place));
     else
       PetscCall(ReadField(settings, field, place));
   }

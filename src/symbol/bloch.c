@@ -1,32 +1,26 @@
 /*
    A table applied to one Bloch mode. On the mode
 
-     q_p = e^(i beta n) q^_j    (particle j of cell n),    g_i = e^(i beta i) g^
+     q_p = e^(i beta.n) q^_j    (particle j of cell n),    g_i = e^(i beta.i) g^
 
    an operation of the table is a product of small matrices:
 
-     particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta d) q^_j / mass
-     node -> particle       q^_j += a sum_d phi_jd e^(i beta d) g^
-     node -> node           g^  = a sum_s stencil_s e^(i beta s) f^
+     particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta.d) q^_j / mass
+     node -> particle       q^_j += a sum_d phi_jd e^(i beta.d) g^
+     node -> node           g^  = a sum_s stencil_s e^(i beta_a s) f^    (a: the axis of the operation)
 
    d is the place of the node relative to the cell's node. DIV and GRAD have h dphi/dx for phi. SOLVE divides f^ by the
-   symbol of P2G G2P.
+   symbol of P2G G2P. In more dimensions the sum over d is a product of sums along the directions.
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
 #include "symbol/bloch.h"
-#include "scene/layout.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
 
 #define KINDS MPM_OP_KINDS
 #define SINGULAR 1e-12 /* a symbol of P2G G2P below this is taken for 0 */
 #define RESCALE_AT 200 /* powers of two */
-
-static const PetscReal *RowOf(const MpmBloch *b, PetscInt step, PetscInt kind, PetscInt j)
-{
-  return b->rows + ((step * KINDS + kind) * b->layout->ppc[0] + j) * MPM_MAX_REACH;
-}
 
 /* Every table has a P2G, whose weights give the masses. SOLVE needs G2P too. */
 static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
@@ -36,83 +30,66 @@ static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
   return MpmTableHas(scheme->table, kind);
 }
 
-PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction *drift, MpmBloch *b)
+PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[], MpmBloch *b)
 {
-  const PetscInt period = (PetscInt)drift->den;
-  const PetscInt ppc = layout->ppc[0], reach = MpmMapReach(scheme->basis);
-  PetscInt       lowest = PETSC_MAX_INT, highest = -PETSC_MAX_INT;
+  const MpmTable *table = scheme->table;
+  MpmStep         step  = {.courant = 0};
 
   PetscFunctionBegin;
-  *b      = (MpmBloch){.layout = layout, .scheme = scheme, .fields = scheme->table->nstate, .period = period};
-  b->size = b->fields * ppc;
-  PetscCall(PetscMalloc3(period * ppc, &b->node, period * KINDS * ppc * MPM_MAX_REACH, &b->rows, period, &b->masses));
-  PetscCall(PetscMalloc3(scheme->table->nparticles * ppc * b->size, &b->particle, scheme->table->nnodes * b->size,
-                         &b->nodes, KINDS * ppc, &b->tie));
-  PetscCall(PetscMalloc2(scheme->table->nops, &b->traits, scheme->table->nops, &b->values));
-  for (PetscInt o = 0; o < scheme->table->nops; o++) b->traits[o] = MpmOpTraitsOf(scheme->table->ops[o].kind);
+  *b = (MpmBloch){.layout = layout, .scheme = scheme, .fields = table->nstate, .ppc = MpmLayoutPpc(layout)};
+  for (PetscInt a = 0; a < layout->dim; a++) step.drift[a] = drift[a];
+  PetscCall(MpmStepPeriod(&step, &b->period));
+  b->size = b->fields * b->ppc;
+  PetscCall(PetscMalloc2(table->nparticles * b->ppc * b->size, &b->particle, table->nnodes * b->size, &b->nodes));
+  PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops, &b->values));
+  for (PetscInt o = 0; o < table->nops; o++) b->traits[o] = MpmOpTraitsOf(table->ops[o].kind);
   for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scheme, (MpmOpKind)kind);
-  for (PetscInt step = 0; step < period; step++) {
-    b->masses[step] = 0;
-    for (PetscInt j = 0; j < ppc; j++) {
-      PetscInt  cell;
-      PetscReal xi;
-
-      MpmLayoutPlaceAt(layout, drift, j, step, &cell, &xi);
-      b->node[step * ppc + j] = cell - scheme->basis->reach_left;
-      for (PetscInt kind = 0; kind < KINDS; kind++)
-        if (b->used[kind])
-          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi, layout->half_width[0], (PetscReal *)RowOf(b, step, kind, j));
-      for (PetscInt d = 0; d < reach; d++) b->masses[step] += RowOf(b, step, MPM_P2G, j)[d];
-      lowest  = PetscMin(lowest, b->node[step * ppc + j]);
-      highest = PetscMax(highest, b->node[step * ppc + j]);
-    }
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    PetscCall(MpmTiesCreate(layout, scheme, a, &drift[a], b->used, &b->ties[a]));
+    PetscCall(PetscMalloc1(KINDS * layout->ppc[a], &b->tie[a]));
   }
-  b->lowest = lowest;
-  b->seen   = highest - lowest + reach;
-  PetscCall(PetscMalloc1(b->seen, &b->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochDestroy(MpmBloch *b)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree3(b->node, b->rows, b->masses));
-  PetscCall(PetscFree3(b->particle, b->nodes, b->tie));
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    PetscCall(MpmTiesDestroy(&b->ties[a]));
+    PetscCall(PetscFree(b->tie[a]));
+  }
+  PetscCall(PetscFree2(b->particle, b->nodes));
   PetscCall(PetscFree2(b->traits, b->values));
-  PetscCall(PetscFree(b->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The phase factor of each node of a cell's particles in any step: wave[i] = e^(i beta (lowest + i)). */
-static void SetPhase(MpmBloch *b, PetscReal beta)
-{
-  for (PetscInt i = 0; i < b->seen; i++) b->wave[i] = cexp(I * (beta * (b->lowest + i)));
-}
-
-/* The symbols of the maps at each particle and a step: sum_d row_d e^(i beta d). */
+/* The symbols of the maps along each direction at a step, and the nodal mass. */
 static void SetTies(MpmBloch *b, PetscInt step)
 {
-  const PetscInt ppc = b->layout->ppc[0], reach = MpmMapReach(b->scheme->basis);
+  b->mass = 1;
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    const MpmTies *ties = &b->ties[a];
 
-  for (PetscInt kind = 0; kind < KINDS; kind++) {
-    if (!b->used[kind]) continue;
-    for (PetscInt j = 0; j < ppc; j++) {
-      const PetscReal      *row  = RowOf(b, step, kind, j);
-      const double complex *wave = b->wave + b->node[step * ppc + j] - b->lowest;
-      PetscReal             re = 0, im = 0;
-
-      for (PetscInt d = 0; d < reach; d++) {
-        re += row[d] * creal(wave[d]);
-        im += row[d] * cimag(wave[d]);
-      }
-      b->tie[kind * ppc + j] = CMPLX(re, im);
-    }
+    b->mass *= ties->masses[step % ties->period];
+    for (PetscInt kind = 0; kind < KINDS; kind++)
+      for (PetscInt j = 0; j < ties->n && b->used[kind]; j++)
+        b->tie[a][kind * ties->n + j] = MpmTie(ties, step, (MpmOpKind)kind, j, b->wave[a]);
   }
 }
 
-static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt j)
+/* The symbol of a map along an axis at particle j: the map's own along the axis, and phi's along the others. */
+static double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
 {
-  return b->tie[kind * b->layout->ppc[0] + j];
+  const PetscInt *ppc = b->layout->ppc;
+  double complex  product;
+
+  if (b->layout->dim == 1) return b->tie[0][kind * ppc[0] + j];
+  product = 1;
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    product *= b->tie[a][(a == axis ? kind : MPM_P2G) * ppc[a] + j % ppc[a]];
+    j /= ppc[a];
+  }
+  return product;
 }
 
 /* dst += factor src, for rows of n numbers. */
@@ -133,24 +110,24 @@ static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
 }
 
 /* The inverse of the symbol of P2G G2P; 0 where that is 0. */
-static PetscReal Inverse(const MpmBloch *b, PetscInt step)
+static PetscReal Inverse(const MpmBloch *b)
 {
   PetscReal alpha = 0;
 
-  for (PetscInt j = 0; j < b->layout->ppc[0]; j++) {
-    const double complex tie = Tie(b, MPM_G2P, j);
+  for (PetscInt j = 0; j < b->ppc; j++) {
+    const double complex tie = Tie(b, MPM_G2P, 0, j);
 
-    alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->masses[step];
+    alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->mass;
   }
   return alpha > SINGULAR ? 1 / alpha : 0;
 }
 
-static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
+static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
 {
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
   const PetscReal   a      = b->values[o];
-  const PetscInt    ppc = b->layout->ppc[0], n = b->size;
+  const PetscInt    ppc = b->ppc, n = b->size;
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
@@ -160,19 +137,19 @@ static void ApplyOp(MpmBloch *b, PetscInt o, PetscInt step, PetscReal beta)
   }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, a * Tie(b, op->kind, j), b->nodes + op->src * n, b->particle + (op->dst * ppc + j) * n);
+      AddRow(n, a * Tie(b, op->kind, op->axis, j), b->nodes + op->src * n, b->particle + (op->dst * ppc + j) * n);
     return;
   }
   dst = b->nodes + op->dst * n;
   if (!op->accumulates)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
-    const PetscReal share = a / b->masses[step];
+    const PetscReal share = a / b->mass;
 
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, share * conj(Tie(b, op->kind, j)), b->particle + (op->src * ppc + j) * n, dst);
+      AddRow(n, share * conj(Tie(b, op->kind, op->axis, j)), b->particle + (op->src * ppc + j) * n, dst);
   } else
-    AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b, step) : Stencil(&traits, beta)), b->nodes + op->src * n, dst);
+    AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b) : Stencil(&traits, beta[op->axis])), b->nodes + op->src * n, dst);
 }
 
 /* Divides the state's registers by a power of two when they would leave the range of doubles; returns its exponent. */
@@ -197,22 +174,22 @@ static void Disturb(MpmBloch *b, PetscInt step)
   for (PetscInt i = 0; i < n; i++) b->particle[i] *= 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
 }
 
-PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, PetscReal beta, PetscBool noisy, double complex G[],
-                              PetscInt *exponent)
+PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscBool noisy,
+                              double complex G[], PetscInt *exponent)
 {
   const MpmTable *t   = b->scheme->table;
-  const PetscInt  ppc = b->layout->ppc[0], n = b->size;
+  const PetscInt  ppc = b->ppc, n = b->size;
 
   PetscFunctionBegin;
   *exponent = 0;
-  SetPhase(b, beta);
+  for (PetscInt a = 0; a < b->layout->dim; a++) MpmTiesWave(&b->ties[a], beta[a], b->wave[a]);
   for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], courant);
   PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
     SetTies(b, step);
-    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, o, step, beta);
+    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, o, beta);
     if (noisy) Disturb(b, step);
     *exponent += Rescale(b);
   }

@@ -1,18 +1,17 @@
 /* The closed forms of the formulations, at the phases beta = 2 pi m / cells of a grid. */
+#include "linalg/hermitian.h"
 #include "scene/layout.h"
-#include "scheme/maps.h"
 #include "symbol/predict.h"
 #include <math.h>
 
-/* With more phases than this the maximum has the same digits. */
-#define MOST_PHASES 65536
+/* With more phases than this in a direction the maximum has the same digits, but for the last in more dimensions. */
+static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 
 #define AGREE 1e-6    /* closed form and symbol, relative to growth: a defective pair has an error of 1e-8 */
 #define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
-  if (layout->dim > 1) return "the formulas are for one dimension";
   if (drifts) return "the formulas are for particles at rest";
   if (!MpmLayoutIsPeriodic(layout)) return "the formulas are for a periodic domain";
   if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
@@ -23,15 +22,36 @@ static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, Pets
 static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
   if (!scheme->formulation->published) return "the slides do not treat this formulation";
+  if (layout->dim > 1) return "the slides treat one dimension";
   if (!scheme->basis->hat) return "the slides treat the linear basis";
+  if (scheme->space.gradient != MPM_GRADIENT_BASIS) return "the slides treat the basis functions' gradient";
   if (scheme->transfer->filter) return "the slides treat flip";
   return WhyNot(layout, scheme, drifts);
 }
 
+static MpmOpKind GradientOf(const MpmScheme *scheme)
+{
+  return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_GRAD_MLS : MPM_GRAD;
+}
+
+static PetscBool HasStress(const MpmPredictor *p)
+{
+  return MpmFormulationHas(p->scheme->formulation, MPM_DIV);
+}
+
+/* A stress of as many numbers as its particles have resists as many motions at most. */
+static PetscInt Problems(const MpmPredictor *p)
+{
+  const PetscInt dim = p->layout->dim, numbers = MpmSpaceIsFluid(&p->scheme->space) ? 1 : dim * (dim + 1) / 2;
+
+  return HasStress(p) ? PetscMin(dim, numbers * MpmLayoutPpc(p->layout)) : 1;
+}
+
 PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
 {
-  const PetscInt reach = MpmMapReach(scheme->basis);
-  PetscReal      mean  = 0;
+  const MpmFraction rest               = {.den = 1};
+  PetscBool         used[MPM_OP_KINDS] = {PETSC_FALSE};
+  PetscReal         mean               = 0;
 
   PetscFunctionBegin;
   *p                   = (MpmPredictor){.layout            = layout,
@@ -40,15 +60,17 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
                                         .why_not_published = WhyNotPublished(layout, scheme, drifts)};
   p->why_not_corrected = scheme->formulation->corrected ? p->why_not : "the formulation has no closed form";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(
-      PetscMalloc3(layout->ppc[0], &p->node, layout->ppc[0] * reach, &p->value, layout->ppc[0] * reach, &p->slope));
+  p->problems              = Problems(p);
+  used[MPM_P2G]            = PETSC_TRUE;
+  used[GradientOf(scheme)] = PETSC_TRUE;
+  if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[MPM_G2P_AFFINE] = PETSC_TRUE;
+  for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &rest, used, &p->ties[a]));
   for (PetscInt j = 0; j < layout->ppc[0]; j++) {
-    PetscReal xi;
+    PetscInt  cell[MPM_MAX_DIM];
+    PetscReal xi[MPM_MAX_DIM];
 
-    MpmLayoutPlace(layout, j, &p->node[j], &xi);
-    MpmMapRow(scheme->basis, MPM_G2P, xi, layout->half_width[0], p->value + j * reach);
-    MpmMapRow(scheme->basis, MPM_GRAD, xi, layout->half_width[0], p->slope + j * reach);
-    mean += xi / layout->ppc[0];
+    MpmLayoutPlace(layout, j, cell, xi);
+    mean += xi[0] / layout->ppc[0];
   }
   p->e = 2 * mean - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -57,101 +79,225 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
 {
   PetscFunctionBegin;
-  if (p->node) PetscCall(PetscFree3(p->node, p->value, p->slope));
+  for (PetscInt a = 0; a < p->layout->dim; a++) PetscCall(MpmTiesDestroy(&p->ties[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The symbol of phi or of h dphi/dx at particle j. */
-static double complex SymbolOf(const MpmPredictor *p, const PetscReal row[], PetscInt j, PetscReal beta)
+MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
 {
-  const PetscInt reach = MpmMapReach(p->scheme->basis);
-  double complex sum   = 0;
+  const MpmTies *ties  = &p->ties[axis];
+  MpmAlong       along = {.lap = 4 * PetscSqr(sin(beta / 2))};
+  double complex wave[MPM_MOST_SEEN];
 
-  for (PetscInt d = 0; d < reach; d++) sum += row[j * reach + d] * cexp(I * (beta * (p->node[j] + d)));
-  return sum;
-}
+  MpmTiesWave(ties, beta, wave);
+  for (PetscInt j = 0; j < ties->n; j++) {
+    const double complex value = MpmTie(ties, 0, MPM_P2G, j, wave);
+    const double complex slope = MpmTie(ties, 0, GradientOf(p->scheme), j, wave);
 
-MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *p, PetscReal beta)
-{
-  const PetscInt ppc  = p->layout->ppc[0];
-  MpmCellSymbols cell = {.lap = 4 * PetscSqr(sin(beta / 2))};
-
-  for (PetscInt j = 0; j < ppc; j++) {
-    const double complex value = SymbolOf(p, p->value, j, beta), slope = SymbolOf(p, p->slope, j, beta);
-
-    cell.alpha += creal(conj(value) * value) / ppc;
-    cell.kappa += creal(conj(slope) * slope) / ppc;
-    cell.mu += conj(value) * slope / ppc;
+    along.alpha += creal(conj(value) * value) / ties->n;
+    along.kappa += creal(conj(slope) * slope) / ties->n;
+    along.mu += conj(value) * slope / ties->n;
+    if (p->scheme->table->affine != MPM_NONE)
+      along.theta +=
+          creal(conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) * MpmTie(ties, 0, MPM_G2P_AFFINE, j, wave)) / ties->n;
   }
-  if (cell.alpha < NOTHING) cell.alpha = 0;
-  cell.filter = p->scheme->transfer->filter_symbol(&p->scheme->numbers, cell.alpha);
-  return cell;
+  if (along.alpha < NOTHING) along.alpha = 0;
+  return along;
 }
 
-PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal courant, PetscReal beta)
+/* The product of alpha over the directions but a and b. */
+static PetscReal Others(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
 {
-  return p->why_not_published ? NAN : p->scheme->formulation->published(courant, beta);
+  PetscReal product = 1;
+
+  for (PetscInt c = 0; c < p->layout->dim; c++)
+    if (c != a && c != b) product *= along[c].alpha;
+  return product;
 }
 
-PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, PetscReal beta)
+/* K and its eigenvalues and vectors. In one dimension K is kappa, whatever Poisson's ratio is. */
+static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal kappa[MPM_MAX_DIM],
+                      double complex vector[MPM_MAX_DIM][MPM_MAX_DIM])
 {
-  MpmCellSymbols cell;
+  const PetscInt  dim = p->layout->dim;
+  const PetscReal nu = p->scheme->space.poisson, lambda = nu / (1 - nu), mu       = (1 - 2 * nu) / (2 * (1 - nu));
+  double complex  M[MPM_MAX_DIM][MPM_MAX_DIM], K[MPM_MAX_DIM][MPM_MAX_DIM], trace = 0;
+
+  kappa[0]     = along[0].kappa;
+  vector[0][0] = 1;
+  if (dim == 1) return;
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt b = 0; b < dim; b++)
+      M[a][b] = Others(p, along, a, b) * (a == b ? along[a].kappa : conj(along[a].mu) * along[b].mu);
+    trace += M[a][a];
+  }
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = 0; b < dim; b++) K[a][b] = lambda * M[a][b] + mu * ((a == b ? trace : 0) + conj(M[a][b]));
+  MpmHermitianSolve(dim, K, kappa, vector);
+}
+
+/* A motion that particles do not resist has a kappa of 0, of which rounding may make a little less. */
+PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], MpmCellSymbols cell[MPM_MAX_DIM])
+{
+  const PetscInt dim = p->layout->dim;
+  MpmCellSymbols all = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
+  PetscReal      kappa[MPM_MAX_DIM];
+  double complex vector[MPM_MAX_DIM][MPM_MAX_DIM], square = 0;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    const double complex m = along[a].mu * Others(p, along, a, a);
+
+    square += m * m;
+    all.mu = m;
+    all.lap += along[a].lap;
+  }
+  if (dim > 1) all.mu = csqrt(square);
+  if (p->scheme->table->affine != MPM_NONE)
+    for (PetscInt a = 0; a < dim; a++) all.alpha += along[a].theta * Others(p, along, a, a);
+  all.filter = p->scheme->transfer->filter_symbol(&p->scheme->numbers, all.alpha);
+  if (HasStress(p)) Stiffness(p, along, kappa, vector);
+  for (PetscInt i = 0; i < p->problems; i++) {
+    cell[i]       = all;
+    cell[i].kappa = HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa;
+  }
+  return p->problems;
+}
+
+PetscInt MpmPredictorSymbols(const MpmPredictor *p, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM])
+{
+  MpmAlong along[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
+  return MpmPredictorTogether(p, along, cell);
+}
+
+void MpmPredictorPolarisation(const MpmPredictor *p, const PetscReal beta[], PetscInt i, double complex vector[])
+{
+  MpmAlong       along[MPM_MAX_DIM];
+  PetscReal      kappa[MPM_MAX_DIM];
+  double complex vectors[MPM_MAX_DIM][MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
+  Stiffness(p, along, kappa, vectors);
+  for (PetscInt a = 0; a < p->layout->dim; a++) vector[a] = vectors[i][a];
+}
+
+PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal courant, const PetscReal beta[])
+{
+  return p->why_not_published ? NAN : p->scheme->formulation->published(courant, beta[0]);
+}
+
+/* The largest abs(G) of the problems, and of motions without resistance, with given symbols along the directions. */
+static PetscReal Largest(const MpmPredictor *p, PetscReal courant, const MpmAlong along[])
+{
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n       = MpmPredictorTogether(p, along, cell);
+  PetscReal      largest = p->scheme->formulation->corrected(&cell[0], courant);
+
+  for (PetscInt i = 1; i < n; i++) largest = fmax(largest, p->scheme->formulation->corrected(&cell[i], courant));
+  return HasStress(p) && n < p->layout->dim ? fmax(largest, fabs(cell[0].filter)) : largest;
+}
+
+PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, const PetscReal beta[])
+{
+  MpmAlong along[MPM_MAX_DIM];
 
   if (p->why_not_corrected) return NAN;
-  cell = MpmPredictorSymbols(p, beta);
-  return p->scheme->formulation->corrected(&cell, courant);
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
+  return Largest(p, courant, along);
+}
+
+/* The numbers of phases of a scene's grid, and their product. */
+static PetscInt Phases(const MpmLayout *layout, PetscInt phases[MPM_MAX_DIM])
+{
+  PetscInt all = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    phases[a] = PetscMin(layout->grid[a].cells, MOST_PHASES[layout->dim - 1]);
+    all *= phases[a];
+  }
+  return all;
+}
+
+/* The largest of the corrected formula over the phases of a grid. The symbols along the directions are made once. */
+static PetscErrorCode LargestOfAll(const MpmPredictor *p, PetscReal courant, PetscReal *largest)
+{
+  PetscInt       phases[MPM_MAX_DIM];
+  const PetscInt all = Phases(p->layout, phases), dim = p->layout->dim;
+  MpmAlong      *along[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(PetscMalloc1(phases[a], &along[a]));
+    for (PetscInt m = 0; m < phases[a]; m++) along[a][m] = MpmPredictorAlong(p, a, MpmSymbolPhase(m, phases[a]));
+  }
+  for (PetscInt m = 0; m < all; m++) {
+    MpmAlong at[MPM_MAX_DIM];
+
+    for (PetscInt a = 0, rest = m; a < dim; a++, rest /= phases[a - 1]) at[a] = along[a][rest % phases[a]];
+    *largest = fmax(*largest, Largest(p, courant, at));
+  }
+  for (PetscInt a = 0; a < dim; a++) PetscCall(PetscFree(along[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 {
-  const PetscInt phases = PetscMin(scene->layout.grid[0].cells, MOST_PHASES);
-  MpmPredictor   predictor;
+  const MpmLayout *layout = &scene->layout;
+  MpmPredictor     predictor;
+  PetscReal        beta[MPM_MAX_DIM];
+  PetscInt         phases[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   *predictions = (MpmPredictions){.published = NAN, .corrected = NAN, .corrected_mode = NAN};
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
-  for (PetscInt m = 0; m < phases && !predictor.why_not; m++) {
-    const PetscReal beta = MpmSymbolPhase(m, phases);
-
+  PetscCall(MpmPredictorCreate(layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
+  for (PetscInt m = 0; !predictor.why_not_published && m < Phases(layout, phases); m++) {
+    beta[0]                = MpmSymbolPhase(m, phases[0]);
     predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, scene->step.courant, beta));
-    predictions->corrected = fmax(predictions->corrected, MpmPredictorCorrected(&predictor, scene->step.courant, beta));
   }
+  if (!predictor.why_not_corrected) PetscCall(LargestOfAll(&predictor, scene->step.courant, &predictions->corrected));
+  for (PetscInt a = 0; a < layout->dim; a++) beta[a] = MpmSymbolPhase(scene->mode[a], layout->grid[a].cells);
   if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
-    predictions->corrected_mode = MpmPredictorCorrected(&predictor, scene->step.courant,
-                                                        MpmSymbolPhase(scene->mode[0], scene->layout.grid[0].cells));
+    predictions->corrected_mode = MpmPredictorCorrected(&predictor, scene->step.courant, beta);
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps the larger of two distances, with its phase. Of equal ones, but for rounding, it keeps the first. */
-static void Widest(PetscReal distance, PetscReal beta, PetscReal *widest, PetscReal *at)
+/* A distance and the phase where it is. */
+typedef struct {
+  PetscReal distance, beta[MPM_MAX_DIM];
+} Wide;
+
+/* Keeps the larger of two distances. Of equal ones, but for rounding, it keeps the first. */
+static void Widest(const Wide *one, Wide *widest)
 {
-  if (isnan(distance) || distance <= *widest + 1e-12) return;
-  *widest = distance;
-  *at     = beta;
+  if (!isnan(one->distance) && one->distance > widest->distance + 1e-12) *widest = *one;
 }
 
 PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const MpmSymbol *s, MpmComparison *comparison)
 {
-  PetscReal   mine[4] = {-1, NAN, -1, NAN}, *all;
-  PetscMPIInt size;
+  const PetscInt width   = 2 * sizeof(Wide) / sizeof(PetscReal);
+  Wide           mine[2] = {{-1, {NAN, NAN, NAN}}, {-1, {NAN, NAN, NAN}}}, one, *all;
+  PetscMPIInt    size;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->count && s->without_null; i++) {
-    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
-
-    Widest(fabs(MpmPredictorPublished(p, s->step.courant, beta) - s->without_null[i]), beta, &mine[0], &mine[1]);
-    Widest(fabs(MpmPredictorCorrected(p, s->step.courant, beta) - s->without_null[i]), beta, &mine[2], &mine[3]);
+    MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, s->first + i), one.beta);
+    one.distance = fabs(MpmPredictorPublished(p, s->step.courant, one.beta) - s->without_null[i]);
+    Widest(&one, &mine[0]);
+    one.distance = fabs(MpmPredictorCorrected(p, s->step.courant, one.beta) - s->without_null[i]);
+    Widest(&one, &mine[1]);
   }
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCall(PetscMalloc1(4 * size, &all));
-  PetscCallMPI(MPI_Allgather(mine, 4, MPIU_REAL, all, 4, MPIU_REAL, comm));
-  for (PetscMPIInt r = 0; r < size; r++) {
-    Widest(all[4 * r], all[4 * r + 1], &mine[0], &mine[1]);
-    Widest(all[4 * r + 2], all[4 * r + 3], &mine[2], &mine[3]);
-  }
+  PetscCall(PetscMalloc1(2 * size, &all));
+  PetscCallMPI(MPI_Allgather(mine, width, MPIU_REAL, all, width, MPIU_REAL, comm));
+  for (PetscMPIInt r = 0; r < size; r++)
+    for (int of = 0; of < 2; of++) Widest(&all[2 * r + of], &mine[of]);
   PetscCall(PetscFree(all));
-  *comparison = (MpmComparison){mine[0] < 0 ? NAN : mine[0], mine[1], mine[2] < 0 ? NAN : mine[2], mine[3]};
+  *comparison = (MpmComparison){.published      = mine[0].distance < 0 ? NAN : mine[0].distance,
+                                .published_beta = mine[0].beta[0],
+                                .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance};
+  PetscCall(PetscArraycpy(comparison->corrected_beta, mine[1].beta, MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

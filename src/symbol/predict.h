@@ -1,7 +1,19 @@
 /* Predictions: closed forms of abs(G), at each phase, and the largest over the modes of the scene's grid. */
 #pragma once
+#include "symbol/ties.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/symbol.h>
+
+/*S
+   MpmAlong - the symbols of the maps along one direction, at a phase of that direction.
+
+   alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
+   theta - the symbol of P2G_AFFINE G2P_AFFINE
+S*/
+typedef struct {
+  PetscReal      alpha, kappa, lap, theta;
+  double complex mu;
+} MpmAlong;
 
 /*S
    MpmPredictor - the closed forms of a scheme on a layout.
@@ -9,19 +21,20 @@
    why_not           - says what the closed forms leave out: particles that move, cells that differ, ends, a transfer
                        without filter symbol; NULL when they cover the case
    why_not_corrected - the same for the corrected formula, or that the formulation has none
-   why_not_published - the same for the slides' formula, or that the slides leave out the formulation, the basis or the
-                       transfer
+   why_not_published - the same for the slides' formula, or that the slides leave out the formulation, the basis, the
+                       transfer or the dimension
+   problems          - a step of a phase splits into so many problems of two amplification factors each: with a stress,
+                       one for each direction of motion that particles resist; else 1
    e                 - C1 - C2 of the slides' weights
-   node              - node[j]: the first node of particle j of a cell
-   value, slope      - phi_ip and h dphi_ip/dx of each particle, MpmMapReach of each
+   ties              - the weights of the maps along each direction
 S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
   const char      *why_not, *why_not_corrected, *why_not_published;
+  PetscInt         problems;
   PetscReal        e;
-  PetscInt        *node;
-  PetscReal       *value, *slope;
+  MpmTies          ties[MPM_MAX_DIM];
 } MpmPredictor;
 
 /* Not collective. drifts says whether particles move; the closed forms do not cover that. */
@@ -29,12 +42,40 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
                                   MpmPredictor *predictor);
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
-/* Not collective. The symbols at a phase that the closed forms are functions of. */
-MpmCellSymbols MpmPredictorSymbols(const MpmPredictor *predictor, PetscReal beta);
+/*
+   MpmPredictorSymbols - the symbols at a phase that the closed forms are functions of: those of each of the predictor's
+   problems, the stiffest first. Returns how many there are.
 
-/* Not collective. abs(G) at a Courant number and a phase, as the slides print it and corrected; NaN where undefined. */
-PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
-PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant, PetscReal beta);
+   MpmPredictorAlong, MpmPredictorTogether - the two halves of it. Symbols along the directions can be kept, and taken
+   together for many phases.
+
+   Not collective. The predictor must cover the case (why_not). beta and along have one entry for each direction.
+
+   With a stress a problem belongs to an eigenvector of
+
+     K = lambda M + mu (tr M I + conj M),    M_ab = the symbol of DIV_a GRAD_b,
+
+   and its kappa is the eigenvalue. Each eigenvector that no particle resists (a fluid has many) leaves one amplification
+   factor besides, the filter symbol. So do the motions of a gas without divergence.
+*/
+PetscInt MpmPredictorSymbols(const MpmPredictor *predictor, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM]);
+MpmAlong MpmPredictorAlong(const MpmPredictor *predictor, PetscInt axis, PetscReal beta);
+PetscInt MpmPredictorTogether(const MpmPredictor *predictor, const MpmAlong along[], MpmCellSymbols cell[MPM_MAX_DIM]);
+
+/*
+   MpmPredictorPolarisation - the nodal velocity of problem i at a phase: the eigenvector of K, of norm 1.
+
+   Not collective. vector has one entry for each direction. The formulation must have a stress.
+*/
+void MpmPredictorPolarisation(const MpmPredictor *predictor, const PetscReal beta[], PetscInt i,
+                              double complex vector[]);
+
+/*
+   Not collective. abs(G) at a Courant number and a phase, as the slides print it and corrected; NaN where undefined. The
+   corrected one is the largest of the predictor's problems.
+*/
+PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal courant, const PetscReal beta[]);
+PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant, const PetscReal beta[]);
 
 /*S
    MpmPredictions - growth per step by the closed forms: the largest over the phases of the scene's grid. NaN where a
@@ -51,10 +92,11 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
 
 /*S
    MpmComparison - the largest distance over the phases between abs(G) by a formula and the growth by the symbol without
-   the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare.
+   the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare. The slides have one
+   dimension.
 */
 typedef struct {
-  PetscReal published, published_beta, corrected, corrected_beta;
+  PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM];
 } MpmComparison;
 
 /*

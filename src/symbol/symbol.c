@@ -6,12 +6,13 @@
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "symbol/bloch.h"
+#include "symbol/phases.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
 
-#define MOST_PPC 512
+#define MOST_SIZE 1536       /* the largest order of a matrix with all fields that a scheme may have */
 #define SHARES_MAXIMUM 1e-12 /* relative: growths that differ by less are taken for equal */
 #define NEAR 10              /* in tolerances: up to this growth - 1 the error of a defective eigenvalue is computed */
 
@@ -32,7 +33,8 @@ static PetscReal Square(double complex z)
    may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose steps are
    disturbed by rounding (MpmBlochMatrix, noisy).
 */
-static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, PetscReal beta, PetscInt exponent, PetscReal *error)
+static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, const PetscReal beta[], PetscInt exponent,
+                               PetscReal *error)
 {
   const PetscInt n      = r->eigen.n * r->eigen.n;
   PetscReal      sum[2] = {0, 0};
@@ -76,21 +78,51 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
 }
 
 /*
-   The largest abs of the amplification factors without the null space of P2G, the particle data that no node feels. The
-   null space has ppc - 1 amplification factors for each field: 1 without a filter, else the transfer's null_factor.
+   Counts the amplification factors of the null space of P2G, the particle data that no node feels: those of fields without
+   filter (rest), and of all. Nodes have one number of a number, and a vector of a vector or of a stress. The affine part
+   of a vector adds to the vector's own numbers.
 */
-static PetscReal LargestWithoutNull(Reader *r)
+static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
 {
-  const MpmScheme *scheme = r->bloch.scheme;
-  const PetscInt   others = r->bloch.layout->ppc[0] - 1, rest = scheme->table->unfiltered * others,
-                 all      = scheme->table->nstate * others;
-  double complex *value   = r->eigen.value;
-  PetscReal       largest = 0;
+  const MpmTable *t          = b->scheme->table;
+  PetscInt        numbers[2] = {0, 0}; /* without and with filter */
 
-  Drop(value, r->eigen.n, rest, 1);
-  Drop(value, r->eigen.n - rest, all - rest, scheme->transfer->null_factor(&scheme->numbers));
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    PetscInt components = 0, seen;
+
+    numbers[t->filtered[r]] += b->ppc;
+    if (t->field[r] == MPM_NONE || t->component[r] > 0) continue;
+    for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
+    seen = b->scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
+    numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
+  }
+  *rest = numbers[0];
+  *all  = numbers[0] + numbers[1];
+}
+
+/*
+   The largest abs of the amplification factors without the null space of P2G. Those of the null space are 1 without a
+   filter, else the transfer's null_factor.
+*/
+static PetscReal LargestWithoutNull(Reader *r, PetscInt exponent)
+{
+  const MpmScheme *scheme  = r->bloch.scheme;
+  double complex  *value   = r->eigen.value;
+  const PetscReal  one     = scalbn(1, -(int)exponent);
+  PetscReal        largest = 0;
+  PetscInt         rest, all;
+
+  CountNull(&r->bloch, &rest, &all);
+  Drop(value, r->eigen.n, rest, one);
+  Drop(value, r->eigen.n - rest, all - rest, one * scheme->transfer->null_factor(&scheme->numbers));
   for (PetscInt i = 0; i < r->eigen.n - all; i++) largest = PetscMax(largest, cabs(value[i]));
-  return largest;
+  return largest / one;
+}
+
+/* The phase that is computed for the i-th class of this rank. */
+static void BetaOf(const MpmSymbol *s, PetscInt i, PetscReal beta[])
+{
+  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, s->first + i), beta);
 }
 
 static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
@@ -100,15 +132,15 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   PetscFunctionBegin;
   PetscCall(MpmProgressBegin("phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
-    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
-    PetscInt        largest, exponent;
+    PetscReal beta[MPM_MAX_DIM];
+    PetscInt  largest, exponent;
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
-
+    BetaOf(s, i, beta);
     PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
     PetscCall(Factors(r, PETSC_FALSE, &largest));
     s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
-    if (s->without_null) s->without_null[i] = LargestWithoutNull(r);
+    if (s->without_null) s->without_null[i] = LargestWithoutNull(r, exponent);
     if (!s->factors) continue;
     s->exponents[i] = exponent;
     for (PetscInt j = 0; j < s->size; j++) {
@@ -129,10 +161,10 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscFunctionBegin;
   if (!(s->growth <= 1 + NEAR * s->wish.tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < s->count; i++) {
-    const PetscReal beta = MpmSymbolPhase(s->first + i, s->phases);
-    PetscReal       error;
-    PetscInt        exponent;
+    PetscReal beta[MPM_MAX_DIM], error;
+    PetscInt  exponent;
 
+    BetaOf(s, i, beta);
     PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
     PetscCall(Rounding(r, s, beta, exponent, &error));
     s->defective_error = PetscMax(s->defective_error, MpmDefectiveErrorOf(error, exponent, s->period));
@@ -144,7 +176,7 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
 /* Finds the largest growth, the first phase that has it, and the condition number of its amplification factor. */
 static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
-  PetscInt       m       = s->half + 1, largest;
+  PetscInt       m       = s->classes, largest;
   double complex overlap = 0, leading;
   PetscReal      error;
 
@@ -155,7 +187,7 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   for (PetscInt i = s->count - 1; i >= 0; i--)
     if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
-  s->beta_at_max = MpmSymbolPhase(m, s->phases);
+  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, m), s->beta_at_max);
   PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
   PetscCall(Rounding(r, s, s->beta_at_max, s->exponent, &error));
   PetscCall(Factors(r, PETSC_TRUE, &largest));
@@ -167,26 +199,53 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The most particles in a cell: with fields for a vector, a stress and an affine part, its block is as large as allowed. */
+static PetscInt MostPpc(PetscInt dim)
+{
+  return MOST_SIZE / (dim + dim * (dim + 1) / 2 + dim * dim);
+}
+
 const char *MpmSymbolWhyNot(const MpmLayout *layout)
 {
-  if (layout->dim > 1) return "the symbol is of one dimension";
   if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
   if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
-  if (layout->ppc[0] > MOST_PPC) return "with so many particles per cell its blocks are too large";
+  if (MpmLayoutPpc(layout) > MostPpc(layout->dim)) return "with so many particles per cell its blocks are too large";
   return NULL;
 }
 
-/* Refuses output that does not fit: curves and amplification factors all pass through the first rank. */
-static PetscErrorCode CheckSize(MPI_Comm comm, const MpmSymbol *s)
+/* Sets the number of phases. Refuses output that does not fit: curves and factors all pass through the first rank. */
+static PetscErrorCode CountPhases(MPI_Comm comm, MpmSymbol *s)
 {
-  const PetscReal numbers = (s->wish.keep ? 2.0 * s->size : 1) * s->phases;
+  const PetscInt dim                    = s->layout->dim;
+  PetscReal      all                    = 1, numbers, bytes;
+  char           text[MPM_MAX_DIM * 16] = "";
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    char part[16];
+
+    s->phases[a] = s->wish.phases[a];
+    all *= s->phases[a];
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", s->phases[a]));
+    PetscCall(PetscStrlcat(text, part, sizeof text));
+  }
+  numbers = (s->wish.keep ? 2.0 * s->size : 1) * all;
+  bytes   = numbers * sizeof(PetscReal) + (dim > 1 ? all * sizeof(PetscInt) : 0);
   MpmCheckInput(numbers <= PETSC_MAX_INT,
-                "phases %" PetscInt_FMT ": the output would hold %.3g numbers; allowed: at most %d, so fewer phases",
-                s->phases, numbers, PETSC_MAX_INT);
-  PetscCall(MpmLayoutCheckMemory(comm, s->layout, numbers * sizeof(PetscReal), "the symbol"));
+                "phases %s: the output would hold %.3g numbers; allowed: at most %d, so fewer phases", text, numbers,
+                PETSC_MAX_INT);
+  PetscCall(MpmLayoutCheckMemory(comm, s->layout, bytes, "the symbol"));
+  s->all = (PetscInt)all;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first end that is not periodic, for a message. */
+static const MpmEnd *WallsOf(const MpmLayout *layout)
+{
+  PetscInt a = 0;
+
+  while (a < layout->dim - 1 && layout->grid[a].ends[0] == MPM_PERIODIC) a++;
+  return layout->grid[a].ends;
 }
 
 PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
@@ -195,7 +254,7 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
   MpmCheckInput(MpmLayoutIsPeriodic(layout),
                 "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
                 "any)",
-                MpmEndNames[layout->grid[0].ends[0]], MpmEndNames[layout->grid[0].ends[1]]);
+                MpmEndNames[WallsOf(layout)[0]], MpmEndNames[WallsOf(layout)[1]]);
   MpmCheckInput(layout->counts.n == 1 && layout->material.kind == MPM_MATERIAL_UNIFORM,
                 "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
                 "any layout)",
@@ -208,8 +267,8 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
                 "takes any layout)",
                 layout->jitter);
   MpmCheckInput(!MpmSymbolWhyNot(layout),
-                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %d", layout->ppc[0],
-                MOST_PPC);
+                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %" PetscInt_FMT "%s",
+                MpmLayoutPpc(layout), MostPpc(layout->dim), layout->dim > 1 ? " in a cell" : "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,13 +292,13 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   s->step   = *step;
   s->wish   = *wish;
   PetscCall(MpmStepPeriod(step, &s->period));
-  s->phases = wish->phases;
-  s->half   = wish->phases / 2;
-  s->first  = (PetscInt)((PetscInt64)(s->half + 1) * rank / size);
-  s->count  = (PetscInt)((PetscInt64)(s->half + 1) * (rank + 1) / size) - s->first;
-  PetscCall(MpmBlochCreate(layout, scheme, &step->drift[0], &reader.bloch));
+  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &reader.bloch));
   s->size = reader.bloch.size;
-  PetscCall(CheckSize(comm, s));
+  PetscCall(CountPhases(comm, s));
+  MpmPhasesFind(s);
+  PetscCall(MpmPhasesList(s));
+  s->first = (PetscInt)((PetscInt64)s->classes * rank / size);
+  s->count = (PetscInt)((PetscInt64)s->classes * (rank + 1) / size) - s->first;
   PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   room = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
@@ -260,6 +319,7 @@ PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol)
 {
   PetscFunctionBegin;
   if (!*symbol) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree((*symbol)->list));
   PetscCall(PetscFree((*symbol)->per_phase));
   PetscCall(PetscFree((*symbol)->without_null));
   if ((*symbol)->factors) PetscCall(PetscFree2((*symbol)->factors, (*symbol)->exponents));
@@ -292,7 +352,7 @@ PetscErrorCode MpmSymbolGather(MPI_Comm comm, const MpmSymbol *s, const PetscRea
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCall(PetscMalloc1(rank ? 0 : s->half + 1, all));
+  PetscCall(PetscMalloc1(rank ? 0 : s->classes, all));
   PetscCall(Parts(comm, s, 1, &counts, &begins));
   PetscCallMPI(MPI_Gatherv(curve, (PetscMPIInt)s->count, MPIU_REAL, *all, counts, begins, MPIU_REAL, 0, comm));
   PetscCall(PetscFree2(counts, begins));
@@ -306,7 +366,7 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscReal     *scaled;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1((size_t)width * s->phases, factors));
+  PetscCall(PetscMalloc1((size_t)width * s->all, factors));
   PetscCall(PetscMalloc1((size_t)width * s->count, &scaled));
   for (PetscInt i = 0; i < s->count; i++)
     for (PetscInt j = 0; j < width; j++)
@@ -314,10 +374,14 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscCall(Parts(comm, s, width, &counts, &begins));
   PetscCallMPI(
       MPI_Allgatherv(scaled, (PetscMPIInt)(width * s->count), MPIU_REAL, *factors, counts, begins, MPIU_REAL, comm));
-  /* the table is real, so G(-beta) is the conjugate of G(beta) */
-  for (PetscInt m = s->half + 1; m < s->phases; m++)
+  /* a phase has no smaller number than its class, so that from the last one on a phase takes the place of a class read */
+  for (PetscInt phase = s->all - 1; phase >= 0; phase--) {
+    PetscBool      conjugate;
+    const PetscInt i = MpmSymbolClass(s, phase, &conjugate);
+
     for (PetscInt j = 0; j < width; j++)
-      (*factors)[width * m + j] = (*factors)[width * (s->phases - m) + j] * (j % 2 ? -1 : 1);
+      (*factors)[width * phase + j] = (*factors)[width * i + j] * (conjugate && j % 2 ? -1 : 1);
+  }
   PetscCall(PetscFree2(counts, begins));
   PetscCall(PetscFree(scaled));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,20 +5,36 @@
 #include "task/task.h"
 #include <math.h>
 
+/* Where growth is largest: the phase, and the length of its waves in cells. */
+static PetscErrorCode DescribeMaximum(const MpmSymbol *s, size_t room, char text[])
+{
+  const PetscInt dim  = s->layout->dim;
+  PetscReal      size = 0;
+  char           beta[96], phases[64];
+
+  PetscFunctionBegin;
+  PetscCall(MpmReportVector(dim, s->beta_at_max, 6, sizeof beta, beta));
+  PetscCall(MpmReportCounts(dim, s->phases, sizeof phases, phases));
+  for (PetscInt a = 0; a < dim; a++) size = hypot(size, PetscMin(s->beta_at_max[a], 2 * PETSC_PI - s->beta_at_max[a]));
+  if (size > 0)
+    PetscCall(PetscSNPrintf(text, room, "at beta = %s (waves of %.4g cells) of %s phases", beta, 2 * PETSC_PI / size,
+                            phases));
+  else
+    PetscCall(PetscSNPrintf(text, room, "at beta = 0 of %s phases", phases));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, const MpmPredictor *p,
                             const MpmPredictions *predictions, const MpmComparison *comparison,
                             const MpmFinding *finding, PetscMPIInt ranks)
 {
-  char text[128];
+  char text[256];
 
   PetscFunctionBegin;
   PetscCall(MpmReportScene(scene, request, ranks));
   MpmPrint("\ngrowth per step\n");
   PetscCall(MpmReportPredictions(p, predictions));
-  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %.6g (waves of %.4g cells) of %" PetscInt_FMT " phases",
-                          s->beta_at_max, 2 * PETSC_PI / s->beta_at_max, s->phases));
-  if (s->beta_at_max == 0)
-    PetscCall(PetscSNPrintf(text, sizeof text, "at beta = 0 of %" PetscInt_FMT " phases", s->phases));
+  PetscCall(DescribeMaximum(s, sizeof text, text));
   PetscCall(MpmReportGrowth("symbol", s->growth, text));
   MpmPrint("\n");
   PetscCall(MpmReportComparison(p, comparison));
@@ -58,17 +74,18 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
 
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  const MpmSymbolWish wish = {.phases    = request->phases,
-                              .keep      = request->output[0] ? PETSC_TRUE : PETSC_FALSE,
-                              .tolerance = request->tolerance};
-  PetscMPIInt         ranks;
-  MpmSymbol          *symbol;
-  MpmPredictor        predictor;
-  MpmPredictions      predictions;
-  MpmComparison       comparison;
-  MpmFinding          finding = {.tolerance = request->tolerance};
+  const PetscInt dim  = scene->layout.dim;
+  MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
+  PetscMPIInt    ranks;
+  MpmSymbol     *symbol;
+  MpmPredictor   predictor;
+  MpmPredictions predictions;
+  MpmComparison  comparison;
+  MpmFinding     finding = {.tolerance = request->tolerance};
+  char           phases[64];
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) wish.phases[a] = request->phases[a];
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &wish, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
@@ -78,10 +95,11 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   finding.uncertainty     = symbol->uncertainty;
   finding.defective_error = symbol->defective_error;
   finding.verdict         = MpmVerdictOf(&finding);
+  PetscCall(MpmReportCounts(dim, symbol->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(finding.evidence, sizeof finding.evidence,
-                          "the symbol at %" PetscInt_FMT " phases, the whole spectrum of %" PetscInt_FMT " cells",
-                          symbol->phases, symbol->phases));
-  PetscCall(MpmFindingOfPhases(&finding, symbol->phases, scene->layout.grid[0].cells));
+                          "the symbol at %s phases, the whole spectrum of %s cells", phases, phases));
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(MpmFindingOfPhases(&finding, symbol->phases[a], scene->layout.grid[a].cells));
   if (MpmPredictDisagrees(&comparison, symbol->growth))
     PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
   PetscCall(WriteFiles(scene, request, symbol, &predictor));

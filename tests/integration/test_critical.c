@@ -156,7 +156,7 @@ static PetscErrorCode CheckBelow(const char options[], PetscReal limit)
   for (int n = 1; n <= 100; n++) {
     at.courant = c.courant * MpmHash(21, n);
     PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &at,
-                              &(MpmSymbolWish){.phases = 97, .tolerance = 1e-6}, &symbol));
+                              &(MpmSymbolWish){.phases = {97}, .tolerance = 1e-6}, &symbol));
     CHECK(symbol->growth <= 1 + 1e-6, "%s: growth %.9g at %.9g", options, symbol->growth, at.courant);
     PetscCall(MpmSymbolDestroy(&symbol));
   }

@@ -42,7 +42,7 @@ static PetscErrorCode CheckWavenumbers(const char options[], PetscInt first)
   PetscCall(Solved(options, &scene, &s, &modes));
   PetscCall(MpmSymbolGatherFactors(PETSC_COMM_WORLD, s->symbol, s->op->exponent, &factors));
   for (PetscInt j = 0; j < first && rank == 0; j++) {
-    const PetscInt m       = (PetscInt)lrint(modes.beta[j] * s->symbol->phases / (2 * PETSC_PI));
+    const PetscInt m       = (PetscInt)lrint(modes.beta[j] * s->symbol->phases[0] / (2 * PETSC_PI));
     PetscReal      nearest = PETSC_MAX_REAL;
 
     for (PetscInt i = 0; i < s->symbol->size; i++) {

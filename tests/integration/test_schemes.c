@@ -31,7 +31,7 @@ static PetscErrorCode Growth(const MpmOperator *op, PetscReal *growth)
 
 static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
 {
-  const MpmSymbolWish wish = {.phases = op->layout->grid[0].cells, .tolerance = 1e-6};
+  const MpmSymbolWish wish = {.phases = {op->layout->grid[0].cells}, .tolerance = 1e-6};
   MpmSymbol          *symbol;
   MpmPredictor        predictor;
   MpmComparison       comparison;
@@ -45,7 +45,7 @@ static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
   PetscCall(MpmPredictorCreate(op->layout, op->scheme, MpmStepDrifts(&op->step), &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(predictor.why_not || comparison.corrected <= 1e-7 * symbol->growth, "%s: corrected off by %g at %g", options,
-        comparison.corrected, comparison.corrected_beta);
+        comparison.corrected, comparison.corrected_beta[0]);
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,7 +31,7 @@ static PetscErrorCode CheckSets(const char row[], const MpmSpectrum *s)
 
   PetscFunctionBegin;
   PetscCall(MpmSymbolGatherFactors(PETSC_COMM_WORLD, s->symbol, s->op->exponent, &factors));
-  for (PetscInt i = 0; i < s->symbol->size * s->symbol->phases; i++) {
+  for (PetscInt i = 0; i < s->symbol->size * s->symbol->all; i++) {
     PetscReal nearest = PETSC_MAX_REAL;
 
     for (PetscInt j = 0; j < s->eigen->n; j++)
@@ -41,8 +41,8 @@ static PetscErrorCode CheckSets(const char row[], const MpmSpectrum *s)
   PetscCall(PetscFree(factors));
   CHECK(s->symbol_mismatch <= 1e-6 && farthest <= 1e-6, "%s: sets differ by %.3g and %.3g", row, s->symbol_mismatch,
         farthest);
-  CHECK(s->symbol->size * s->symbol->phases == s->eigen->n, "%s: %d factors, %d eigenvalues", row,
-        (int)(s->symbol->size * s->symbol->phases), (int)s->eigen->n);
+  CHECK(s->symbol->size * s->symbol->all == s->eigen->n, "%s: %d factors, %d eigenvalues", row,
+        (int)(s->symbol->size * s->symbol->all), (int)s->eigen->n);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -87,7 +87,7 @@ static PetscErrorCode Agrees(const char options[], PetscInt copies)
   PetscCall(GrowthOf(elastic, &expected));
   CHECK(expected > 1.01, "%s: growth %g says nothing", options, expected);
   CHECK_NEAR(growth, expected, 1e-8);
-  wish.phases = scene->layout.grid[0].cells;
+  wish.phases[0] = scene->layout.grid[0].cells;
   if (!MpmSymbolWhyNot(&scene->layout)) {
     PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scheme, &scene->step, &wish, &symbol));
     CHECK_NEAR(symbol->growth, expected, 1e-8);

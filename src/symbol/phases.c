@@ -1,0 +1,100 @@
+/*
+   Phases with the same amplification factors, and the one of them that is computed. THEORY.md, section 4, says why these
+   symmetries hold.
+*/
+#include "symbol/phases.h"
+
+/* A layout is its own mirror image about the middle of a cell. */
+static PetscBool Reflects(const MpmSymbol *s, PetscInt a)
+{
+  return s->layout->offset[a].value == 0.5 && s->step.drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool Alike(const MpmSymbol *s, PetscInt a, PetscInt b)
+{
+  return s->layout->ppc[a] == s->layout->ppc[b] && s->layout->offset[a].value == s->layout->offset[b].value &&
+                 s->step.drift[a].value == s->step.drift[b].value && s->phases[a] == s->phases[b]
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* In one dimension the mirror image of a phase is its negative, which is known besides. */
+void MpmPhasesFind(MpmSymbol *s)
+{
+  for (PetscInt a = 0; a < s->layout->dim; a++) {
+    s->reflects[a] = s->layout->dim > 1 ? Reflects(s, a) : PETSC_FALSE;
+    s->alike[a]    = a;
+    for (PetscInt b = a - 1; b >= 0; b--)
+      if (Alike(s, a, b)) s->alike[a] = b;
+  }
+}
+
+void MpmSymbolBeta(const MpmSymbol *s, PetscInt phase, PetscReal beta[])
+{
+  for (PetscInt a = 0; a < s->layout->dim; a++) {
+    beta[a] = MpmSymbolPhase(phase % s->phases[a], s->phases[a]);
+    phase /= s->phases[a];
+  }
+}
+
+/* The least number that reflections and exchanges make of a phase, or of its negative. */
+static PetscInt Least(const MpmSymbol *s, PetscInt phase, PetscBool negative)
+{
+  PetscInt m[MPM_MAX_DIM], number = 0;
+
+  for (PetscInt a = 0; a < s->layout->dim; a++) {
+    m[a] = phase % s->phases[a];
+    phase /= s->phases[a];
+    if (m[a] && negative) m[a] = s->phases[a] - m[a];
+    if (s->reflects[a] && 2 * (PetscInt64)m[a] > s->phases[a]) m[a] = s->phases[a] - m[a];
+  }
+  for (PetscInt a = 0; a < s->layout->dim; a++) /* the largest first: the last direction counts most in the number */
+    for (PetscInt b = a + 1; b < s->layout->dim; b++) {
+      const PetscInt other = m[b];
+
+      if (s->alike[a] != s->alike[b] || m[a] >= other) continue;
+      m[b] = m[a];
+      m[a] = other;
+    }
+  for (PetscInt a = s->layout->dim - 1; a >= 0; a--) number = number * s->phases[a] + m[a];
+  return number;
+}
+
+static PetscInt Representative(const MpmSymbol *s, PetscInt phase, PetscBool *conjugate)
+{
+  const PetscInt plain = Least(s, phase, PETSC_FALSE), negative = Least(s, phase, PETSC_TRUE);
+
+  *conjugate = negative < plain ? PETSC_TRUE : PETSC_FALSE;
+  return PetscMin(plain, negative);
+}
+
+PetscErrorCode MpmPhasesList(MpmSymbol *s)
+{
+  PetscBool conjugate;
+
+  PetscFunctionBegin;
+  s->classes = s->all / 2 + 1;
+  if (s->layout->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  s->classes = 0;
+  for (PetscInt phase = 0; phase < s->all; phase++)
+    if (Representative(s, phase, &conjugate) == phase) s->classes++;
+  PetscCall(PetscMalloc1(s->classes, &s->list));
+  for (PetscInt phase = 0, i = 0; phase < s->all; phase++)
+    if (Representative(s, phase, &conjugate) == phase) s->list[i++] = phase;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmSymbolPhaseOfClass(const MpmSymbol *s, PetscInt i)
+{
+  return s->list ? s->list[i] : i;
+}
+
+PetscInt MpmSymbolClass(const MpmSymbol *s, PetscInt phase, PetscBool *conjugate)
+{
+  const PetscInt number = Representative(s, phase, conjugate);
+  PetscInt       place;
+
+  if (!s->list) return number;
+  PetscCallAbort(PETSC_COMM_SELF, PetscFindInt(number, s->classes, s->list, &place));
+  return place;
+}
