@@ -163,7 +163,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   m->scene      = scene;
   m->cell_width = scene->cell_width;
   m->exponent   = MpmSceneExponent(scene);
-  PetscCall(MpmParticlesFill(scene, m->grid, m->exponent, m->particles));
+  PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
   PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
