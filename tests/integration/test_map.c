@@ -44,8 +44,8 @@ static PetscErrorCode CheckPoint(const char scheme[], const char axes[], PetscIn
   PetscCall(CheckScene(options, &alone));
   PetscCall(CheckSymbol(PETSC_COMM_SELF, alone, check_request.phases[0], PETSC_FALSE, &symbol));
   point = i * map->points[1] + j;
-  CHECK(map->growth[point] == symbol->growth && map->beta[point] == symbol->beta_at_max[0],
-        "%s %s: %.17g at %g, the symbol %.17g at %g", scheme, texts, map->growth[point], map->beta[point],
+  CHECK(map->growth[point] == symbol->growth && map->beta[0][point] == symbol->beta_at_max[0],
+        "%s %s: %.17g at %g, the symbol %.17g at %g", scheme, texts, map->growth[point], map->beta[0][point],
         symbol->growth, symbol->beta_at_max[0]);
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscCall(MpmSceneDestroy(&alone));
