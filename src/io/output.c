@@ -29,7 +29,7 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request,
   PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
   PetscCall(VecSetType(o->coordinates, VECSTANDARD));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
-  PetscCall(VecCreateMPI(comm, march->grid->nodes, march->layout->grid[0].nodes, &o->global));
+  PetscCall(VecCreateMPI(comm, march->grid->axis[0].nodes, march->layout->grid[0].nodes, &o->global));
   PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
   if (o->xmf.stream)
     fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -84,22 +84,22 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
   PetscReal           part;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesWhere(particles, 0, particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   PetscCall(PetscCalloc1(3 * particles->count, &x));
   for (PetscInt p = 0; p < particles->count; p++) {
     PetscInt  now;
     PetscReal place;
 
     MpmPlaceBlock(1, &zero, &xi[p], 0, part, &now, &place);
-    now      = (PetscInt)(((PetscInt64)march->grid->first + cell[p] + whole + now) % march->grid->cells);
-    x[3 * p] = output->scene->cell_width * ((now < 0 ? now + march->grid->cells : now) + place);
+    now = (PetscInt)(((PetscInt64)march->grid->axis[0].first + cell[p] + whole + now) % march->grid->axis[0].cells);
+    x[3 * p] = output->scene->cell_width * ((now < 0 ? now + march->grid->axis[0].cells : now) + place);
   }
   PetscCall(SetById(march, 3, x, output->coordinates));
   PetscCall(PetscFree(x));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscCall(WriteVector(output, output->coordinates, place, "coordinates"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -136,7 +136,7 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
     PetscCall(MpmMarchProject(march, f, output->local));
     PetscCall(MpmGridGetArray(march->grid, output->local, &from));
     PetscCall(VecGetArray(output->global, &to));
-    for (PetscInt i = 0; i < march->grid->nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
+    for (PetscInt i = 0; i < march->grid->axis[0].nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
     PetscCall(VecRestoreArray(output->global, &to));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
     PetscCall(WriteVector(output, output->global, place, output->scene->scheme.table->fields[f]));

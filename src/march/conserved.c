@@ -38,7 +38,7 @@ static PetscErrorCode SumNodes(const MpmMarch *march, PetscReal *sum)
 
   PetscFunctionBegin;
   PetscCall(MpmGridGetArray(grid, march->inverse_mass, &inverse));
-  for (PetscInt i = 0; i < grid->nodes; i++) *sum += inverse[i] > 0 ? 1 / inverse[i] : 0;
+  for (PetscInt i = 0; i < grid->axis[0].nodes; i++) *sum += inverse[i] > 0 ? 1 / inverse[i] : 0;
   PetscCall(MpmGridRestoreArray(grid, march->inverse_mass, &inverse));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

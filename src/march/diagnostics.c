@@ -17,8 +17,8 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
 
   PetscFunctionBegin;
   if (weighed) PetscCall(MpmParticlesGet(particles, MpmPropertyNames[MPM_VOLUME], &volume));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesGet(particles, name, &q));
   sums[0] = sums[1] = sums[2] = 0;
   for (PetscInt p = 0; p < particles->count; p++) {
@@ -32,8 +32,8 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
   }
   if (weighed) PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[MPM_VOLUME], &volume));
   PetscCall(MpmParticlesRestore(particles, name, &q));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

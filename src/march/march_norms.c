@@ -73,9 +73,9 @@ static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBo
   *sum = 0;
   PetscCall(MpmGridGetArray(march->grid, march->node[field], &f));
   if (differences)
-    for (PetscInt i = 0; i < march->grid->count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
+    for (PetscInt i = 0; i < march->grid->axis[0].count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
   else
-    *sum = MpmSumSquares(march->grid->nodes, f);
+    *sum = MpmSumSquares(march->grid->axis[0].nodes, f);
   PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -42,6 +42,8 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
   PetscFunctionBegin;
   PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
   PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                     .map         = op->kind,
+                                     .axis        = op->axis,
                                      .kernel      = c->basis->kernel[op->kind],
                                      .mass_kernel = c->basis->p2g_mass,
                                      .a           = MpmOpValue(op, c->courant),
@@ -72,6 +74,7 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
   pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind        = op->kind,
                                                  .a           = MpmOpValue(op, c->courant),
+                                                 .axis        = op->axis,
                                                  .dst         = op->dst,
                                                  .src         = op->src,
                                                  .side        = op->side,
