@@ -35,7 +35,7 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
 void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
                       PetscInt cell[], PetscReal xi[]);
 
-/* Not collective. "cells 8,4 with ppc 2,2": the size of a layout, for messages. */
+/* Not collective. The options that say how large a layout is, as text: 'cells 8,4 with ppc 2,2'. */
 #define MPM_SIZE_TEXT 128
 PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[]);
 
