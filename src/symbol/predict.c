@@ -24,7 +24,6 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
   if (!scheme->formulation->published) return "the slides do not treat this formulation";
   if (layout->dim > 1) return "the slides treat one dimension";
   if (!scheme->basis->hat) return "the slides treat the linear basis";
-  if (scheme->space.gradient != MPM_GRADIENT_BASIS) return "the slides treat the basis functions' gradient";
   if (scheme->transfer->filter) return "the slides treat flip";
   return WhyNot(layout, scheme, drifts);
 }
