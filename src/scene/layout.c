@@ -193,18 +193,11 @@ static PetscErrorCode Append(char text[], size_t room, const char format[], Pets
 PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
 {
   PetscFunctionBegin;
-<<<<<<< HEAD
   text[0] = 0;
   for (PetscInt a = 0; a < layout->dim; a++)
     PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells));
   for (PetscInt a = 0; a < layout->dim; a++)
     PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]));
-=======
-  PetscCall(PetscSNPrintf(text, room, "cells %" PetscInt_FMT, layout->grid[0].cells));
-  for (PetscInt a = 1; a < layout->dim; a++) PetscCall(Append(text, room, ",%" PetscInt_FMT, layout->grid[a].cells));
-  PetscCall(Append(text, room, " with ppc %" PetscInt_FMT, layout->ppc[0]));
-  for (PetscInt a = 1; a < layout->dim; a++) PetscCall(Append(text, room, ",%" PetscInt_FMT, layout->ppc[a]));
->>>>>>> d17e2b054d5378b2c0ca5330740e65f86344412b
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

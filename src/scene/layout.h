@@ -35,11 +35,7 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
 void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
                       PetscInt cell[], PetscReal xi[]);
 
-<<<<<<< HEAD
 /* Not collective. The options that say how large a layout is, as text: 'cells 8,4 with ppc 2,2'. */
-=======
-/* Not collective. "cells 8,4 with ppc 2,2": the size of a layout, for messages. */
->>>>>>> d17e2b054d5378b2c0ca5330740e65f86344412b
 #define MPM_SIZE_TEXT 128
 PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[]);
 

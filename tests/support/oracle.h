@@ -80,7 +80,6 @@ static inline PetscErrorCode OracleCritical(const char path[], int fewest, Oracl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-<<<<<<< HEAD
 /*
    Collective. Does the same for growth-nd.csv: growth in one, two and three dimensions, on grids with the same number of
    cells in each direction.
@@ -91,20 +90,10 @@ static inline PetscErrorCode OracleGrowthNd(const char path[], int fewest, Oracl
   char   row[256], formulation[32], transfer[32], gradient[32], basis[32], offset[32], nu[32], drift[64], options[512];
   int    dim, ppc, cells, rows = 0;
   double courant, growth;
-=======
-/* Collective. Does the same for critical-nd.csv: one, two and three dimensions, with the gradient and Poisson's ratio. */
-static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, OracleCheck check)
-{
-  FILE  *file = fopen(path, "r");
-  char   row[256], formulation[32], transfer[32], gradient[32], basis[32], options[512];
-  int    dim, ppc, rows = 0;
-  double offset, poisson, courant;
->>>>>>> d17e2b054d5378b2c0ca5330740e65f86344412b
 
   PetscFunctionBegin;
   PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
   while (fgets(row, sizeof row, file)) {
-<<<<<<< HEAD
     const char *order = "", *poisson = "";
 
     if (sscanf(row, "%d,%31[^,],%31[^,],%31[^,],%31[^,],%d,%31[^,],%31[^,],%lf,%63[^,],%d,%lf", &dim, formulation,
@@ -124,7 +113,24 @@ static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, 
                             dim, formulation, transfer, order, gradient, basis, ppc, offset, poisson,
                             *poisson ? nu : "", courant, drift, cells));
     PetscCall(check(row, options, growth));
-=======
+    rows++;
+  }
+  fclose(file);
+  CHECK(rows >= fewest, "only %d rows read", rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Collective. Does the same for critical-nd.csv: one, two and three dimensions, with the gradient and Poisson's ratio. */
+static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, OracleCheck check)
+{
+  FILE  *file = fopen(path, "r");
+  char   row[256], formulation[32], transfer[32], gradient[32], basis[32], options[512];
+  int    dim, ppc, rows = 0;
+  double offset, poisson, courant;
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
+  while (fgets(row, sizeof row, file)) {
     if (sscanf(row, "%d,%31[^,],%31[^,],%31[^,],%31[^,],%d,%lf,%lf,%lf", &dim, formulation, transfer, gradient, basis,
                &ppc, &offset, &poisson, &courant) != 9)
       continue;
@@ -135,7 +141,6 @@ static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, 
     if (dim > 1 && strpbrk(formulation, "um")) /* usl, usf, musl, usavg: the others have no stress */
       PetscCall(PetscSNPrintf(options + strlen(options), sizeof options - strlen(options), " -poisson %.17g", poisson));
     PetscCall(check(row, options, courant));
->>>>>>> d17e2b054d5378b2c0ca5330740e65f86344412b
     rows++;
   }
   fclose(file);
