@@ -25,7 +25,21 @@ static const MpmCodeOption cb_geo[] = {
     {"ED2Q4, ED3H8", "-basis linear", "src/element.cc"},
     {"ED2Q16G, ED3H64G", "-basis gimp", "src/element.cc"},
     {"ED2T3, ED2T6, ED2Q8, ED2Q9, ED3H20", "none: other elements", "src/element.cc"},
-    {"\"dt\"", "the step; nothing checks it", "include/solvers/mpm_base.tcc"},
+    {"\"dt\"", "the user's", "include/solvers/mpm_base.tcc"},
+    {NULL, NULL, NULL}};
+
+static const MpmCodeOption geomechanics_mpm[] = {
+    {"\"mpm_scheme\": \"usl\"", "-formulation usl", "include/solvers/mpm_explicit.tcc"},
+    {"\"mpm_scheme\": \"musl\"", "-formulation musl", "include/solvers/mpm_explicit.tcc"},
+    {"\"mpm_scheme\": anything else, or none", "-formulation usf", "include/solvers/mpm_explicit.tcc"},
+    {"\"velocity_update\": \"flip\", the default", "-transfer flip", "include/particles/particle.tcc"},
+    {"the same with \"blending_ratio\": a", "-transfer blend -blend_ratio a", "include/particles/particle.tcc"},
+    {"\"velocity_update\": \"pic\"", "-transfer pic", "include/particles/particle.tcc"},
+    {"\"velocity_update\": \"apic\"", "-transfer apic -gradient basis", "include/particles/particle.tcc"},
+    {"\"velocity_update\": \"tpic\", \"asflip\"", "none", "include/particles/particle.tcc"},
+    {"ED2Q4, ED3H8; ED2Q16G, ED3H64G", "-basis linear; -basis gimp", "src/element.cc"},
+    {"ED2Q4P2B, ED3H8P2B", "-basis quadratic, with other knots at ends", "src/element.cc"},
+    {"other elements; implicit; two phases", "none, or not read", "src/element.cc"},
     {NULL, NULL, NULL}};
 
 static const MpmCodeOption geotaichi[] = {
@@ -147,8 +161,10 @@ static const MpmCodeOption uintah[] = {
     {"cpdi, fast_cpdi, cpti", "none", "src/CCA/Components/MPM/Core/MPMFlags.cc"},
     {"interpolator 3rdorderBS", "-basis quadratic", "src/Core/Grid/TOBSplineInterpolator.cc"},
     {"interpolator 4thorderBS", "-basis cubic", "src/Core/Grid/BSplineInterpolator.cc"},
-    {"timestep_multiplier", "a factor of h / c; it has no default",
+    {"timestep_multiplier, no default", "a factor of the material's step",
      "src/CCA/Components/Application/ApplicationCommon.cc"},
+    {"dt of a material", "h / (c + the fastest particle)",
+     "src/CCA/Components/MPM/Materials/ConstitutiveModel/HypoElastic.cc"},
     {"one_d_mpm_new", "-formulation usf -transfer flip -basis linear -boundary fixed_reaction",
      "src/CCA/Components/MPM/Matlab/one_d_mpm_new.m"},
     {NULL, NULL, NULL}};
@@ -165,6 +181,11 @@ static const MpmCodeOption difftaichi[] = {{"solids; dt = 1e-3", MLS_MPM "; c dt
                                            {"solids; dt = 2e-3", MLS_MPM "; c dt / h = 0.701", "examples/diffmpm3d.py"},
                                            {NULL, NULL, NULL}};
 
+static const MpmCodeOption fluidlab[] = {
+    {"always, away from rigid bodies", MLS_MPM, "fluidlab/fluidengine/simulators/mpm_simulator.py"},
+    {"dt", "2e-4, whatever c", "fluidlab/fluidengine/simulators/mpm_simulator.py"},
+    {NULL, NULL, NULL}};
+
 static const MpmCodeOption genesis[] = {
     {"always, away from rigid bodies", MLS_MPM, "genesis/engine/solvers/mpm_solver.py"},
     {"dt", "the user's; warns above 0.02 h (in s and m), whatever c", "genesis/engine/solvers/mpm_solver.py"},
@@ -177,8 +198,17 @@ static const MpmCodeOption incremental[] = {
      "Assets/3. MLS_MPM_Fluid_Multithreaded/MLS_MPM_Fluid_Multithreaded.cs"},
     {NULL, NULL, NULL}};
 
+static const MpmCodeOption nclaw[] = {{"always; the stress may be a network's", MLS_MPM, "nclaw/sim/mpm.py"},
+                                      {NULL, NULL, NULL}};
+
 static const MpmCodeOption newton[] = {
     {"SolverImplicitMPM", "none: implicit", "newton/_src/solvers/implicit_mpm/solver_implicit_mpm.py"},
+    {NULL, NULL, NULL}};
+
+static const MpmCodeOption physdreamer[] = {
+    {"always", "-formulation usl -gradient basis -basis quadratic", "physdreamer/warp_mpm/mpm_utils.py"},
+    {"rpic_damping 0, the default", "-transfer apic", "physdreamer/warp_mpm/mpm_utils.py"},
+    {"rpic_damping -1", "-transfer pic", "physdreamer/warp_mpm/mpm_utils.py"},
     {NULL, NULL, NULL}};
 
 static const MpmCodeOption physgaussian[] = {
@@ -236,10 +266,17 @@ static const MpmCodeOption warp_mpm[] = {
     {"grid_v_damping_scale below 1", "none: damps nodal velocities", "mpm_solver_warp.py"},
     {NULL, NULL, NULL}};
 
+static const MpmCodeOption wgsparkl[] = {
+    {"solids", MLS_MPM, "src/solver/particle_update.wgsl"},
+    {"dt", "the user's; particles move by a cell at most", "src/solver/particle_update.wgsl"},
+    {NULL, NULL, NULL}};
+
 const MpmCode MpmCodes[] = {
     {"Anura3D", "Anura3D/Anura3D_OpenSource", "016e9d0", anura3d, NULL, NULL},
     {"CB-Geo", "cb-geo/mpm", "53fcb760 of 2022-10-12", cb_geo, "-formulation usf -transfer flip -basis linear",
      "1.73205"},
+    {"geomechanics/mpm, after CB-Geo", "geomechanics/mpm", "4044dbe8 of 2026-05-01", geomechanics_mpm,
+     "-formulation usf -transfer flip -basis linear", "1.73205"},
     {"GeoTaichi", "Yihao-Shi/GeoTaichi", "8e22a64 of 2026-06-27", geotaichi,
      "-formulation musl -transfer flip -basis linear", "1.73205"},
     {"Karamelo", "adevaucorbeil/karamelo", "08e444d of 2025-04-01", karamelo,
@@ -259,10 +296,14 @@ const MpmCode MpmCodes[] = {
      "0.755929"},
     {"claymore", "penn-graphics-research/claymore", "3b19462 of 2023-05-22", claymore, MLS_MPM, MLS_MPM_LIMIT},
     {"DiffTaichi", "taichi-dev/difftaichi", "9f4ee52 of 2023-11-01", difftaichi, MLS_MPM, MLS_MPM_LIMIT},
+    {"FluidLab", "zhouxian/FluidLab", "7295eb6 of 2023-12-15", fluidlab, MLS_MPM, MLS_MPM_LIMIT},
     {"Genesis", "Genesis-Embodied-AI/Genesis", "7bf5f6a7 of 2026-04-05", genesis, MLS_MPM, MLS_MPM_LIMIT},
     {"incremental_mpm", "nialltl/incremental_mpm", "2c46592 of 2019-04-29", incremental, MLS_MPM, MLS_MPM_LIMIT},
+    {"NCLaw", "PingchuanMa/NCLaw", "ff4e27a of 2023-06-28", nclaw, MLS_MPM, MLS_MPM_LIMIT},
     {"Newton", "newton-physics/newton", "41a5392c1 of 2026-08-22", newton, NULL, NULL},
     {"NVIDIA Warp", "NVIDIA/warp", "9934a4eb2 of 2026-08-22", warp, NULL, NULL},
+    {"PhysDreamer", "a1600012888/PhysDreamer", "95beb71 of 2025-02-10", physdreamer,
+     "-formulation usl -transfer apic -gradient basis -basis quadratic", "1.64777"},
     {"PhysGaussian", "XPandora/PhysGaussian", "8339ed6 of 2025-04-06", physgaussian,
      "-formulation usl -transfer apic -gradient basis -basis quadratic", "1.64777"},
     {"PlasticineLab", "hzaskywalker/PlasticineLab", "ac1a2f7 of 2021-03-10", plasticinelab, MLS_MPM, MLS_MPM_LIMIT},
@@ -273,4 +314,5 @@ const MpmCode MpmCodes[] = {
     {"taichi_mpm", "yuanming-hu/taichi_mpm", "3a680ab of 2022-02-23", taichi_mpm, MLS_MPM, MLS_MPM_LIMIT},
     {"warp-mpm", "zeshunzong/warp-mpm", "4ce96dc of 2024-08-13", warp_mpm,
      "-formulation usl -transfer apic -gradient basis -basis quadratic", "1.64777"},
+    {"wgsparkl", "dimforge/wgsparkl", "d857579 of 2025-04-07", wgsparkl, MLS_MPM, MLS_MPM_LIMIT},
     {NULL, NULL, NULL, NULL, NULL, NULL}};
