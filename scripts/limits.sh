@@ -49,3 +49,5 @@ bar fixed usl 2
 bar fixed musl 2
 bar fixed usf 1
 bar fixed_reaction usf 1
+echo
+"$program" list codes

@@ -54,6 +54,7 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
 
    name, summary, reference - the word of the option basis, a line about it, and its source
    reach_left, reach_right  - a particle in cell i has weights at nodes i - reach_left to i + reach_right at most
+   nodes       - the number of nodes that a particle has weights at in each direction
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
    kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
    p2g_mass    - P2G with the nodal masses
@@ -63,7 +64,7 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
 S*/
 typedef struct {
   const char   *name, *summary, *reference;
-  PetscInt      reach_left, reach_right;
+  PetscInt      reach_left, reach_right, nodes;
   PetscReal     slope_sum;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;

@@ -3,6 +3,15 @@
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 
+/*E
+   MpmWaveType - what particles do in a wave of the lattice, by the share of their motion that is along beta: MPM_WAVE_P
+   along it, by more than MPM_WAVE_SHARE; MPM_WAVE_S across it; MPM_WAVE_MIXED both, or there are modes of both types.
+   MPM_WAVE_NONE: the formulation has no vector, or there is one dimension.
+E*/
+typedef enum { MPM_WAVE_NONE, MPM_WAVE_P, MPM_WAVE_S, MPM_WAVE_MIXED } MpmWaveType;
+extern const char *const MpmWaveTypeNames[];
+#define MPM_WAVE_SHARE 0.9
+
 /*S
    MpmCritical - the result of the task critical. Growth is per step, and counts as none up to 1 + tolerance.
 
@@ -10,14 +19,17 @@
                  is less. 0: there is no stable Courant number. Infinite: none that is unstable was found. NaN:
                  undecided.
    stable_at, unstable_at - there is no growth at stable_at, and growth at unstable_at
-   beta        - the phase of the mode that grows first at unstable_at; NaN: no mode does, or its trace has no phase
+   beta        - the phase of the mode that grows first at unstable_at, in each direction; NaN: no mode does, or its
+                 trace has no phase
+   wave        - what particles do in that mode
    null_share  - the part of this mode in the null space of P2G, which is particle data that no node feels; NaN: not
                  known
    threshold   - below stable_at there is no growth at all, but for rounding
    fading      - without a threshold, growth - 1 fades as the Courant number to this power, and the limit comes from
                  tolerance alone. At rest such a scheme has courant 0.
-   moving      - growth at the scene's own Courant number if particles at rest drifted by 1 / MPM_CRITICAL_DRIFT; NaN:
-                 it was not asked for
+   moving      - growth at the scene's own Courant number if particles at rest drifted by 1 / MPM_CRITICAL_DRIFT along x;
+                 NaN: it was not asked for
+   moving_diagonal - the same if they drifted by so much in each direction; NaN in one dimension
    disputed    - courant is undecided because search and closed form contradict each other
    rounding    - where it is not 0: the growth that rounding alone may make at the limit found. It is more than
                  tolerance, so that courant is undecided.
@@ -25,8 +37,11 @@
                  so that a window of instability may have been missed there; infinite: there is none
    followed    - under drift, amplification factors were followed over all Courant numbers below the limit, so that no
                  window was stepped over; else windows were looked for in steps
-   closed, closed_beta - limit and phase by the closed form; NaN without one
+   closed, closed_beta - limit and phases by the closed form; NaN without one
    cell        - the symbols that the closed form takes at closed_beta
+   bound       - no layout of such particles at rest, jittered or with gaps, grows up to this Courant number; 0: no such
+                 bound is known
+   phases      - where phases of two or three directions were sampled: so many in (0, pi] of each; else 0
    asked       - growth and verdict at the scene's own Courant number
    assembled   - the result comes from the eigenvalues of the assembled operator; else from the symbol
    order       - the number of unknowns of the assembled operator
@@ -34,10 +49,11 @@
    seconds     - the time that the search took
 S*/
 typedef struct {
-  PetscReal      courant, stable_at, unstable_at, doubtful, beta, null_share, fading, moving, closed, closed_beta;
-  PetscReal      rounding, seconds;
+  PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
+  PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, rounding, seconds;
   PetscBool      threshold, assembled, disputed, followed;
-  PetscInt       order;
+  PetscInt       order, phases;
+  MpmWaveType    wave;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;
@@ -75,10 +91,16 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 
    Collective on PETSC_COMM_WORLD.
 
-   On uniform layouts it uses the symbol. It finds the limit of each phase, and refines the least of them over all
+   On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and refines the least of them over all
    phases by golden section, so that the result does not depend on the phases it began with. At rest a phase that is
    unstable stays so. Under drift windows of instability open where two amplification factors meet, and close again. So
    amplification factors are followed as the Courant number grows, and the places where two of them meet are solved for.
+
+   In two and three dimensions it takes the least limit of the closed form over all phases at rest, and confirms it with
+   the symbol there and on a grid of phases. Under drift, and for formulations without a closed form, it samples: the
+   largest growth on a grid of phases, from which it goes on uphill, at a row of Courant numbers from small ones to the
+   limit of the waves along the axes. These are the waves of one dimension, whose limit is found as above. A window of
+   growth between the samples may be missed.
 
    On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. Under drift the
    eigenvalues of small operators are followed in the same way; those of larger ones are taken in steps (see followed).

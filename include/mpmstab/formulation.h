@@ -15,7 +15,6 @@
 
 /* The largest number of particle registers of a table, and of its node registers. Scratch counts too. */
 #define MPM_MAX_FIELDS 64
-#define MPM_NONE -1
 
 /*E
    MpmOpKind - the operations of a table. a is the operation's factor times a power of the Courant number (MpmOpValue).
@@ -216,6 +215,7 @@ typedef struct {
    corrected       - abs(G) at a phase, by the same analysis done right
    limit           - the largest stable Courant number at a phase, infinite where there is none
    published_text, corrected_text, limit_text - the formulas as text
+   mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (THEORY.md, section 4)
 
    Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
    with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the
@@ -234,7 +234,7 @@ typedef struct {
   const MpmWave       *wave;
   PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
-  PetscBool            published_centred;
+  PetscBool            published_centred, mls_bound;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
   PetscReal (*corrected)(const MpmCellSymbols *cell, PetscReal courant);
   PetscReal (*limit)(const MpmCellSymbols *cell);

@@ -1,4 +1,7 @@
-/* Operator: a table applied to sparse matrices. The result maps the state before a step to the state after it. */
+/*
+   Operator: a table applied to sparse matrices. The result maps the state before a step to the state after it. A large
+   operator in two or three dimensions is not assembled: it applies the table to vectors.
+*/
 #pragma once
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
@@ -9,7 +12,10 @@
    after which the particles have the same places in cells again.
 
    layout, scheme, step - as given to MpmOperatorCreate
-   A        - parallel AIJ; the operator is A times 2^exponent, so that long periods of unstable schemes stay in range.
+   assembled - A is a parallel AIJ matrix: in one dimension, and in more up to order MPM_MATRIX_ORDER. Else it is a
+              MATSHELL, with products A x and A^T x, and exponent is 0. A step couples a particle to all those that share
+              a node with it, and in three dimensions a matrix would not fit.
+   A        - the matrix, or the shell; the operator is A times 2^exponent, so that long periods of unstable schemes stay in range.
               The state is numbered particle by particle: row = fields x global id + field, in the units of THEORY.md. A
               rank holds the particles that rest in its part of the cells.
    balanced - D A D^-1, the operator in variables whose squares add up to the energy. Where masses or stiffnesses differ
@@ -21,8 +27,8 @@
    order    - the order of A: fields x particles
    period   - the number of steps in a period (MpmStepPeriod)
    exponent - see A
-   nonzeros - the number of nonzeros of A
-   bytes    - the memory that A takes on all ranks together
+   nonzeros - the number of nonzeros of A, or of the maps of all its steps
+   bytes    - the memory that they take on all ranks together
    assemble_s - the time that assembly took, in seconds
 
    Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
@@ -35,7 +41,10 @@ typedef struct {
   Vec              unit;
   PetscInt         fields, order, period, exponent;
   PetscReal        nonzeros, bytes, assemble_s;
+  PetscBool        assembled;
 } MpmOperator;
+
+#define MPM_MATRIX_ORDER 4096 /* all eigenvalues of such an order can be computed */
 
 /*
    MpmOperatorCreate - assembles the operator of a scheme on a layout, with the Courant number and the drift of step.
@@ -63,7 +72,7 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed);
 const char    *MpmOperatorNorm(const MpmOperator *op);
 
 /*
-   MpmOperatorStep - the matrix of one step of the period; the step's operator is A times 2^exponent.
+   MpmOperatorStep - the matrix of one step of the period, or its shell; the step's operator is A times 2^exponent.
 
    Collective. A is destroyed with MatDestroy.
 */

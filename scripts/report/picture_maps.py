@@ -9,7 +9,8 @@ import picture_spectra as spectra
 import picture_style as style
 
 MAP_LABELS = {"courant": "Courant number k = c dt / h", "drift": "drift / cells per step",
-              "offset": "offset / particle spacings", "ppc": "particles per cell"}
+              "offset": "offset / particle spacings", "ppc": "particles per cell", "poisson": "Poisson's ratio",
+              "drift_angle": "direction of the drift / degrees from x"}
 
 
 def transient(path):

@@ -54,8 +54,11 @@ def which_step(entry):
     else:
         said = (f"Courant number k = c dt / h up to {number(limit, '.6g')}; "
                 f"the scene has {number(result['courant'], '.6g')}.")
-    if "limited_by_beta" in found and found["limited_by_beta"]:
-        said += f" Waves of {number(2 * math.pi / found['limited_by_beta'], '.4g')} cells set it."
+    beta = found.get("limited_by_beta")
+    beta = math.hypot(*beta) if isinstance(beta, list) else beta
+    if beta:
+        waves = {"P": "P waves", "S": "S waves", "mixed": "Mixed P and S waves"}.get(found.get("limited_by_wave"), "Waves")
+        said += f" {waves} of {number(2 * math.pi / beta, '.4g')} cells set it."
     if "growth_when_drifting" in found:
         said += (" If its particles drift by 1/8 cell per step, growth is "
                  f"{number(found['growth_when_drifting'], '.6g')} per step.")

@@ -8,6 +8,7 @@
 #define GROWS 1e-12     /* smallest growth of one phase that is no rounding */
 #define PRECISION 1e-10 /* relative precision of the closed form */
 
+/* The limit of a phase, in one dimension. */
 static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
 {
   const MpmPredictor *predictor = (const MpmPredictor *)context;
@@ -15,37 +16,58 @@ static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limi
 
   PetscFunctionBegin;
   (void)MpmPredictorSymbols(predictor, &beta, cell);
-  *limit = predictor->scheme->formulation->limit(&cell[0]);
+  *limit = predictor->scheme->formulation->limit(cell);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ClosedOnLine(const MpmPredictor *predictor, MpmCritical *c)
+{
+  PetscReal limit, beta;
+
+  PetscFunctionBegin;
+  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
+    PetscCall(ClosedLimit((void *)predictor, MpmCriticalPhase(m), &limit));
+    if (limit >= c->closed) continue;
+    c->closed         = limit;
+    c->closed_beta[0] = MpmCriticalPhase(m);
+  }
+  if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmGoldenSection(ClosedLimit, (void *)predictor, MpmCriticalBeside(c->closed_beta[0], -1),
+                             MpmCriticalBeside(c->closed_beta[0], 1), &beta, &limit));
+  if (limit < c->closed * (1 - PRECISION)) {
+    c->closed         = limit;
+    c->closed_beta[0] = beta;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keeps the symbols of the problem that has the limit. */
+static void KeepSymbols(const MpmPredictor *predictor, MpmCritical *c)
+{
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n     = MpmPredictorSymbols(predictor, c->closed_beta, cell);
+  PetscReal      least = NAN;
+
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal limit = predictor->scheme->formulation->limit(&cell[i]);
+
+    if (limit >= least) continue;
+    least   = limit;
+    c->cell = cell[i];
+  }
 }
 
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                        MpmCritical *c)
 {
-  MpmPredictor   predictor;
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  PetscReal      limit, beta;
+  MpmPredictor predictor;
 
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !predictor.why_not && scheme->formulation->limit; m--) {
-    PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
-    if (limit >= c->closed) continue;
-    c->closed      = limit;
-    c->closed_beta = MpmCriticalPhase(m);
-  }
-  if (c->closed > 0) {
-    PetscCall(MpmGoldenSection(ClosedLimit, &predictor, MpmCriticalBeside(c->closed_beta, -1),
-                               MpmCriticalBeside(c->closed_beta, 1), &beta, &limit));
-    if (limit < c->closed * (1 - PRECISION)) {
-      c->closed      = limit;
-      c->closed_beta = beta;
-    }
-  }
-  if (!isnan(c->closed)) {
-    (void)MpmPredictorSymbols(&predictor, &c->closed_beta, cell);
-    c->cell = cell[0];
+  if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected) {
+    PetscCall(layout->dim == 1 ? ClosedOnLine(&predictor, c) : MpmCriticalClosedInSpace(&predictor, c));
+    if (!isnan(c->closed)) KeepSymbols(&predictor, c);
   }
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,10 +142,19 @@ static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, P
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !*grows; m--) {
     PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
     if (limit >= courant) continue;
-    PetscCall(MpmCriticalGrowthOfPhase(of, courant, MpmCriticalPhase(m), &growth));
+    PetscCall(MpmCriticalGrowthOfPhase(of, courant, &(PetscReal){MpmCriticalPhase(m)}, &growth));
     *grows = growth > 1 + GROWS ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Dispute(MpmCritical *c)
+{
+  PetscFunctionBegin;
+  c->disputed = PETSC_TRUE;
+  c->courant  = NAN;
+  PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,35 +172,45 @@ static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
     PetscCall(GrowsThere(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2, &agrees));
     if (agrees) c->courant = c->closed;
   }
-  if (agrees) PetscFunctionReturn(PETSC_SUCCESS);
-  c->disputed = PETSC_TRUE;
-  c->courant  = NAN;
-  PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
+  if (!agrees) PetscCall(Dispute(c));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static MpmCritical Nothing(PetscReal tolerance)
+{
+  MpmCritical c = {.unstable_at     = INFINITY,
+                   .doubtful        = INFINITY,
+                   .null_share      = NAN,
+                   .fading          = NAN,
+                   .moving          = NAN,
+                   .moving_diagonal = NAN,
+                   .closed          = NAN,
+                   .threshold       = PETSC_TRUE,
+                   .asked           = {.tolerance = tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c.beta[a] = c.closed_beta[a] = NAN;
+  return c;
 }
 
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
-  const PetscReal begin = MPI_Wtime();
+  const PetscReal begin  = MPI_Wtime();
+  const PetscBool drifts = MpmStepDrifts(&of->step), line = of->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  *c = (MpmCritical){.unstable_at = INFINITY,
-                     .doubtful    = INFINITY,
-                     .beta        = NAN,
-                     .null_share  = NAN,
-                     .fading      = NAN,
-                     .moving      = NAN,
-                     .closed      = NAN,
-                     .closed_beta = NAN,
-                     .threshold   = PETSC_TRUE,
-                     .asked       = {.tolerance = of->tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+  *c = Nothing(of->tolerance);
+  if (!line) PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
   if (MpmSymbolWhyNot(of->layout))
     PetscCall(MpmCriticalAssembled(of, c));
   else
-    PetscCall(BySymbol(of, alone, c));
-  PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, MpmStepDrifts(&of->step), c));
+    PetscCall(line ? BySymbol(of, alone, c) : MpmCriticalInSpace(of, alone, c));
+  if (line) PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
+  if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
   PetscCall(CheckRounding(of, c));
-  PetscCall(Compare(of, c));
+  if (line)
+    PetscCall(Compare(of, c));
+  else if (c->disputed)
+    PetscCall(Dispute(c));
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,6 +6,7 @@
 #include "linalg/dense.h"
 #include "analysis/modes.h"
 #include "march/march_private.h"
+#include "scene/layout.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
@@ -71,9 +72,9 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
   eigen->n = PetscMin(eigen->n, 1); /* keeps the leading one */
   PetscCall(MpmModesCreate(op, eigen, &modes));
-  c->beta       = eigen->n ? modes.beta[0] : NAN; /* the solver may find no vector even if it finds the growth */
+  c->beta[0]    = eigen->n ? modes.beta[0] : NAN; /* the solver may find no vector even if it finds the growth */
   c->null_share = eigen->n ? modes.null_share[0] : NAN;
-  PetscCallMPI(MPI_Bcast(&c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(MpmModesDestroy(&modes));
   PetscCall(MpmEigenDestroy(&eigen));
   PetscCall(MpmOperatorDestroy(&op));
@@ -149,13 +150,15 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   const PetscInt64 unknowns = of->scheme->table->nstate * of->layout->particles;
   Probe            probe    = {.of = of};
   MpmMarch        *march;
+  char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmLayoutSizeText(of->layout, sizeof size, size));
   c->assembled = PETSC_TRUE;
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " (%s): the limit is sought among all eigenvalues of "
-                "%" PetscInt64_FMT " unknowns; allowed: at most %d, so fewer cells",
-                of->layout->grid[0].cells, of->layout->ppc[0], MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
+                "%s (%s): the limit is sought among all eigenvalues of %" PetscInt64_FMT
+                " unknowns; allowed: at most %d, so fewer cells",
+                size, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)unknowns;
   PetscCall(MpmMarchCreateRandom(PETSC_COMM_SELF, of->layout, of->scheme, &of->step, 1,
                                  &march)); /* refuses a grid that no run could have */

@@ -349,11 +349,11 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   PetscFunctionBegin;
   c->stable_at   = p->least.stable;
   c->unstable_at = p->least.unstable;
-  c->beta        = p->least.beta;
+  c->beta[0]     = p->least.beta;
   c->courant     = c->stable_at;
   c->followed    = PETSC_TRUE;
   c->doubtful    = p->follow.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? p->follow.doubtful : INFINITY;
-  p->fixed       = c->beta;
+  p->fixed       = c->beta[0];
   if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->evaluations += p->follow.evaluations;
   p->follow.evaluations = 0;

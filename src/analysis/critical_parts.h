@@ -1,5 +1,7 @@
 /* The parts of MpmCriticalFind. */
 #pragma once
+#include "analysis/zoom.h"
+#include "symbol/predict.h"
 #include <mpmstab/critical.h>
 
 /*
@@ -34,6 +36,41 @@ typedef struct {
 PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way);
 
 /*
+   MpmCriticalInSpace - the limit in two and three dimensions, on a uniform layout; the closed form's is in the result
+   already. With alone, growth at the case's own Courant number is left out.
+
+   MpmCriticalClosedInSpace - sets closed and closed_beta. The predictor must cover the case.
+
+   MpmCriticalBySamples - the limit by samples of the symbol. unstable, beta: as of MpmCriticalUnderDrift.
+
+   MpmCriticalSampleGrowth - the largest growth at the case's Courant number that samples find, the verdict on it, and its
+   phases. With uphill the search goes on from the largest ones on the grid.
+
+   Collective on PETSC_COMM_WORLD, but for MpmCriticalClosedInSpace.
+*/
+PetscErrorCode MpmCriticalInSpace(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
+PetscErrorCode MpmCriticalClosedInSpace(const MpmPredictor *predictor, MpmCritical *critical);
+PetscErrorCode MpmCriticalBySamples(const MpmCriticalCase *of, PetscReal unstable, const PetscReal beta[],
+                                    MpmCritical *critical);
+PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
+                                       PetscReal beta[], PetscInt64 *evaluations);
+
+/*
+   MpmCriticalPolarise - what particles do in the modes of a phase that grow most at a Courant number.
+   MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
+                         matrices are large
+   MpmCriticalBound    - bound of MpmCritical, for particles at rest
+   MpmCriticalZoom     - a search over phases with the symmetries of a layout and a drift, and nothing else set
+
+   Not collective.
+*/
+PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
+                                   MpmWaveType *wave);
+PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
+PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
+MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmFraction drift[]);
+
+/*
    MpmCriticalGrowthAt - finds growth and verdict at the case's Courant number, over all phases. beta: the phase that
    grows most.
 
@@ -49,6 +86,7 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *findin
 
    Not collective.
 */
-PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, PetscReal beta,
+PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
                                         PetscReal *growth);
-PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth);
+PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
+                                   PetscReal *growth);

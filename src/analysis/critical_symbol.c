@@ -23,14 +23,14 @@ typedef struct {
   MPI_Comm         comm;
 } Probe;
 
-static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, PetscReal beta, PetscReal *growth)
+static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, const PetscReal beta[], PetscReal *growth)
 {
   PetscInt  exponent;
   PetscReal largest = 0;
 
   PetscFunctionBegin;
   p->evaluations++;
-  PetscCall(MpmBlochMatrix(&p->bloch, courant, &beta, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&p->bloch, courant, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->eigen.value[i]));
   *growth = MpmGrowthPerStep(largest, exponent, p->bloch.period);
@@ -42,7 +42,7 @@ static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal 
   Probe *p = (Probe *)context;
 
   PetscFunctionBegin;
-  PetscCall(GrowthAt(p, courant, p->beta, growth));
+  PetscCall(GrowthAt(p, courant, &p->beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,7 +70,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 
   PetscFunctionBegin;
   if (isfinite(c->unstable_at)) {
-    PetscCall(GrowthAt(p, c->unstable_at, MpmCriticalPhase(m), &g));
+    PetscCall(GrowthAt(p, c->unstable_at, &(PetscReal){MpmCriticalPhase(m)}, &g));
     if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
@@ -78,7 +78,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
   PetscCall(LimitOfPhase(p, MpmCriticalPhase(m), &limit));
   if (limit >= c->unstable_at) PetscFunctionReturn(PETSC_SUCCESS);
   c->unstable_at = limit;
-  c->beta        = MpmCriticalPhase(m);
+  c->beta[0]     = MpmCriticalPhase(m);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,14 +96,14 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
     PetscCall(MpmProgressUpdate(&p->progress, MPM_CRITICAL_PHASES - m, MPM_CRITICAL_PHASES));
   }
   mine[0] = c->unstable_at;
-  mine[1] = c->beta;
+  mine[1] = c->beta[0];
   PetscCall(PetscMalloc1(2 * size, &all));
   PetscCallMPI(MPI_Allgather(mine, 2, MPIU_REAL, all, 2, MPIU_REAL, p->comm));
   for (PetscMPIInt r = 0; r < size; r++) {
     /* of equal limits take that of the largest phase, as one rank does */
-    if (all[2 * r] > c->unstable_at || (all[2 * r] == c->unstable_at && !(all[2 * r + 1] > c->beta))) continue;
+    if (all[2 * r] > c->unstable_at || (all[2 * r] == c->unstable_at && !(all[2 * r + 1] > c->beta[0]))) continue;
     c->unstable_at = all[2 * r];
-    c->beta        = all[2 * r + 1];
+    c->beta[0]     = all[2 * r + 1];
   }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -112,7 +112,7 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
 /* Looks for a smaller limit at phases beside the one found, and brackets the least. */
 static PetscErrorCode Refine(Probe *p, MpmCritical *c)
 {
-  const PetscReal found = c->beta;
+  const PetscReal found = c->beta[0];
   PetscReal       limit = INFINITY, beta = 0, bracket[2];
 
   PetscFunctionBegin;
@@ -123,10 +123,10 @@ static PetscErrorCode Refine(Probe *p, MpmCritical *c)
       MpmGoldenSection(LimitOfPhase, p, MpmCriticalBeside(found, -1), MpmCriticalBeside(found, 1), &beta, &limit));
   if (p->least < c->unstable_at * (1 - PRECISION)) {
     c->unstable_at = p->least;
-    c->beta        = p->least_beta;
+    c->beta[0]     = p->least_beta;
     p->steps.from  = PetscMin(p->steps.from, p->least / 2);
   }
-  p->beta     = c->beta;
+  p->beta     = c->beta[0];
   p->steps.to = c->unstable_at;
   PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
@@ -153,7 +153,7 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
 {
   PetscFunctionBegin;
   c->unstable_at = courant;
-  c->beta        = beta;
+  c->beta[0]     = beta;
   PetscCall(Refine(p, c));
   PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->stable_at;
@@ -177,7 +177,8 @@ PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth)
+PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
+                                        PetscReal *growth)
 {
   Probe probe = {.tolerance = of->tolerance};
 
@@ -190,7 +191,8 @@ PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal cou
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, PetscReal beta, PetscReal *growth)
+PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
+                                   PetscReal *growth)
 {
   MpmBloch        bloch;
   PetscInt        exponent, other, n;
@@ -201,8 +203,8 @@ PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant,
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
   n = bloch.size * bloch.size;
   PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
-  PetscCall(MpmBlochMatrix(&bloch, courant, &beta, PETSC_FALSE, matrix, &exponent));
-  PetscCall(MpmBlochMatrix(&bloch, courant, &beta, PETSC_TRUE, noisy, &other));
+  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));
+  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_TRUE, noisy, &other));
   for (PetscInt i = 0; i < n; i++) {
     norm  = hypot(norm, cabs(matrix[i]));
     moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - matrix[i]));

@@ -5,6 +5,7 @@
 #include <mpmstab/operator.h>
 #include "analysis/ensemble.h"
 #include "march/march_private.h"
+#include "scene/layout.h"
 #include <math.h>
 
 #define Z 1.959963984540054 /* 95% of the normal distribution are within +-Z */
@@ -30,8 +31,10 @@ static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
   const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
   MpmOperator     *op;
   MpmMarch        *march;
+  char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
   MpmCheckInput(scene->layout.jitter > 0,
                 "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
   MpmCheckInput(scene->layout.seed <= LAST_SEED - layouts + 1,
@@ -39,9 +42,9 @@ static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
                 ": the last seed is out of range; allowed: seed + layouts - 1 up to %" PetscInt64_FMT,
                 scene->layout.seed, layouts, (PetscInt64)LAST_SEED);
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": all eigenvalues of %" PetscInt64_FMT
+                "%s: all eigenvalues of %" PetscInt64_FMT
                 " unknowns are sought for each layout; allowed: at most %d, so fewer cells",
-                scene->layout.grid[0].cells, scene->layout.ppc[0], unknowns, MPM_DENSE_MANY);
+                size, unknowns, MPM_DENSE_MANY);
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmMarchCreate(PETSC_COMM_SELF, scene, &march));

@@ -10,6 +10,7 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "analysis/pseudospectrum.h"
+#include "scene/layout.h"
 #include <math.h>
 
 #define HALF_WIDTH 1.3 /* of the square; a spectrum that needs more gets WIDER times its own */
@@ -25,12 +26,14 @@
 PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
 {
   const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
+  char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
   MpmCheckInput(order <= MPM_RESOLVENT_ORDER,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": the pseudospectrum of %" PetscInt64_FMT
+                "%s: the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
-                scene->layout.grid[0].cells, scene->layout.ppc[0], order, MPM_RESOLVENT_ORDER);
+                size, order, MPM_RESOLVENT_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

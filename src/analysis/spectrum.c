@@ -1,6 +1,7 @@
 /* The task spectrum: it makes operator, symbol and march of one scene from the same table, and compares them. */
 #include "scene/layout.h"
 #include "base/progress.h"
+#include "analysis/bloch_modes.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>
@@ -54,21 +55,48 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
+/* Looks for the symbol's leading modes in an operator that has no matrix to factor. */
+static PetscErrorCode SolveBloch(MpmSpectrum *s)
 {
-  const MpmEigenMethod method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
-  MpmProgress          progress;
-  char                 note[128];
+  PetscInt n;
+  Vec     *vectors;
 
   PetscFunctionBegin;
-  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target));
-  for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
+  PetscCall(MpmBlochModesCreate(s->op, s->symbol, &n, &vectors));
+  PetscCall(MpmEigenRitz(s->op->balanced, n, vectors, &s->eigen));
+  PetscCall(VecDestroyVecs(MPM_BLOCH_VECTORS, &vectors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Solves with the method that the operator allows. Options that ask for a solver are followed. */
+static PetscErrorCode SolveBest(MpmSpectrum *s)
+{
+  const PetscBool assembled = s->op->assembled, symbol = s->symbol ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool       asked;
+  MpmEigenMethod  method = MpmEigenChoose(s->op->order, assembled && symbol ? PETSC_TRUE : PETSC_FALSE);
+  MpmProgress     progress;
+  char            note[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-eps_type", &asked));
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
   PetscCall(MpmProgressBegin("", &progress));
   PetscCall(MpmProgressNote(&progress, note));
-  PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
+  if (!assembled && symbol && !asked)
+    PetscCall(SolveBloch(s));
+  else
+    PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscCall(MpmProgressEnd(&progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(MPI_Comm comm, MpmSpectrum *s)
+{
+  PetscFunctionBegin;
+  if (s->symbol) PetscCall(MpmSymbolTarget(comm, s->symbol, s->op->exponent, s->target));
+  for (int part = 0; part < 2; part++) s->target[part] *= 1 + BESIDE;
+  PetscCall(SolveBest(s));
   for (PetscInt j = 0; j < s->eigen->n; j++) {
     if (!(hypot(s->eigen->re[j], s->eigen->im[j]) <= s->radius)) s->radius = hypot(s->eigen->re[j], s->eigen->im[j]);
     if (!(s->eigen->residual[j] <= s->max_residual)) s->max_residual = s->eigen->residual[j];

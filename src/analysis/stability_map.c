@@ -9,35 +9,99 @@
 #define MOST_POINTS 10000000
 
 /*
-   What the symbol of a point depends on: the scene's own layout and step, except for the two numbers that the map
-   varies.
+   The components of a drift that is turned are fractions with a common denominator, the least one from here on that the
+   scene's own drift has too. A period is so many steps.
+*/
+#define DENOMINATOR 240
+
+/*
+   What the symbol of a point depends on: the scene's own layout, step and scheme, except for the two numbers that the
+   map varies. turned, angle: the drift is turned to this angle. own: the point has its own table.
 */
 typedef struct {
   MpmLayout layout;
   MpmStep   step;
+  MpmScheme scheme;
+  PetscBool turned, own;
+  PetscReal angle;
 } Point;
 
 static Point OwnPoint(const MpmScene *scene)
 {
-  return (Point){.layout = scene->layout, .step = scene->step};
+  return (Point){.layout = scene->layout, .step = scene->step, .scheme = scene->scheme};
 }
 
-static void SetParameter(Point *at, MpmAxisKind kind, const MpmFraction *value)
+/* A drift goes along the axes that the scene's drift has, or along all. One that is turned begins along x. */
+static void SetDrift(Point *at, const MpmStabilityMap *map, const MpmFraction *value)
+{
+  const MpmStep  *own  = &map->scene->step;
+  const PetscBool turn = MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE);
+
+  for (PetscInt a = 0; a < at->layout.dim; a++)
+    if (turn ? a == 0 : !MpmStepDrifts(own) || own->drift[a].value != 0) at->step.drift[a] = *value;
+  if (turn) at->step.drift[1] = (MpmFraction){.den = 1};
+}
+
+static void SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind, const MpmFraction *value)
 {
   switch (kind) {
   case MPM_AXIS_COURANT:
     at->step.courant = value->value;
     break;
   case MPM_AXIS_DRIFT:
-    at->step.drift[0] = *value;
+    SetDrift(at, map, value);
     break;
   case MPM_AXIS_OFFSET:
-    at->layout.offset[0] = *value;
+    for (PetscInt a = 0; a < at->layout.dim; a++) at->layout.offset[a] = *value;
     break;
   case MPM_AXIS_PPC:
     MpmLayoutSetPpc(&at->layout, (PetscInt)value->num);
     break;
+  case MPM_AXIS_POISSON:
+    at->scheme.space.poisson = value->value;
+    at->own                  = PETSC_TRUE;
+    break;
+  case MPM_AXIS_DRIFT_ANGLE:
+    at->angle  = value->value * PETSC_PI / 180;
+    at->turned = PETSC_TRUE;
+    break;
   }
+}
+
+/* Turns the drift in the plane of x and y. */
+static void Turn(Point *at)
+{
+  MpmFraction    *drift  = at->step.drift;
+  const PetscReal size   = hypot(drift[0].value, drift[1].value);
+  PetscInt64      common = drift[0].den;
+
+  while (common % drift[1].den) common += drift[0].den;
+  common *= (DENOMINATOR - 1) / common + 1;
+  for (PetscInt a = 0; a < 2; a++) {
+    const PetscInt64  n          = llrint((PetscReal)common * size * (a ? sin(at->angle) : cos(at->angle)));
+    const MpmFraction factors[2] = {{n, 1, (PetscReal)n}, {1, common, 1 / (PetscReal)common}};
+
+    drift[a] = MpmFractionProduct(2, factors);
+  }
+}
+
+/* Ends what SetParameter has begun. PointDestroy frees what this allocates. */
+static PetscErrorCode PointFinish(Point *at)
+{
+  MpmScheme *scheme = &at->scheme;
+
+  PetscFunctionBegin;
+  if (at->turned) Turn(at);
+  if (at->own)
+    PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &scheme->space, &scheme->table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PointDestroy(Point *at)
+{
+  PetscFunctionBegin;
+  if (at->own) PetscCall(MpmTableDestroy(&at->scheme.table));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
@@ -45,17 +109,19 @@ static MpmFraction NumberOf(const MpmAxis *axis, PetscInt i)
   return MpmFractionBetween(&axis->from, &axis->to, i, axis->points);
 }
 
-static Point PointOf(const MpmStabilityMap *map, PetscInt point)
+static PetscErrorCode PointCreate(const MpmStabilityMap *map, PetscInt point, Point *at)
 {
   const PetscInt i[2] = {point / map->points[1], point % map->points[1]};
-  Point          at   = OwnPoint(map->scene);
 
+  PetscFunctionBegin;
+  *at = OwnPoint(map->scene);
   for (int a = 0; a < 2; a++) {
     const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    SetParameter(&at, map->request->axes[a].kind, &value);
+    SetParameter(at, map, map->request->axes[a].kind, &value);
   }
-  return at;
+  PetscCall(PointFinish(at));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
@@ -64,49 +130,62 @@ static Point PointOf(const MpmStabilityMap *map, PetscInt point)
 */
 static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
 {
+  const MpmStabilityMap map = {
+      .scene = scene, .request = request, .points = {request->axes[0].points, request->axes[1].points}};
   Point    at = OwnPoint(scene);
   PetscInt period;
 
   PetscFunctionBegin;
-  MpmCheckInput((PetscReal)request->axes[0].points * request->axes[1].points <= MOST_POINTS,
-                "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together",
-                request->axes[0].points, request->axes[1].points, MOST_POINTS);
+  MpmCheckInput((PetscReal)map.points[0] * map.points[1] <= MOST_POINTS,
+                "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together", map.points[0],
+                map.points[1], MOST_POINTS);
   for (int a = 0; a < 2; a++)
-    for (PetscInt i = 0; i < request->axes[a].points; i++) {
+    for (PetscInt i = 0; i < map.points[a]; i++) {
       const MpmFraction value = NumberOf(&request->axes[a], i);
 
       MpmCheckInput(request->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
                     "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
-                    request->axes[0].points, request->axes[1].points, value.value, MPM_LONGEST_PERIOD);
-      SetParameter(&at, request->axes[a].kind, &value);
+                    map.points[0], map.points[1], value.value, MPM_LONGEST_PERIOD);
+      SetParameter(&at, &map, request->axes[a].kind, &value);
+      PetscCall(MpmStepPeriod(&at.step, &period));
     }
-  PetscCall(MpmStepPeriod(&at.step, &period));
   PetscCall(MpmSymbolCheck(&at.layout));
+  if (!MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt point = 0; point < map.points[0] * map.points[1]; point++) {
+    PetscCall(PointCreate(&map, point, &at));
+    PetscCall(MpmStepPeriod(&at.step, &period));
+    PetscCall(PointDestroy(&at));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
-  MpmStabilityMap    *map  = context;
+  MpmStabilityMap    *map = context;
+  const PetscInt      dim = map->scene->layout.dim, *phases = map->request->phases;
   MpmFinding          f    = {.tolerance = map->request->tolerance};
-  const Point         at   = PointOf(map, i);
-  const MpmSymbolWish wish = {.phases    = {map->request->phases[0]},
+  const MpmSymbolWish wish = {.phases    = {phases[0], phases[1], phases[2]},
                               .tolerance = map->request->tolerance}; /* the map's own progress line counts the points */
+  Point               at;
   MpmSymbol          *symbol;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &map->scene->scheme, &at.step, &wish, &symbol));
+  PetscCall(PointCreate(map, i, &at));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &at.scheme, &at.step, &wish, &symbol));
   f.growth          = symbol->growth;
   f.uncertainty     = symbol->uncertainty;
   f.defective_error = symbol->defective_error;
   map->growth[i]    = symbol->growth;
-  map->beta[i]      = symbol->beta_at_max[0];
   f.verdict         = MpmVerdictOf(&f);
-  PetscCall(MpmFindingOfPhases(&f, symbol->phases[0], at.layout.grid[0].cells));
+  for (PetscInt a = 0; a < dim; a++) {
+    map->beta[a][i] = symbol->beta_at_max[a];
+    PetscCall(MpmFindingOfPhases(&f, symbol->phases[a], at.layout.grid[a].cells));
+  }
   map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(PointDestroy(&at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,17 +196,28 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   PetscFunctionBegin;
   PetscCall(MpmFarm("point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
-  PetscCall(MpmFarmSumReals(n, map->beta));
+  for (PetscInt a = 0; a < map->scene->layout.dim; a++) PetscCall(MpmFarmSumReals(n, map->beta[a]));
   PetscCall(MpmFarmSumInts(n, map->verdict));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscInt64 MpmStabilityMapPhases(const MpmStabilityMap *map)
+{
+  PetscInt64 all = 1;
+
+  for (PetscInt a = 0; a < map->scene->layout.dim; a++) all *= map->request->phases[a];
+  return all;
+}
+
 static PetscErrorCode Sum(MpmStabilityMap *map)
 {
-  const PetscInt n = map->points[0] * map->points[1];
-  MpmFinding    *f = &map->finding;
+  const PetscInt n          = map->points[0] * map->points[1];
+  MpmFinding    *f          = &map->finding;
+  PetscBool      leaves_out = PETSC_FALSE;
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < map->scene->layout.dim; a++)
+    if (map->request->phases[a] % map->scene->layout.grid[a].cells) leaves_out = PETSC_TRUE;
   for (PetscInt i = 0; i < n; i++) {
     map->unstable += map->verdict[i] == MPM_UNSTABLE;
     map->undecided += map->verdict[i] == MPM_UNDECIDED;
@@ -137,10 +227,12 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   f->growth    = map->growth[map->worst];
   f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
-                          "the symbol at %" PetscInt_FMT " phases of each of %" PetscInt_FMT " points",
-                          map->request->phases[0], n));
-  if (map->request->phases[0] % map->scene->layout.grid[0].cells)
-    PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
+                          "the symbol at %" PetscInt64_FMT " phases of each of %" PetscInt_FMT " points",
+                          MpmStabilityMapPhases(map), n));
+  if (leaves_out) PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
+  if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
+    PetscCall(
+        PetscStrlcat(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,18 +253,18 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
 {
   const MpmAxis *axes  = map->request->axes;
   const int      other = axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
-  Point          at    = OwnPoint(map->scene);
   MpmCritical    critical;
 
   PetscFunctionBegin;
   if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(map->points[other], &map->limits));
   for (PetscInt i = 0; i < map->points[other]; i++) {
-    const MpmFraction value = NumberOf(&axes[other], i);
+    Point at;
 
-    SetParameter(&at, axes[other].kind, &value);
-    PetscCall(MpmCriticalByClosedForm(&at.layout, &map->scene->scheme, MpmStepDrifts(&at.step), &critical));
+    PetscCall(PointCreate(map, other == 1 ? i : i * map->points[1], &at));
+    PetscCall(MpmCriticalByClosedForm(&at.layout, &at.scheme, MpmStepDrifts(&at.step), &critical));
     map->limits[i] = critical.closed;
+    PetscCall(PointDestroy(&at));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -195,7 +287,8 @@ PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *re
     for (PetscInt i = 0; i < m->points[a]; i++) m->at[a][i] = NumberOf(&request->axes[a], i).value;
   }
   n = m->points[0] * m->points[1];
-  PetscCall(PetscCalloc3(n, &m->growth, n, &m->beta, n, &m->verdict));
+  PetscCall(PetscCalloc2(n, &m->growth, n, &m->verdict));
+  for (PetscInt a = 0; a < scene->layout.dim; a++) PetscCall(PetscCalloc1(n, &m->beta[a]));
   PetscCall(Solve(m));
   PetscCall(Sum(m));
   PetscCall(PublishedLimit(m));
@@ -207,7 +300,8 @@ PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map)
 {
   PetscFunctionBegin;
   for (int a = 0; a < 2; a++) PetscCall(PetscFree((*map)->at[a]));
-  PetscCall(PetscFree3((*map)->growth, (*map)->beta, (*map)->verdict));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*map)->beta[a]));
+  PetscCall(PetscFree2((*map)->growth, (*map)->verdict));
   PetscCall(PetscFree((*map)->limits));
   PetscCall(PetscFree(*map));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -7,7 +7,7 @@
    varying fastest.
 
    at[a]: the points[a] numbers along axis a. growth (per step, the largest over the phases), beta (the least phase that
-   has it) and verdict are those of each point, on every rank. unstable, undecided: the number of such points. worst:
+   has it, beta[a] in direction a) and verdict are those of each point, on every rank. unstable, undecided: the number of such points. worst:
    the point that grows fastest. finding: unstable when any point is, stable when all are.
 
    published_limit: where one axis is the Courant number, the largest at which, according to the slides, particles at
@@ -18,7 +18,7 @@ typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request;
   PetscInt          points[2], unstable, undecided, worst;
-  PetscReal        *at[2], *growth, *beta, *limits, published_limit, seconds;
+  PetscReal        *at[2], *growth, *beta[MPM_MAX_DIM], *limits, published_limit, seconds;
   PetscInt         *verdict; /* an MpmVerdict for each point */
   MpmFinding        finding;
 } MpmStabilityMap;
@@ -33,6 +33,9 @@ typedef struct {
 */
 PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map);
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
+
+/* Not collective. The number of phases at each point, over all directions. */
+PetscInt64 MpmStabilityMapPhases(const MpmStabilityMap *map);
 
 /*
    MpmStabilityMapLimits - where one axis is the Courant number, sets limits. For each number of the other axis it is

@@ -49,7 +49,7 @@ static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *run, const char csv[])
 {
   const MpmSeries *series    = &run->series;
-  const PetscInt64 where[]   = {march->step, march->particles->step, march->particles->rebased, march->exponent,
+  const PetscInt64 where[]   = {march->step, march->particles->step, march->particles->rebased[0], march->exponent,
                                 run->blew_up_at_step};
   const PetscReal  numbers[] = {run->energy_initial, run->energy_final, run->energy_ratio, run->log_energy_first};
 
@@ -71,12 +71,12 @@ static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march)
   PetscInt64     *global;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
   PetscCall(PetscMalloc1(n, &global));
-  for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->first + cell[p];
-  PetscCall(MpmHdf5Write(s, MpmFieldCell, H5T_NATIVE_INT64, n, 1, global));
+  for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->axis[0].first + cell[p];
+  PetscCall(MpmHdf5Write(s, MpmFieldCell[0], H5T_NATIVE_INT64, n, 1, global));
   PetscCall(PetscFree(global));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,7 +117,7 @@ static PetscErrorCode WriteState(MpmHdf5 *s, const MpmMarch *march)
   PetscCall(MpmHdf5Write(s, "rank_particles", H5T_NATIVE_INT64, 1, 1, &count));
   PetscCall(MpmHdf5Write(s, "rank_nodes", H5T_NATIVE_INT64, 1, 1, &nodes));
   PetscCall(WriteField(s, march->particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  PetscCall(WriteField(s, march->particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
+  PetscCall(WriteField(s, march->particles, MpmFieldXi[0], H5T_NATIVE_DOUBLE));
   PetscCall(WriteCells(s, march));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(WriteField(s, march->particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
@@ -251,8 +251,8 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
   PetscCall(CheckRead(s, path));
   PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
-  PetscCall(Require(s, path, MpmFieldCell, H5T_NATIVE_INT64, scene->layout.particles));
-  PetscCall(Require(s, path, MpmFieldXi, H5T_NATIVE_DOUBLE, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldCell[0], H5T_NATIVE_INT64, scene->layout.particles));
+  PetscCall(Require(s, path, MpmFieldXi[0], H5T_NATIVE_DOUBLE, scene->layout.particles));
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++)
     PetscCall(Require(s, path, scene->scheme.table->fields[f], H5T_NATIVE_DOUBLE, scene->layout.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -281,15 +281,15 @@ PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, Pets
 static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 {
   PetscFunctionBegin;
-  march->step               = file->where[MPM_AT_STEP];
-  march->particles->step    = file->where[MPM_AT_PLACES];
-  march->particles->rebased = file->where[MPM_AT_REBASED];
-  march->exponent           = (PetscInt)file->where[MPM_AT_EXPONENT];
-  run->blew_up_at_step      = file->where[MPM_AT_BLEW_UP];
-  run->energy_initial       = file->numbers[MPM_ENERGY_FIRST];
-  run->energy_final         = file->numbers[MPM_ENERGY_LAST];
-  run->energy_ratio         = file->numbers[MPM_ENERGY_RATIO];
-  run->log_energy_first     = file->numbers[MPM_LOG_ENERGY_FIRST];
+  march->step                  = file->where[MPM_AT_STEP];
+  march->particles->step       = file->where[MPM_AT_PLACES];
+  march->particles->rebased[0] = file->where[MPM_AT_REBASED];
+  march->exponent              = (PetscInt)file->where[MPM_AT_EXPONENT];
+  run->blew_up_at_step         = file->where[MPM_AT_BLEW_UP];
+  run->energy_initial          = file->numbers[MPM_ENERGY_FIRST];
+  run->energy_final            = file->numbers[MPM_ENERGY_LAST];
+  run->energy_ratio            = file->numbers[MPM_ENERGY_RATIO];
+  run->log_energy_first        = file->numbers[MPM_LOG_ENERGY_FIRST];
   for (PetscInt64 i = 0; i < file->samples; i++)
     PetscCall(MpmSeriesAppend(&run->series, file->sample_step[i], file->log_state[i], file->log_grid[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -347,11 +347,11 @@ static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(share->n, &global));
-  PetscCall(MpmHdf5Read(s, MpmFieldCell, H5T_NATIVE_INT64, share->begin, share->n, global));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
+  PetscCall(MpmHdf5Read(s, MpmFieldCell[0], H5T_NATIVE_INT64, share->begin, share->n, global));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
   for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off and is refused later */
-    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->cells) - march->grid->first;
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->axis[0].cells) - march->grid->axis[0].first;
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
   PetscCall(PetscFree(global));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -364,7 +364,7 @@ static PetscErrorCode ReadParticles(MpmHdf5 *s, const Share *share, MpmMarch *ma
   particles->count = (PetscInt)share->n;
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
   PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  PetscCall(ReadField(s, share, particles, MpmFieldXi, H5T_NATIVE_DOUBLE));
+  PetscCall(ReadField(s, share, particles, MpmFieldXi[0], H5T_NATIVE_DOUBLE));
   PetscCall(ReadCells(s, share, march));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(ReadField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));

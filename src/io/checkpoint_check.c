@@ -155,7 +155,7 @@ static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
 
   PetscFunctionBegin;
   for (int i = 0; i < 2; i++)
-    PetscCall(MpmParticlesWhere(march->particles, march->particles->step + i, &whole[i], &part));
+    PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step + i, &whole[i], &part));
   if (march->slack)
     Allow(PetscMax(PetscAbsInt(whole[0]), PetscAbsInt(whole[1])) < march->slack, path,
           "its particles have drifted too far from their cells");
@@ -202,8 +202,8 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
 {
   const MpmGrid   *grid  = march->grid;
-  const PetscInt   least = (MpmMarchDrifts(march) ? -1 : 0) - (same ? 0 : grid->first);
-  const PetscInt   most  = same ? grid->count - 1 : grid->cells - 1 - grid->first;
+  const PetscInt   least = (MpmMarchDrifts(march) ? -1 : 0) - (same ? 0 : grid->axis[0].first);
+  const PetscInt   most  = same ? grid->axis[0].count - 1 : grid->axis[0].cells - 1 - grid->axis[0].first;
   PetscInt64       bad   = 0;
   PetscInt         whole, now;
   PetscReal        part, place;
@@ -211,16 +211,16 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const c
   const PetscReal *xi;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &xi));
   for (PetscInt p = 0; p < march->particles->count; p++) {
     bad += cell[p] < least || cell[p] > most || !(xi[p] >= 0 && xi[p] < 1);
     MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
-    bad += same && (now < -march->slack || now >= grid->count + march->slack || (p && cell[p] < cell[p - 1]));
+    bad += same && (now < -march->slack || now >= grid->axis[0].count + march->slack || (p && cell[p] < cell[p - 1]));
   }
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)grid->da)));
   Allow(!bad, path, "its particles are where none can be");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -191,16 +191,44 @@ static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found)
+/* Lists those that Rayleigh-Ritz finds on the space of given vectors and their images. */
+static PetscErrorCode ListRitz(MpmEigen *e, PetscInt given, Vec vectors[])
 {
   PetscReal *re, *im;
   PetscInt   n;
 
   PetscFunctionBegin;
+  PetscCall(MpmRitzExtract(e->A, given, vectors, &e->ritz, &n, &re, &im, &e->coefficients));
+  PetscCall(List(e, n, re, im));
+  PetscCall(PetscFree2(re, im));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The eigenvectors of T, real and imaginary parts, span with their images a space that A maps to itself. */
+static PetscErrorCode CollectTarget(MpmEigen *e)
+{
+  PetscInt pairs;
+  Vec      x, *vectors;
+
+  PetscFunctionBegin;
+  PetscCall(EPSGetConverged(e->eps, &pairs));
+  PetscCall(MatCreateVecs(e->A, &x, NULL));
+  PetscCall(VecDuplicateVecs(x, PetscMax(1, 2 * pairs), &vectors));
+  for (PetscInt i = 0; i < pairs; i++)
+    PetscCall(EPSGetEigenpair(e->eps, i, NULL, NULL, vectors[2 * i], vectors[2 * i + 1]));
+  PetscCall(ListRitz(e, 2 * pairs, vectors));
+  PetscCall(VecDestroyVecs(PetscMax(1, 2 * pairs), &vectors));
+  PetscCall(VecDestroy(&x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Collect(MpmEigen *e, MpmEigenMethod method, PetscInt found)
+{
+  PetscReal *re, *im;
+
+  PetscFunctionBegin;
   if (method == MPM_EIGEN_TARGET) {
-    PetscCall(MpmRitzExtract(e->A, e->eps, &e->ritz, &n, &re, &im, &e->coefficients));
-    PetscCall(List(e, n, re, im));
-    PetscCall(PetscFree2(re, im));
+    PetscCall(CollectTarget(e));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (e->dense_re) { /* not e->dense, which is NULL on a rank without rows */
@@ -258,6 +286,19 @@ static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The infinity norm; that of a transposed operator without a matrix is not known, and a lower bound of its own is. */
+static PetscErrorCode NormOf(Mat A, PetscReal *norm)
+{
+  PetscBool virtual;
+  Mat of = A;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATTRANSPOSEVIRTUAL, &virtual));
+  if (virtual) PetscCall(MatTransposeGetMat(A, &of));
+  PetscCall(MatNorm(of, NORM_INFINITY, norm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen)
 {
@@ -272,7 +313,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   e    = *eigen;
   e->A = A;
   PetscCall(MatGetSize(A, &e->order, NULL));
-  PetscCall(MatNorm(A, NORM_INFINITY, &e->norm));
+  PetscCall(NormOf(A, &e->norm));
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
   PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
   PetscCall(EPSSetOperators(e->eps, T, NULL));
@@ -288,6 +329,27 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   e->largest  = e->converged && T == A && largest && e->n == found ? PETSC_TRUE : PETSC_FALSE;
   e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
   if (T != A) PetscCall(MatDestroy(&T));
+  e->solve_s = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenRitz(Mat A, PetscInt given, Vec vectors[], MpmEigen **eigen)
+{
+  const PetscReal begin = MPI_Wtime();
+  MpmEigen       *e;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(eigen));
+  e    = *eigen;
+  e->A = A;
+  PetscCall(MatGetSize(A, &e->order, NULL));
+  PetscCall(MatNorm(A, NORM_INFINITY, &e->norm));
+  e->failed = isfinite(e->norm) ? PETSC_FALSE : PETSC_TRUE;
+  PetscCall(ListRitz(e, e->failed ? 0 : given, vectors));
+  e->converged = e->n > 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscSNPrintf(e->solver, sizeof e->solver,
+                          "Rayleigh-Ritz on %" PetscInt_FMT " vectors and their images, %" PetscInt_FMT " found", given,
+                          e->n));
   e->solve_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -312,13 +374,15 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condi
   const PetscReal target[2] = {e->re[j] * (1 + LEFT_BESIDE), e->im[j] * (1 + LEFT_BESIDE)};
   PetscReal       nearest   = PETSC_MAX_REAL, dot[4];
   PetscInt        match     = 0;
+  PetscBool       shell;
   Mat             transposed;
   MpmEigen       *left;
   Vec             x[2], y[2];
 
   PetscFunctionBegin;
-  PetscCall(MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(MpmEigenSolve(transposed, "left_", MPM_EIGEN_TARGET, target, &left));
+  PetscCall(PetscObjectTypeCompare((PetscObject)e->A, MATSHELL, &shell));
+  PetscCall(shell ? MatCreateTranspose(e->A, &transposed) : MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(MpmEigenSolve(transposed, "left_", shell ? MPM_EIGEN_LARGEST : MPM_EIGEN_TARGET, target, &left));
   for (PetscInt i = 0; i < left->n; i++) {
     const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
 

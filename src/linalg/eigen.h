@@ -1,4 +1,4 @@
-/* Eigenvalues of an assembled operator, by SLEPc. */
+/* Eigenvalues of an operator, by SLEPc. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <slepcbv.h>
@@ -60,6 +60,14 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
                              MpmEigen **eigen);
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
+/*
+   MpmEigenRitz - the eigenvalues of A on the space of given vectors and their images, if they are eigenvalues of A: those
+   with a residual above 1e-7 are not listed.
+
+   Collective. The vectors are scaled. A may be a shell.
+*/
+PetscErrorCode MpmEigenRitz(Mat A, PetscInt given, Vec vectors[], MpmEigen **eigen);
+
 /* Collective. Gives the eigenvector of a listed eigenvalue; re and im together have norm 1. */
 PetscErrorCode MpmEigenVector(const MpmEigen *eigen, PetscInt j, Vec re, Vec im);
 
@@ -67,6 +75,7 @@ PetscErrorCode MpmEigenVector(const MpmEigen *eigen, PetscInt j, Vec re, Vec im)
    MpmEigenCondition - the condition number 1 / abs(y^H x) of a listed simple eigenvalue with right vector x and left
    vector y.
 
-   Collective. It is infinite when no left vector was found.
+   Collective. It is infinite when no left vector was found. Of a shell, left vectors are sought among those of largest
+   magnitude.
 */
 PetscErrorCode MpmEigenCondition(const MpmEigen *eigen, PetscInt j, PetscReal *condition);

@@ -45,26 +45,19 @@ static PetscErrorCode Append(BV basis, PetscInt *n, Vec x)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Span(Mat A, EPS eps, BV basis, PetscInt *n)
+/* An orthonormal basis of the given vectors and their images. The vectors are scaled. */
+static PetscErrorCode Span(Mat A, PetscInt given, Vec x[], BV basis, PetscInt *n)
 {
-  PetscInt pairs;
-  Vec      x[2], y;
+  Vec y;
 
   PetscFunctionBegin;
-  PetscCall(EPSGetConverged(eps, &pairs));
-  PetscCall(MatCreateVecs(A, &x[0], &x[1]));
-  PetscCall(VecDuplicate(x[0], &y));
+  PetscCall(MatCreateVecs(A, NULL, &y));
   *n = 0;
-  for (PetscInt i = 0; i < pairs; i++) {
-    PetscCall(EPSGetEigenpair(eps, i, NULL, NULL, x[0], x[1]));
-    for (int part = 0; part < 2; part++) {
-      PetscCall(MatMult(A, x[part], y));
-      PetscCall(Append(basis, n, x[part]));
-      PetscCall(Append(basis, n, y));
-    }
+  for (PetscInt i = 0; i < given; i++) {
+    PetscCall(MatMult(A, x[i], y));
+    PetscCall(Append(basis, n, x[i]));
+    PetscCall(Append(basis, n, y));
   }
-  PetscCall(VecDestroy(&x[0]));
-  PetscCall(VecDestroy(&x[1]));
   PetscCall(VecDestroy(&y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,22 +89,21 @@ static PetscErrorCode SolveProjected(Mat H, PetscInt n, PetscReal re[], PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRitzExtract(Mat A, EPS eps, BV *basis, PetscInt *n, PetscReal **re, PetscReal **im,
-                              PetscReal **coefficients)
+PetscErrorCode MpmRitzExtract(Mat A, PetscInt given, Vec vectors[], BV *basis, PetscInt *n, PetscReal **re,
+                              PetscReal **im, PetscReal **coefficients)
 {
-  PetscInt pairs, order;
+  PetscInt order;
   Vec      x;
   Mat      H;
 
   PetscFunctionBegin;
-  PetscCall(EPSGetConverged(eps, &pairs));
   PetscCall(MatGetSize(A, &order, NULL));
   PetscCall(MatCreateVecs(A, &x, NULL));
   PetscCall(BVCreate(PetscObjectComm((PetscObject)A), basis));
-  PetscCall(BVSetSizesFromVec(*basis, x, PetscMin(4 * pairs, order) + 1));
+  PetscCall(BVSetSizesFromVec(*basis, x, PetscMin(2 * given, order) + 1));
   PetscCall(BVSetFromOptions(*basis));
   PetscCall(VecDestroy(&x));
-  PetscCall(Span(A, eps, *basis, n));
+  PetscCall(Span(A, given, vectors, *basis, n));
   PetscCall(PetscMalloc2(*n, re, *n, im));
   PetscCall(PetscMalloc1(2 * *n * *n, coefficients));
   if (*n == 0) PetscFunctionReturn(PETSC_SUCCESS);

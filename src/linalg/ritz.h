@@ -1,4 +1,4 @@
-/* Rayleigh-Ritz with a complex target in real arithmetic, for MpmEigenSolve with MPM_EIGEN_TARGET. */
+/* Rayleigh-Ritz with a complex target in real arithmetic, for MpmEigenSolve with MPM_EIGEN_TARGET and MpmEigenRitz. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <slepceps.h>
@@ -7,13 +7,13 @@
 PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T);
 
 /*
-   MpmRitzExtract - computes eigenvalues (re, im) of A on the space spanned by the eigenvectors X of eps and by A X.
+   MpmRitzExtract - computes eigenvalues (re, im) of A on the space spanned by given vectors X and by A X.
 
-   Collective. basis: an orthonormal basis of that space. n: its dimension. The vector of value j is
+   Collective. The vectors are scaled. basis: an orthonormal basis of that space. n: its dimension. The vector of value j is
 
      basis times coefficients[2 n j + (0 .. n-1)] + i basis times coefficients[2 n j + n + (0 .. n-1)]
 
    Free the arrays with PetscFree.
 */
-PetscErrorCode MpmRitzExtract(Mat A, EPS eps, BV *basis, PetscInt *n, PetscReal **re, PetscReal **im,
-                              PetscReal **coefficients);
+PetscErrorCode MpmRitzExtract(Mat A, PetscInt given, Vec vectors[], BV *basis, PetscInt *n, PetscReal **re,
+                              PetscReal **im, PetscReal **coefficients);

@@ -4,73 +4,169 @@
 */
 #include "march/grid.h"
 
+void MpmGridRanks(PetscInt dim, const MpmDirection direction[], PetscMPIInt size, PetscInt least, PetscInt ranks[])
+{
+  PetscReal best = PETSC_MAX_REAL;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) ranks[a] = 0;
+  for (PetscInt x = 1; x <= size; x++) {
+    for (PetscInt y = 1; size % x == 0 && y <= size / x; y++) {
+      const PetscInt n[MPM_MAX_DIM] = {x, y, size / x / y};
+      PetscReal      surface        = 0; /* of a rank's part, relative to its volume */
+      PetscBool      fits           = size / x % y == 0 ? PETSC_TRUE : PETSC_FALSE;
+
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+        if (a >= dim ? n[a] > 1 : MpmGridSmallestCount(direction[a].cells, (PetscMPIInt)n[a]) < least)
+          fits = PETSC_FALSE;
+        if (a < dim && n[a] > 1) surface += (PetscReal)n[a] / direction[a].cells;
+      }
+      if (!fits || surface >= best) continue;
+      best = surface;
+      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) ranks[a] = n[a];
+    }
+  }
+}
+
+/* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
+static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *rank, PetscInt *index)
+{
+  PetscInt node = axis->first + local;
+
+  if (!axis->periodic && (node < 0 || node > axis->cells)) return PETSC_FALSE;
+  if (axis->periodic) node = (node % axis->cells + axis->cells) % axis->cells;
+  *rank = 0;
+  while (*rank + 1 < axis->ranks && node >= axis->starts[*rank + 1]) ++*rank;
+  *index = node - axis->starts[*rank];
+  return PETSC_TRUE;
+}
+
+/* The number of nodes that the r-th rank along an axis owns. */
+static PetscInt NodesOf(const MpmGridAxis *axis, PetscInt r)
+{
+  return axis->starts[r + 1] - axis->starts[r] + (!axis->periodic && r == axis->ranks - 1 ? 1 : 0);
+}
+
+/* The owner of a local node, and its index in the owner's local array. Returns false for a node beyond a wall. */
+static PetscBool FindRoot(const MpmGrid *grid, const PetscInt node[], PetscSFNode *root)
+{
+  PetscInt rank = 0, ranks = 1, index = 0, stride = 1;
+
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const MpmGridAxis *axis = &grid->axis[a];
+    PetscInt           r, i;
+
+    if (!FindAlong(axis, node[a], &r, &i)) return PETSC_FALSE;
+    rank += ranks * r;
+    index += stride * (i + grid->ghost);
+    ranks *= axis->ranks;
+    stride *= NodesOf(axis, r) + 2 * grid->ghost;
+  }
+  root->rank  = rank;
+  root->index = index;
+  return PETSC_TRUE;
+}
+
 static PetscErrorCode CreateHalo(MpmGrid *grid)
 {
-  PetscInt     n = 0;
-  PetscInt    *leaves;
-  PetscSFNode *roots;
+  const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
+  const PetscInt   all = grid->axis[grid->dim - 1].stride * (grid->axis[grid->dim - 1].nodes + 2 * grid->ghost);
+  PetscInt         n   = 0, node[MPM_MAX_DIM];
+  PetscInt        *leaves;
+  PetscSFNode     *roots;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(2 * grid->ghost, &leaves));
-  PetscCall(PetscMalloc1(2 * grid->ghost, &roots));
-  for (PetscInt g = 0; g < 2 * grid->ghost; g++) {
-    const PetscInt local = g < grid->ghost ? g - grid->ghost : grid->nodes + g - grid->ghost;
-    PetscInt       node  = grid->first + local;
+  PetscCall(PetscMalloc1(all - MpmGridNodes(grid), &leaves));
+  PetscCall(PetscMalloc1(all - MpmGridNodes(grid), &roots));
+  for (node[2] = box.lo[2]; node[2] < box.hi[2]; node[2]++) {
+    for (node[1] = box.lo[1]; node[1] < box.hi[1]; node[1]++) {
+      for (node[0] = box.lo[0]; node[0] < box.hi[0]; node[0]++) {
+        PetscInt  local = grid->origin;
+        PetscBool own   = PETSC_TRUE;
 
-    if (!grid->periodic && (node < 0 || node > grid->cells)) continue;
-    if (grid->periodic) node = (node % grid->cells + grid->cells) % grid->cells;
-    leaves[n]      = local + grid->ghost;
-    roots[n].rank  = MpmGridOwner(grid, PetscMin(node, grid->cells - 1));
-    roots[n].index = node - grid->starts[roots[n].rank] + grid->ghost;
-    n++;
+        for (PetscInt a = 0; a < grid->dim; a++) {
+          local += grid->axis[a].stride * node[a];
+          if (node[a] < 0 || node[a] >= grid->axis[a].nodes) own = PETSC_FALSE;
+        }
+        if (own || !FindRoot(grid, node, &roots[n])) continue;
+        leaves[n++] = local;
+      }
+    }
   }
   PetscCall(PetscSFCreate(PetscObjectComm((PetscObject)grid->da), &grid->halo));
-  PetscCall(PetscSFSetGraph(grid->halo, grid->nodes + 2 * grid->ghost, n, leaves, PETSC_OWN_POINTER, roots,
-                            PETSC_OWN_POINTER));
+  PetscCall(PetscSFSetGraph(grid->halo, all, n, leaves, PETSC_OWN_POINTER, roots, PETSC_OWN_POINTER));
   PetscCall(PetscSFSetUp(grid->halo));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives a rank its share of the cells, as DMDA does. Between walls the last rank has one node more than cells. */
-static PetscErrorCode CreateDMDA(MPI_Comm comm, MpmGrid *g)
+/*
+   Gives a rank its share of the cells of a direction, as DMDA does, and sets nodes[r], the nodes of the r-th rank.
+   Between walls the last rank has one node more than cells.
+*/
+static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, PetscInt at, MpmGridAxis *axis,
+                                PetscInt **nodes)
 {
-  PetscMPIInt rank, size;
-  PetscInt   *nodes;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCall(PetscMalloc1(size + 1, &g->starts));
-  PetscCall(PetscMalloc1(size, &nodes));
-  for (PetscMPIInt r = 0; r <= size; r++) g->starts[r] = MpmGridFirst(g->cells, size, r);
-  for (PetscMPIInt r = 0; r < size; r++) nodes[r] = MpmGridCount(g->cells, size, r);
-  g->first = g->starts[rank];
-  g->count = nodes[rank];
-  if (!g->periodic) nodes[size - 1]++;
-  g->nodes   = nodes[rank];
-  g->wall[0] = !g->periodic && rank == 0 ? PETSC_TRUE : PETSC_FALSE;
-  g->wall[1] = !g->periodic && rank == size - 1 ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(DMDACreate1d(comm, g->periodic ? DM_BOUNDARY_PERIODIC : DM_BOUNDARY_GHOSTED,
-                         g->cells + (g->periodic ? 0 : 1), 1, g->ghost, nodes, &g->da));
-  PetscCall(DMSetUp(g->da));
-  PetscCall(PetscFree(nodes));
+  axis->cells    = direction->cells;
+  axis->periodic = direction->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+  axis->ranks    = ranks;
+  axis->at       = at;
+  PetscCall(PetscMalloc1(ranks + 1, &axis->starts));
+  PetscCall(PetscMalloc1(ranks, nodes));
+  for (PetscMPIInt r = 0; r <= ranks; r++) axis->starts[r] = MpmGridFirst(axis->cells, (PetscMPIInt)ranks, r);
+  for (PetscMPIInt r = 0; r < ranks; r++) (*nodes)[r] = NodesOf(axis, r);
+  axis->first   = axis->starts[at];
+  axis->count   = axis->starts[at + 1] - axis->first;
+  axis->nodes   = (*nodes)[at];
+  axis->wall[0] = !axis->periodic && at == 0 ? PETSC_TRUE : PETSC_FALSE;
+  axis->wall[1] = !axis->periodic && at == ranks - 1 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt cells, PetscInt ghost, PetscBool periodic, MpmGrid **grid)
+/* DMDA numbers ranks as nodes, x fastest. */
+static PetscErrorCode CreateDMDA(MPI_Comm comm, const MpmDirection direction[], const PetscInt ranks[], MpmGrid *g)
 {
-  PetscMPIInt size;
-  MpmGrid    *g;
+  PetscInt      *nodes[MPM_MAX_DIM], all[MPM_MAX_DIM], stride = 1, at;
+  DMBoundaryType kind[MPM_MAX_DIM];
+  PetscMPIInt    rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCheck(MpmGridSmallestCount(cells, size) >= ghost, comm, PETSC_ERR_PLIB, "ghost layer wider than a rank's part");
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  at = rank;
+  for (PetscInt a = 0; a < g->dim; a++) {
+    PetscCall(ShareAxis(&direction[a], ranks[a], at % ranks[a], &g->axis[a], &nodes[a]));
+    at /= ranks[a];
+    kind[a]           = g->axis[a].periodic ? DM_BOUNDARY_PERIODIC : DM_BOUNDARY_GHOSTED;
+    all[a]            = direction[a].nodes;
+    g->axis[a].stride = stride;
+    g->origin += stride * g->ghost;
+    stride *= g->axis[a].nodes + 2 * g->ghost;
+  }
+  if (g->dim == 1) PetscCall(DMDACreate1d(comm, kind[0], all[0], 1, g->ghost, nodes[0], &g->da));
+  if (g->dim == 2)
+    PetscCall(DMDACreate2d(comm, kind[0], kind[1], DMDA_STENCIL_BOX, all[0], all[1], ranks[0], ranks[1], 1, g->ghost,
+                           nodes[0], nodes[1], &g->da));
+  if (g->dim == 3)
+    PetscCall(DMDACreate3d(comm, kind[0], kind[1], kind[2], DMDA_STENCIL_BOX, all[0], all[1], all[2], ranks[0],
+                           ranks[1], ranks[2], 1, g->ghost, nodes[0], nodes[1], nodes[2], &g->da));
+  PetscCall(DMSetUp(g->da));
+  for (PetscInt a = 0; a < g->dim; a++) PetscCall(PetscFree(nodes[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const PetscInt ranks[],
+                             PetscInt ghost, MpmGrid **grid)
+{
+  MpmGrid *g;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCheck(ranks[a] > 0 && MpmGridSmallestCount(direction[a].cells, (PetscMPIInt)ranks[a]) >= ghost, comm,
+               PETSC_ERR_PLIB, "ghost layer wider than a rank's part");
   PetscCall(PetscNew(grid));
-  g           = *grid;
-  g->cells    = cells;
-  g->ghost    = ghost;
-  g->periodic = periodic;
-  PetscCall(CreateDMDA(comm, g));
+  g        = *grid;
+  g->dim   = dim;
+  g->ghost = ghost;
+  PetscCall(CreateDMDA(comm, direction, ranks, g));
   PetscCall(CreateHalo(g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -79,7 +175,7 @@ PetscErrorCode MpmGridDestroy(MpmGrid **grid)
 {
   PetscFunctionBegin;
   PetscCall(PetscSFDestroy(&(*grid)->halo));
-  PetscCall(PetscFree((*grid)->starts));
+  for (PetscInt a = 0; a < (*grid)->dim; a++) PetscCall(PetscFree((*grid)->axis[a].starts));
   PetscCall(DMDestroy(&(*grid)->da));
   PetscCall(PetscFree(*grid));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -89,14 +185,14 @@ PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array
 {
   PetscFunctionBegin;
   PetscCall(VecGetArray(field, array));
-  *array += grid->ghost;
+  *array += grid->origin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array)
 {
   PetscFunctionBegin;
-  *array -= grid->ghost;
+  *array -= grid->origin;
   PetscCall(VecRestoreArray(field, array));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -105,11 +201,11 @@ PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arra
 {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->ghost;
+    PetscReal *base = arrays[f] - grid->origin;
     PetscCall(PetscSFReduceBegin(grid->halo, MPIU_REAL, base, base, MPI_SUM));
   }
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->ghost;
+    PetscReal *base = arrays[f] - grid->origin;
     PetscCall(PetscSFReduceEnd(grid->halo, MPIU_REAL, base, base, MPI_SUM));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,44 +215,78 @@ PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const a
 {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->ghost;
+    PetscReal *base = arrays[f] - grid->origin;
     PetscCall(PetscSFBcastBegin(grid->halo, MPIU_REAL, base, base, MPI_REPLACE));
   }
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->ghost;
+    PetscReal *base = arrays[f] - grid->origin;
     PetscCall(PetscSFBcastEnd(grid->halo, MPIU_REAL, base, base, MPI_REPLACE));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmGridFold(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[])
+/* The nodes that lie in the planes across an axis, with all their ghosts. */
+static MpmGridBox Across(const MpmGrid *grid, PetscInt axis)
 {
-  PetscReal *right = array + grid->nodes - 1;
+  MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
 
-  for (PetscInt g = 1; g < grid->ghost; g++) {
-    if (grid->wall[0]) array[g] += sign[0] * array[-g];
-    if (grid->wall[1]) right[-g] += sign[1] * right[g];
+  box.lo[axis] = 0;
+  box.hi[axis] = 1;
+  return box;
+}
+
+void MpmGridFold(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[])
+{
+  const MpmGridAxis *a   = &grid->axis[axis];
+  const MpmGridBox   box = Across(grid, axis);
+  const PetscInt     s   = a->stride;
+
+  if (!a->wall[0] && !a->wall[1]) return;
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    for (PetscInt i = box.lo[0]; i < box.hi[0]; i++) {
+      PetscReal *left = array + MpmGridRow(grid, &box, r) + i, *right = left + (a->nodes - 1) * s;
+
+      for (PetscInt g = 1; g < grid->ghost; g++) {
+        if (a->wall[0]) left[g * s] += sign[0] * left[-g * s];
+        if (a->wall[1]) right[-g * s] += sign[1] * right[g * s];
+      }
+    }
   }
 }
 
-void MpmGridReflect(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[])
+void MpmGridReflect(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[])
 {
-  PetscReal *right = array + grid->nodes - 1;
+  const MpmGridAxis *a   = &grid->axis[axis];
+  const MpmGridBox   box = Across(grid, axis);
+  const PetscInt     s   = a->stride;
 
-  for (PetscInt g = 1; g <= grid->ghost; g++) {
-    if (grid->wall[0]) array[-g] = sign[0] * array[g];
-    if (grid->wall[1]) right[g] = sign[1] * right[-g];
+  if (!a->wall[0] && !a->wall[1]) return;
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    for (PetscInt i = box.lo[0]; i < box.hi[0]; i++) {
+      PetscReal *left = array + MpmGridRow(grid, &box, r) + i, *right = left + (a->nodes - 1) * s;
+
+      for (PetscInt g = 1; g <= grid->ghost; g++) {
+        if (a->wall[0]) left[-g * s] = sign[0] * left[g * s];
+        if (a->wall[1]) right[g * s] = sign[1] * right[-g * s];
+      }
+    }
   }
 }
 
-PetscMPIInt MpmGridOwner(const MpmGrid *grid, PetscInt cell)
+PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[])
 {
-  PetscMPIInt size, r;
+  PetscInt rank = 0, ranks = 1;
 
-  /* DMDA gives every rank cells / size, and the first ranks one more. So this guess is off by little. */
-  (void)MPI_Comm_size(PetscObjectComm((PetscObject)grid->da), &size);
-  r = (PetscMPIInt)((PetscInt64)cell * size / grid->cells);
-  while (cell < grid->starts[r]) r--;
-  while (cell >= grid->starts[r + 1]) r++;
-  return r;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const MpmGridAxis *axis = &grid->axis[a];
+    PetscInt           r;
+
+    /* DMDA gives every rank cells / ranks, and the first ranks one more. So this guess is off by little. */
+    r = (PetscInt)((PetscInt64)cell[a] * axis->ranks / axis->cells);
+    while (cell[a] < axis->starts[r]) r--;
+    while (cell[a] >= axis->starts[r + 1]) r++;
+    rank += ranks * r;
+    ranks *= axis->ranks;
+  }
+  return (PetscMPIInt)rank;
 }

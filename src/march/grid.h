@@ -1,36 +1,61 @@
 /* Grid: node fields in DMDA vectors, one node a cell, and the sum over ranks of what particles give to shared nodes. */
 #pragma once
-#include <mpmstab/compat.h>
+#include <mpmstab/boundary.h>
 #include <petscdmda.h>
 #include <petscsf.h>
 
 /*S
-   MpmGrid - a grid of cells, periodic or between walls, distributed by DMDA.
-
-   Local arrays have the owned nodes at indices [0, nodes), and ghosts at [-ghost, 0) and [nodes, nodes + ghost). Node i
-   is the left end of cell i.
+   MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
 
    cells  - the number of cells of the grid
    first  - the global index of local node 0
    count  - the number of cells of this rank
    nodes  - the number of nodes that this rank owns: those of its cells, and on the last rank also the wall at the right
-   starts - starts[r]: the first cell of rank r
+   starts - starts[r]: the first cell of the r-th of the ranks along this direction
+   ranks, at - the number of ranks along this direction, and which of them this rank is
+   stride - the distance of neighbours along this direction in a local array
 S*/
 typedef struct {
-  DM        da;
-  PetscSF   halo; /* roots: owned nodes; leaves: ghost nodes; indices count from the beginning of the local array */
-  PetscInt  cells, first, count, nodes, ghost;
+  PetscInt  cells, first, count, nodes, stride;
+  PetscInt *starts, ranks, at;
   PetscBool wall[2]; /* this rank has the wall at the left, at the right */
   PetscBool periodic;
-  PetscInt *starts;
+} MpmGridAxis;
+
+/*S
+   MpmGrid - a grid of cells, in each direction periodic or between walls, distributed by DMDA.
+
+   In each direction a rank owns the nodes [0, nodes), and has ghosts at [-ghost, 0) and [nodes, nodes + ghost). A local
+   array holds all of these, x fastest. It is indexed from its node 0.
+
+   dim    - the number of directions
+   origin - the index of node 0, counted from the beginning of a local array
+S*/
+typedef struct {
+  DM          da;
+  PetscSF     halo; /* roots: owned nodes; leaves: ghost nodes; indices count from the beginning of the local array */
+  PetscInt    dim, ghost, origin;
+  MpmGridAxis axis[MPM_MAX_DIM];
 } MpmGrid;
 
 /*
-   MpmGridCreate - distributes cells over the ranks of comm, with ghost nodes on either side.
+   MpmGridRanks - chooses how many ranks there are along each direction, for the least number of ghosts, if every rank
+   is to have at least least cells in each direction.
 
-   Collective. Every rank must get at least as many cells as ghost (see MpmGridSmallestCount).
+   Not collective.
+
+   Output Parameter: ranks - all 0 when there is no way
 */
-PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt cells, PetscInt ghost, PetscBool periodic, MpmGrid **grid);
+void MpmGridRanks(PetscInt dim, const MpmDirection direction[], PetscMPIInt size, PetscInt least, PetscInt ranks[]);
+
+/*
+   MpmGridCreate - distributes cells over the ranks of comm, with ghost nodes on either side. ranks is as MpmGridRanks
+   finds it.
+
+   Collective. Every rank must get at least as many cells as ghost in each direction (see MpmGridSmallestCount).
+*/
+PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const PetscInt ranks[],
+                             PetscInt ghost, MpmGrid **grid);
 PetscErrorCode MpmGridDestroy(MpmGrid **grid);
 
 /* Not collective. The smallest number of cells that one of size ranks gets. */
@@ -52,6 +77,15 @@ static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIIn
   return cells / size * rank + PetscMin(rank, cells % size);
 }
 
+/* Not collective. The number of nodes that this rank owns, and of all nodes of the grid. */
+static inline PetscInt MpmGridNodes(const MpmGrid *grid)
+{
+  PetscInt nodes = 1;
+
+  for (PetscInt a = 0; a < grid->dim; a++) nodes *= grid->axis[a].nodes;
+  return nodes;
+}
+
 /* Not collective. The local array of a node field, indexed by local node, with its ghosts. */
 PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array);
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array);
@@ -66,9 +100,42 @@ PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const a
 /*
    Not collective. Nodes beyond a wall are mirror images, sign[end] times those inside. MpmGridFold adds the sums at
    images, within ghost - 1 nodes of the wall, to the nodes that they are images of. MpmGridReflect sets the images.
+   Both act along one axis, on all nodes and ghosts of the other directions. At corners one axis after the other does
+   what is right.
 */
-void MpmGridFold(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[]);
-void MpmGridReflect(const MpmGrid *grid, const PetscReal sign[2], PetscReal array[]);
+void MpmGridFold(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[]);
+void MpmGridReflect(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[]);
 
-/* Not collective. The rank that owns a cell in [0, cells). */
-PetscMPIInt MpmGridOwner(const MpmGrid *grid, PetscInt cell);
+/* Not collective. The rank that owns a cell, which has an index in [0, cells) in each direction. */
+PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[]);
+
+/*S
+   MpmGridBox - the nodes [lo, hi) of each direction, as rows along the first: how to go through a part of a local array.
+S*/
+typedef struct {
+  PetscInt lo[MPM_MAX_DIM], hi[MPM_MAX_DIM];
+} MpmGridBox;
+
+/* Not collective. The nodes that a rank owns, and beyond further ones in each direction. */
+static inline MpmGridBox MpmGridBoxOf(const MpmGrid *grid, PetscInt beyond)
+{
+  MpmGridBox box = {.hi = {1, 1, 1}};
+
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    box.lo[a] = -beyond;
+    box.hi[a] = grid->axis[a].nodes + beyond;
+  }
+  return box;
+}
+
+/* Not collective. The number of rows of a box, and the index of the node at which row r would have its node 0. */
+static inline PetscInt MpmGridRows(const MpmGridBox *box)
+{
+  return (box->hi[1] - box->lo[1]) * (box->hi[2] - box->lo[2]);
+}
+static inline PetscInt MpmGridRow(const MpmGrid *grid, const MpmGridBox *box, PetscInt r)
+{
+  const PetscInt ny = box->hi[1] - box->lo[1];
+
+  return (box->lo[1] + r % ny) * grid->axis[1].stride + (box->lo[2] + r / ny) * grid->axis[2].stride;
+}

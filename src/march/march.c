@@ -2,10 +2,11 @@
    The march: sets up grid, particles and vectors, and takes steps pass by pass. Particles migrate to another rank
    before they would leave the ghost layer.
 */
-#include "march/march_private.h"
+#include "march/rows.h"
 #include <math.h>
 
-#define OF_PARTICLE 24.0 /* bytes: place, id and owner */
+#define OF_PARTICLE 12.0 /* bytes: id and owner */
+#define OF_PLACE 12.0    /* bytes: the place along a direction */
 #define OF_OUTPUT 100.0  /* bytes a particle: its values and coordinates by global id */
 #define OF_NODE 20.0     /* bytes: mass and DMDA's indices */
 #define OF_NUMBER 8.0    /* bytes: a value of a field */
@@ -13,38 +14,91 @@
 /* Cells beyond their rank's own that particles may reach before they migrate: few migrations for a few more ghosts. */
 #define MOST_SLACK 64
 
-/*
-   Chooses the number of ghosts. A particle in local cell c has weights at nodes c - reach_left to c + reach_right, and
-   node operations need halo ghosts more. When a step's drift fits in the slack that is left, particles are summed to
-   the grid where they are, and migrate rarely. If not, they migrate in every step before they are summed.
-*/
-static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch *march, PetscInt *ghost)
+/* The same in more than one dimension, where ghosts are many and all passes go over them. */
+#define SLACK_OF_BOX 4
+
+/* The ranks along each direction if each is to have least cells there, and the cells that the smallest part has. */
+static void ChooseRanks(const MpmLayout *layout, PetscMPIInt size, PetscInt least, PetscInt ranks[], PetscInt *smallest)
 {
-  const MpmBasis *basis  = march->scheme->basis;
-  const MpmTable *table  = march->scheme->table;
-  const PetscBool drifts = MpmStepDrifts(step);
-  const PetscInt  reach = PetscMax(basis->reach_left, basis->reach_right), cells = march->layout->grid[0].cells;
-  const PetscInt  stride = (PetscInt)ceil(PetscAbsReal(step->drift[0].value)) + 1;
-  PetscInt        need, spare;
-  PetscMPIInt     size;
+  MpmGridRanks(layout->dim, layout->grid, size, least, ranks);
+  *smallest = PETSC_MAX_INT;
+  for (PetscInt a = 0; a < layout->dim; a++)
+    *smallest = ranks[a] ? PetscMin(*smallest, MpmGridSmallestCount(layout->grid[a].cells, (PetscMPIInt)ranks[a])) : 0;
+}
+
+/* Refuses a grid on which a rank could not have need cells in each direction. */
+static PetscErrorCode CheckCells(const MpmMarch *march, PetscMPIInt size, PetscInt need, PetscBool fits)
+{
+  const MpmLayout *layout = march->layout;
+  PetscInt         cells  = layout->grid[0].cells;
+  char             text[64];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 1; a < layout->dim; a++) cells = PetscMin(cells, layout->grid[a].cells);
+  if (need > cells)
+    MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT " with formulation %s and basis %s",
+              cells, need, march->scheme->formulation->name, march->scheme->basis->name);
+  if (layout->dim == 1)
+    MpmCheckInput(fits,
+                  "cells %" PetscInt_FMT " on %d ranks: a rank needs %" PetscInt_FMT
+                  " cells; allowed: at most %" PetscInt_FMT " ranks, or more cells",
+                  cells, size, need, cells / need);
+  if (layout->dim == 2)
+    PetscCall(PetscSNPrintf(text, sizeof text, "%" PetscInt_FMT ",%" PetscInt_FMT, layout->grid[0].cells,
+                            layout->grid[1].cells));
+  else
+    PetscCall(PetscSNPrintf(text, sizeof text, "%" PetscInt_FMT ",%" PetscInt_FMT ",%" PetscInt_FMT,
+                            layout->grid[0].cells, layout->grid[1].cells, layout->grid[2].cells));
+  MpmCheckInput(fits,
+                "cells %s on %d ranks: a rank needs %" PetscInt_FMT
+                " cells in each direction; allowed: fewer ranks, a number of ranks with more factors, or more cells",
+                text, size, need);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Chooses the number of ghosts, and of ranks along each direction. A particle in local cell c has weights at nodes
+   c - reach_left to c + reach_right, and node operations need halo ghosts more. When a step's drift fits in the slack
+   that is left, particles are summed to the grid where they are, and migrate rarely. If not, they migrate in every step
+   before they are summed.
+*/
+static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch *march, PetscInt *ghost,
+                                   PetscInt ranks[])
+{
+  const MpmLayout *layout = march->layout;
+  const MpmBasis  *basis  = march->scheme->basis;
+  const MpmTable  *table  = march->scheme->table;
+  const PetscBool  drifts = MpmStepDrifts(step);
+  const PetscInt   reach  = PetscMax(basis->reach_left, basis->reach_right);
+  PetscInt         need, spare, smallest, stride = 1;
+  PetscMPIInt      size;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
-  PetscCall(MpmScheduleCompile(table, basis, march->layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
-  need  = reach + march->schedule.halo;
-  spare = PetscMin(MpmGridSmallestCount(cells, size) - need, PetscMax(MOST_SLACK, stride));
-  if (spare < 0 && need > cells)
-    MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT " with formulation %s and basis %s",
-              cells, need, march->scheme->formulation->name, basis->name);
-  MpmCheckInput(spare >= 0,
-                "cells %" PetscInt_FMT " on %d ranks: a rank needs %" PetscInt_FMT
-                " cells; allowed: at most %" PetscInt_FMT " ranks, or more cells",
-                cells, size, need, cells / need);
+  for (PetscInt a = 0; a < layout->dim; a++)
+    stride = PetscMax(stride, (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
+  PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
+  need = reach + march->schedule.halo;
+  ChooseRanks(layout, size, need, ranks, &smallest);
+  PetscCall(CheckCells(march, size, need, smallest >= need ? PETSC_TRUE : PETSC_FALSE));
+  spare        = PetscMin(smallest - need, PetscMax(layout->dim == 1 ? MOST_SLACK : SLACK_OF_BOX, stride));
   march->slack = drifts && spare >= stride ? spare : 0;
   if (drifts && !march->slack)
-    PetscCall(
-        MpmScheduleCompile(table, basis, march->layout, step->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
+    PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
   *ghost = need + march->slack;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Compiles the passes, and the one before the first step, for more than one dimension. */
+static PetscErrorCode CompilePlans(MpmMarch *march)
+{
+  const MpmSchedule *schedule = &march->schedule;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(schedule->npasses + 1, &march->plans));
+  for (PetscInt p = 0; p < schedule->npasses; p++)
+    MpmRowPlanCompile(&schedule->pass[p], march->scheme->basis, &march->plans[p]);
+  MpmRowPlanCompile(&schedule->start, march->scheme->basis, &march->plans[schedule->npasses]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,17 +130,20 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
 static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                             MpmMarch *m)
 {
-  PetscInt ghost;
+  PetscInt ghost, ranks[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  MpmCheckInput(layout->dim == 1, "dim %" PetscInt_FMT ": particles are marched in one dimension; allowed: 1",
-                layout->dim);
+  MpmCheckInput(layout->dim == 1 || !MpmTableHas(scheme->table, MPM_SOLVE),
+                "dim %" PetscInt_FMT " with transfer %s: the march solves its nodal system in one dimension; allowed: "
+                "dim 1, another transfer, or 'mpmstab spectrum' and 'symbol'",
+                layout->dim, scheme->transfer->name);
   m->layout     = layout;
   m->scheme     = scheme;
   m->cell_width = 1;
-  PetscCall(ChooseGhosts(comm, step, m, &ghost));
-  PetscCall(MpmGridCreate(comm, layout->grid[0].cells, ghost, MpmLayoutIsPeriodic(layout), &m->grid));
-  PetscCall(MpmParticlesCreate(layout, scheme->table, &step->drift[0], m->grid, &m->particles));
+  PetscCall(ChooseGhosts(comm, step, m, &ghost, ranks));
+  PetscCall(MpmGridCreate(comm, layout->dim, layout->grid, ranks, ghost, &m->grid));
+  PetscCall(MpmParticlesCreate(layout, scheme->table, step->drift, m->grid, &m->particles));
+  if (layout->dim > 1) PetscCall(CompilePlans(m));
   PetscCall(CreateVectors(m));
   PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
   PetscCall(RegisterEvents(m));
@@ -106,7 +163,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   m->scene      = scene;
   m->cell_width = scene->cell_width;
   m->exponent   = MpmSceneExponent(scene);
-  PetscCall(MpmParticlesFill(scene, m->grid, m->exponent, m->particles));
+  PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
   PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,6 +199,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
   PetscCall(PetscFree((*march)->scratch));
+  PetscCall(PetscFree((*march)->plans));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
@@ -169,12 +227,13 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
 
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
 {
-  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->scheme.table->nparticles + (output ? OF_OUTPUT : 0);
+  PetscReal particle = OF_PARTICLE + OF_PLACE * scene->layout.dim + OF_NUMBER * scene->scheme.table->nparticles +
+                       (output ? OF_OUTPUT : 0);
 
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->layout.varies[w]) particle += OF_NUMBER;
   return (PetscReal)scene->layout.particles * particle +
-         (PetscReal)scene->layout.grid[0].nodes * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
+         (PetscReal)MpmLayoutNodes(&scene->layout) * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
 }
 
 static PetscErrorCode Migrate(MpmMarch *march)
@@ -190,13 +249,16 @@ static PetscErrorCode Migrate(MpmMarch *march)
 /* Particles that the next step would take beyond the ghost layer migrate to the ranks that own their cells. */
 static PetscErrorCode MigrateInTime(MpmMarch *march)
 {
-  PetscInt  whole;
+  PetscInt  whole, most = 0;
   PetscReal part;
 
   PetscFunctionBegin;
   if (!march->slack) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesWhere(march->particles, march->step + 1, &whole, &part));
-  if (PetscAbsInt(whole) + 1 > march->slack) PetscCall(Migrate(march));
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    PetscCall(MpmParticlesWhere(march->particles, a, march->step + 1, &whole, &part));
+    most = PetscMax(most, PetscAbsInt(whole));
+  }
+  if (most + 1 > march->slack) PetscCall(Migrate(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,6 +293,7 @@ static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, 
                                   .nsums     = 1,
                                   .sums_mass = with_mass,
                                   .op        = {{.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                                 .map         = MPM_P2G,
                                                  .kernel      = basis->kernel[MPM_P2G],
                                                  .mass_kernel = basis->p2g_mass,
                                                  .a           = 1,

@@ -9,9 +9,9 @@ void MpmMarchFold(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], 
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
     MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
-    MpmGridFold(march->grid, sign, field[pass->sum[s]]);
+    MpmGridFold(march->grid, 0, sign, field[pass->sum[s]]);
   }
-  if (pass->sums_mass) MpmGridFold(march->grid, even, mass);
+  if (pass->sums_mass) MpmGridFold(march->grid, 0, even, mass);
 }
 
 void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
@@ -21,16 +21,16 @@ void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM
 
   for (PetscInt s = 0; s < pass->nsums; s++) {
     MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
-    MpmGridReflect(march->grid, sign, field[pass->sum[s]]);
+    MpmGridReflect(march->grid, 0, sign, field[pass->sum[s]]);
   }
 }
 
 /* Sets the wall node of one end, if it is among this rank's nodes and ghosts. */
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
-  const PetscInt wall = (op->side ? grid->cells : 0) - grid->first;
+  const PetscInt wall = (op->side ? grid->axis[0].cells : 0) - grid->axis[0].first;
 
-  if (wall >= -grid->ghost && wall < grid->nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
+  if (wall >= -grid->ghost && wall < grid->axis[0].nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }
 
 /* Does a local node operation (MpmNodeOpIsLocal) on nodes [lo, hi). */
@@ -73,7 +73,7 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const Mpm
 
     if (MpmNodeOpIsLocal(op->kind)) {
       RunLocal(op, field, -beyond, done[o].lo);
-      RunLocal(op, field, done[o].hi, grid->nodes + beyond);
+      RunLocal(op, field, done[o].hi, grid->axis[0].nodes + beyond);
     } else if (op->kind == MPM_WALL)
       SetWall(grid, op, field[op->src], field[op->dst]);
     else

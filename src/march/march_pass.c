@@ -7,6 +7,7 @@
    wait for the halo sum, because other ranks share their nodes.
 */
 #include "march/march_stage.h"
+#include "march/rows.h"
 
 static PetscErrorCode GetArrays(const MpmMarch *march, const MpmNodeVectors *nodes, MpmMarchArrays *a)
 {
@@ -14,8 +15,8 @@ static PetscErrorCode GetArrays(const MpmMarch *march, const MpmNodeVectors *nod
   a->march = march;
   a->nodes = nodes;
   a->block = MpmMarchBlockSize(march->particles);
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &a->cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &a->xi));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &a->cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &a->xi));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &a->particle[f]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
@@ -55,8 +56,8 @@ static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
     if (march->layout->varies[w]) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &a->particle[f]));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &a->xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &a->cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &a->xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &a->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,8 +75,8 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
   s->arrays = a;
   s->moving = MpmMarchDrifts(march);
   if (s->moving) {
-    PetscCall(MpmParticlesWhere(march->particles, step, &s->whole[0], &s->part[0]));
-    PetscCall(MpmParticlesWhere(march->particles, step + 1, &s->whole[1], &s->part[1]));
+    PetscCall(MpmParticlesWhere(march->particles, 0, step, &s->whole[0], &s->part[0]));
+    PetscCall(MpmParticlesWhere(march->particles, 0, step + 1, &s->whole[1], &s->part[1]));
   }
   for (PetscInt f = 0; f < a->nodes->n; f++) s->node[f] = before ? before->after[f] : a->node[f];
   for (PetscInt i = 0; i < pass->nsums; i++) {
@@ -85,7 +86,7 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
   }
   for (PetscInt f = 0; f < a->nodes->n; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
-  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->nodes);
+  s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->axis[0].nodes);
   MpmStagePlace(s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,10 +120,10 @@ static PetscErrorCode Advance(MpmStage *s)
 {
   const MpmGrid *grid = s->arrays->march->grid;
   const PetscInt n = PetscMin(s->arrays->block, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
-  const PetscInt left = PetscMin(MpmStageLeastNode(s, last), grid->nodes - grid->ghost);
+  const PetscInt left = PetscMin(MpmStageLeastNode(s, last), grid->axis[0].nodes - grid->ghost);
 
   PetscFunctionBegin;
-  PetscCall(ZeroTo(s, PetscMin(MpmStageLargestNode(s, last) + 1, grid->nodes + grid->ghost)));
+  PetscCall(ZeroTo(s, PetscMin(MpmStageLargestNode(s, last) + 1, grid->axis[0].nodes + grid->ghost)));
   MpmStageRunBlock(s, s->next, n);
   Complete(s, s->hi, left);
   s->hi = PetscMax(s->hi, left);
@@ -165,7 +166,7 @@ static PetscErrorCode FinishStage(MpmStage *s)
   PetscReal     *sums[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
-  PetscCall(ZeroTo(s, grid->nodes + grid->ghost));
+  PetscCall(ZeroTo(s, grid->axis[0].nodes + grid->ghost));
   end          = s->zeroed[0];
   s->zeroed[1] = -grid->ghost;
   PetscCall(ZeroTo(s, end));
@@ -178,16 +179,16 @@ static PetscErrorCode FinishStage(MpmStage *s)
   sums[s->pass->nsums] = s->arrays->mass;
   MpmMarchFold(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum, s->arrays->mass);
   PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
-  Complete(s, 0, PetscMin(s->lo, grid->nodes));
-  Complete(s, PetscMin(hi, grid->nodes), grid->nodes);
+  Complete(s, 0, PetscMin(s->lo, grid->axis[0].nodes));
+  Complete(s, PetscMin(hi, grid->axis[0].nodes), grid->axis[0].nodes);
   PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
   MpmMarchReflect(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum);
   PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
-                                   const MpmPass passes[], PetscBool sample)
+static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
+                                const MpmPass passes[], PetscBool sample)
 {
   const PetscInt count  = march->particles->count;
   MpmMarchArrays arrays = {0};
@@ -216,6 +217,17 @@ PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes,
   PetscCall(
       MpmMarchNodeOps(march, *step, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
   PetscCall(RestoreArrays(&arrays, &stage[n - 1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
+                                   const MpmPass passes[], PetscBool sample)
+{
+  PetscFunctionBegin;
+  if (march->layout->dim == 1)
+    PetscCall(RunStages(march, nodes, step, n, passes, sample));
+  else
+    for (PetscInt p = 0; p < n; p++) PetscCall(MpmMarchRunRows(march, nodes, step, &passes[p], sample));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

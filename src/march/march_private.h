@@ -7,6 +7,8 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
+typedef struct MpmRowPlan_ MpmRowPlan; /* a pass compiled for more than one dimension (march/rows.h) */
+
 /*S
    MpmMarch_ - the state of a run.
 
@@ -21,6 +23,7 @@ struct MpmMarch_ {
   MpmGrid         *grid;
   MpmParticles    *particles;
   MpmSchedule      schedule;
+  MpmRowPlan      *plans; /* in more than one dimension: of the passes, and of the start after them */
   PetscInt         nnodes, slack;
   Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
@@ -44,7 +47,9 @@ PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
 {
-  return march->particles->drift.value != 0 ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < march->layout->dim; a++)
+    if (march->particles->drift[a].value != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /*

@@ -6,37 +6,60 @@
 #include "march/particles.h"
 #include "scheme/kernels.h"
 #include <stdint.h>
+#include <stdlib.h>
 
-/* Sets global cells and owners, and counts the particles that leave. Cells are global until particles have arrived. */
-static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt whole, PetscReal part,
-                                PetscInt64 *leaving)
+/*
+   Sets the global cell of each particle along one axis. Cells are global until particles have arrived. The particles are
+   at whole cells and part of a cell from their resting places.
+*/
+static PetscErrorCode SetGlobalCells(MpmParticles *particles, const MpmGridAxis *axis, PetscInt a, PetscInt whole,
+                                     PetscReal part)
 {
   const PetscReal *xi;
-  PetscInt        *cell, *owner = NULL, self;
-  PetscMPIInt      rank;
+  PetscInt        *cell;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)particles->swarm), &rank));
-  self     = rank;
-  *leaving = 0;
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  if (particles->parallel) PetscCall(MpmParticlesGet(particles, DMSwarmField_rank, &owner));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell));
   for (PetscInt p = 0; p < particles->count; p++) {
-    PetscInt  now;
+    PetscInt  now = cell[p];
     PetscReal place;
 
-    MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
-    now = (grid->first + now) % grid->cells;
-    if (now < 0) now += grid->cells;
+    if (particles->drift[a].value != 0) MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
+    now = (axis->first + now) % axis->cells;
+    if (now < 0) now += axis->cells;
     cell[p] = now;
-    if (!owner) continue;
-    owner[p] = now >= grid->first && now < grid->first + grid->count ? self : MpmGridOwner(grid, now);
-    *leaving += owner[p] != self;
   }
-  if (particles->parallel) PetscCall(MpmParticlesRestore(particles, DMSwarmField_rank, &owner));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[a], &xi));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the owners of the particles from their global cells, and counts the particles that leave. */
+static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, PetscInt64 *leaving)
+{
+  PetscInt   *cell[MPM_MAX_DIM], *owner;
+  PetscMPIInt self;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)particles->swarm), &self));
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_rank, &owner));
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell[a]));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    PetscInt  now[MPM_MAX_DIM];
+    PetscBool stays = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      const MpmGridAxis *axis = &grid->axis[a];
+
+      now[a] = cell[a][p];
+      if (now[a] < axis->first || now[a] >= axis->first + axis->count) stays = PETSC_FALSE;
+    }
+    owner[p] = stays ? self : MpmGridOwner(grid, now);
+    *leaving += !stays;
+  }
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell[a]));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_rank, &owner));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -44,24 +67,24 @@ static PetscErrorCode SetOwners(MpmParticles *particles, const MpmGrid *grid, Pe
    Turns the global cells that particles are in now into local resting cells: takes back the part of the drift that is
    less than a cell, and leaves whole cells in.
 */
-static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGrid *grid, PetscReal part)
+static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGridAxis *axis, PetscInt a, PetscReal part)
 {
   const PetscReal *xi;
   PetscInt        *cell;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell));
   for (PetscInt p = 0; p < particles->count; p++) {
-    const PetscInt zero = 0;
-    PetscInt       carry;
+    const PetscInt zero  = 0;
+    PetscInt       carry = 0;
     PetscReal      place;
 
-    MpmPlaceBlock(1, &zero, &xi[p], 0, part, &carry, &place);
-    cell[p] -= grid->first + carry;
+    if (particles->drift[a].value != 0) MpmPlaceBlock(1, &zero, &xi[p], 0, part, &carry, &place);
+    cell[p] -= axis->first + carry;
   }
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[a], &xi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,11 +98,11 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(PetscCalloc1(grid->count + 2, &next)); /* for cells -1 to count - 1, and the end */
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
+  PetscCall(PetscCalloc1(grid->axis[0].count + 2, &next)); /* for cells -1 to count - 1, and the end */
   for (PetscInt p = 0; p < particles->count; p++) next[cell[p] + 2]++;
-  for (PetscInt c = 0; c <= grid->count; c++) next[c + 1] += next[c];
+  for (PetscInt c = 0; c <= grid->axis[0].count; c++) next[c + 1] += next[c];
   for (PetscInt p = 0; p < particles->count; p++) order[next[cell[p] + 1]++] = p;
   for (PetscInt i = 1; i < particles->count; i++) {
     const PetscInt p = order[i];
@@ -94,9 +117,55 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
     order[j] = p;
   }
   PetscCall(PetscFree(next));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the order of particles in more than one dimension depends on, the most important first. */
+typedef struct {
+  PetscInt64 cells, line; /* numbers of the row of cells, and of the line */
+  PetscReal  xi;
+  PetscInt64 id;
+  PetscInt   cell, particle;
+} Key;
+
+static int CompareKeys(const void *left, const void *right)
+{
+  const Key *a = left, *b = right;
+
+  if (a->cells != b->cells) return a->cells < b->cells ? -1 : 1;
+  if (a->line != b->line) return a->line < b->line ? -1 : 1;
+  if (a->cell != b->cell) return a->cell < b->cell ? -1 : 1;
+  if (a->xi != b->xi) return a->xi < b->xi ? -1 : 1;
+  return a->id < b->id ? -1 : 1;
+}
+
+/* As FindOrder, for the order by rows of cells and lines. */
+static PetscErrorCode FindRowOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
+{
+  const PetscInt64 *id;
+  const PetscReal  *xi;
+  const PetscInt   *cell[MPM_MAX_DIM];
+  Key              *key;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(particles->count, &key));
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell[a]));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    key[p] =
+        (Key){.line = id[p] / particles->layout->row[0], .xi = xi[p], .id = id[p], .cell = cell[0][p], .particle = p};
+    for (PetscInt a = grid->dim - 1; a > 0; a--) key[p].cells = key[p].cells * (grid->axis[a].count + 1) + cell[a][p];
+  }
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell[a]));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
+  qsort(key, (size_t)particles->count, sizeof *key, CompareKeys);
+  for (PetscInt i = 0; i < particles->count; i++) order[i] = key[i].particle;
+  PetscCall(PetscFree(key));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,18 +191,23 @@ static PetscErrorCode Reorder(const MpmParticles *particles, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
+PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid)
 {
   PetscInt *order;
   uint32_t *buffer;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(particles->count, &order));
-  PetscCall(FindOrder(particles, grid, order));
+  if (grid->dim == 1)
+    PetscCall(FindOrder(particles, grid, order));
+  else
+    PetscCall(FindRowOrder(particles, grid, order));
   PetscCall(PetscMalloc1(particles->count, &buffer));
   PetscCall(Reorder(particles, DMSwarmField_pid, order, buffer));
-  PetscCall(Reorder(particles, MpmFieldCell, order, buffer));
-  PetscCall(Reorder(particles, MpmFieldXi, order, buffer));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(Reorder(particles, MpmFieldCell[a], order, buffer));
+    PetscCall(Reorder(particles, MpmFieldXi[a], order, buffer));
+  }
   for (PetscInt f = 0; particles->table->fields[f]; f++)
     PetscCall(Reorder(particles, particles->table->fields[f], order, buffer));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
@@ -146,14 +220,17 @@ static PetscErrorCode RestoreOrder(MpmParticles *particles, const MpmGrid *grid)
 PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
 {
   MPI_Comm   comm = PetscObjectComm((PetscObject)particles->swarm);
-  PetscInt   whole, size;
-  PetscInt64 leaving;
-  PetscReal  part;
+  PetscInt   whole[MPM_MAX_DIM], size;
+  PetscInt64 leaving = 0;
+  PetscReal  part[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(particles, particles->step, &whole, &part));
-  PetscCall(SetOwners(particles, grid, whole, part, &leaving));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(MpmParticlesWhere(particles, a, particles->step, &whole[a], &part[a]));
+    PetscCall(SetGlobalCells(particles, &grid->axis[a], a, whole[a], part[a]));
+  }
   if (particles->parallel) {
+    PetscCall(SetOwners(particles, grid, &leaving));
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &leaving, 1, MPIU_INT64, MPI_SUM, comm));
     if (leaving) PetscCall(DMSwarmMigrate(particles->swarm, PETSC_TRUE));
     PetscCall(DMSwarmGetLocalSize(particles->swarm, &particles->count));
@@ -161,9 +238,11 @@ PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
     PetscCheck(size == particles->total, comm, PETSC_ERR_PLIB,
                "%" PetscInt_FMT " particles after migration, %" PetscInt64_FMT " before", size, particles->total);
   }
-  PetscCall(SetRestingCells(particles, grid, part));
-  particles->rebased += whole;
-  PetscCall(RestoreOrder(particles, grid));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(SetRestingCells(particles, &grid->axis[a], a, part[a]));
+    particles->rebased[a] += whole[a];
+  }
+  PetscCall(MpmParticlesSort(particles, grid));
   PetscCall(MpmParticlesComparePlaces(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,9 +20,9 @@ PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basi
   s->basis  = basis;
   s->grid   = grid;
   s->step   = -1;
-  PetscCall(MatCreateAIJ(comm, grid->nodes, grid->nodes, layout->grid[0].nodes, layout->grid[0].nodes,
-                         PetscMin(width, grid->nodes), NULL, PetscMin(width, layout->grid[0].nodes - grid->nodes), NULL,
-                         &s->matrix));
+  PetscCall(MatCreateAIJ(comm, grid->axis[0].nodes, grid->axis[0].nodes, layout->grid[0].nodes, layout->grid[0].nodes,
+                         PetscMin(width, grid->axis[0].nodes), NULL,
+                         PetscMin(width, layout->grid[0].nodes - grid->axis[0].nodes), NULL, &s->matrix));
   PetscCall(MatSetOption(s->matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscCall(MatSetOption(s->matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatCreateVecs(s->matrix, &s->solution, &s->right));
@@ -72,13 +72,13 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
 
   PetscFunctionBegin;
   PetscCall(MatZeroEntries(s->matrix));
-  PetscCall(MpmParticlesWhere(particles, step, &whole, &part));
+  PetscCall(MpmParticlesWhere(particles, 0, step, &whole, &part));
   for (PetscInt p = 0; p < particles->count; p++) {
     PetscInt  cell;
     PetscReal xi;
 
     MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    PetscCall(AddParticle(s, s->grid->first + cell, xi, places->mass ? places->mass[p] : 1));
+    PetscCall(AddParticle(s, s->grid->axis[0].first + cell, xi, places->mass ? places->mass[p] : 1));
   }
   PetscCall(MatAssemblyBegin(s->matrix, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->matrix, MAT_FINAL_ASSEMBLY));
@@ -90,29 +90,29 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
                                 const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
                                 const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
 {
-  const PetscInt   last = s->grid->nodes - 1;
+  const PetscInt   last = s->grid->axis[0].nodes - 1;
   const PetscReal *a;
   PetscReal       *b, mirror[2];
 
   PetscFunctionBegin;
-  if (s->step < 0 || parity != s->parity || (s->step != step && particles->drift.value != 0)) {
+  if (s->step < 0 || parity != s->parity || (s->step != step && particles->drift[0].value != 0)) {
     s->parity = parity;
     PetscCall(Assemble(s, particles, step, places));
   }
   s->step = step;
   PetscCall(VecGetArray(s->right, &b));
-  for (PetscInt i = 0; i < s->grid->nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
+  for (PetscInt i = 0; i < s->grid->axis[0].nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
   for (PetscInt end = 0; end < 2; end++)
-    if (s->grid->wall[end] && MpmEndImposes(s->layout->grid[0].ends[end], parity)) b[end ? last : 0] = 0;
+    if (s->grid->axis[0].wall[end] && MpmEndImposes(s->layout->grid[0].ends[end], parity)) b[end ? last : 0] = 0;
   PetscCall(VecRestoreArray(s->right, &b));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, reason));
   PetscCall(VecGetArrayRead(s->solution, &a));
-  PetscCall(PetscArraycpy(y, a, s->grid->nodes));
+  PetscCall(PetscArraycpy(y, a, s->grid->axis[0].nodes));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
   PetscCall(MpmGridSpread(s->grid, 1, &y));
   MpmDirectionMirror(&s->layout->grid[0], parity, mirror);
-  MpmGridReflect(s->grid, mirror, y);
+  MpmGridReflect(s->grid, 0, mirror, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

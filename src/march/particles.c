@@ -2,15 +2,16 @@
 #include "march/particles.h"
 #include <math.h>
 
-const char MpmFieldCell[] = "cell", MpmFieldXi[] = "xi";
+const char *const MpmFieldCell[] = {"cell", "cell_y", "cell_z"}, *const MpmFieldXi[] = {"xi", "xi_y", "xi_z"};
 
-PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part)
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt axis, PetscInt64 step, PetscInt *whole,
+                                 PetscReal *part)
 {
   PetscInt64 cells;
 
   PetscFunctionBegin;
-  MpmFractionMultiple(&particles->drift, step, &cells, part);
-  *whole = (PetscInt)(cells - particles->rebased);
+  MpmFractionMultiple(&particles->drift[axis], step, &cells, part);
+  *whole = (PetscInt)(cells - particles->rebased[axis]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -37,11 +38,13 @@ static PetscErrorCode CreateSwarm(const MpmGrid *grid, MpmParticles *particles)
   particles->parallel = size > 1 ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(DMCreate(PetscObjectComm((PetscObject)grid->da), &particles->swarm));
   PetscCall(DMSetType(particles->swarm, DMSWARM));
-  PetscCall(DMSetDimension(particles->swarm, 1));
+  PetscCall(DMSetDimension(particles->swarm, grid->dim));
   PetscCall(DMSwarmSetType(particles->swarm, DMSWARM_BASIC));
   PetscCall(DMSwarmInitializeFieldRegister(particles->swarm));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell, 1, PETSC_INT));
-  PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi, 1, PETSC_REAL));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell[a], 1, PETSC_INT));
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi[a], 1, PETSC_REAL));
+  }
   for (PetscInt f = 0; particles->table->fields[f]; f++)
     PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, particles->table->fields[f], 1, PETSC_REAL));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
@@ -59,10 +62,10 @@ static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt6
 {
   PetscInt n = 0;
 
-  for (PetscInt c = grid->first - 1; c <= grid->first + grid->count; c++) {
-    const PetscInt wrapped = (c % grid->cells + grid->cells) % grid->cells;
+  for (PetscInt c = grid->axis[0].first - 1; c <= grid->axis[0].first + grid->axis[0].count; c++) {
+    const PetscInt wrapped = (c % grid->axis[0].cells + grid->axis[0].cells) % grid->axis[0].cells;
 
-    if (!grid->periodic && wrapped != c) continue;
+    if (!grid->axis[0].periodic && wrapped != c) continue;
     for (PetscInt j = 0; j < MpmLayoutSitesIn(layout, wrapped); j++) {
       const PetscInt64 g = MpmLayoutSitesBefore(layout, wrapped) + j - layout->first[0];
       PetscInt         place;
@@ -70,8 +73,8 @@ static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt6
 
       if (g < 0 || g >= layout->particles) continue;
       MpmLayoutPlace(layout, g, &place, &part);
-      place += c - wrapped - grid->first;
-      if (place < 0 || place >= grid->count) continue;
+      place += c - wrapped - grid->axis[0].first;
+      if (place < 0 || place >= grid->axis[0].count) continue;
       if (id) {
         id[n]   = g;
         cell[n] = place;
@@ -91,21 +94,18 @@ PetscInt MpmParticlesRoom(const MpmParticles *particles)
 static PetscErrorCode Place(const MpmGrid *grid, MpmParticles *particles)
 {
   PetscInt64 *id;
-  PetscInt   *cell, size;
+  PetscInt   *cell;
   PetscReal  *xi;
 
   PetscFunctionBegin;
   particles->count = VisitOwn(particles->layout, grid, NULL, NULL, NULL);
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
-  PetscCall(DMSwarmGetSize(particles->swarm, &size));
-  PetscCheck(size == particles->total, PetscObjectComm((PetscObject)particles->swarm), PETSC_ERR_PLIB,
-             "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, particles->total);
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   (void)VisitOwn(particles->layout, grid, id, cell, xi);
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -135,34 +135,30 @@ PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmP
 }
 
 /* Sets the fields to the exact solution at the start; a staggered field starts half a step earlier. */
-static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, PetscReal amplitude,
-                                MpmParticles *particles)
+static PetscErrorCode FillExact(const MpmScene *scene, PetscReal amplitude, MpmParticles *particles)
 {
-  const MpmProfile profile = MpmSceneProfile(scene, amplitude);
-  const PetscInt  *cell;
-  const PetscReal *xi;
+  const MpmProfile  profile = MpmSceneProfile(scene, amplitude);
+  const PetscInt64 *id;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   for (PetscInt f = 0; particles->table->fields[f]; f++) {
-    const PetscReal t = scene->stagger && f == scene->scheme.formulation->staggered ? -scene->dt / 2 : 0;
-    PetscReal      *q;
+    PetscReal *q;
 
     PetscCall(MpmParticlesGet(particles, particles->table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) {
-      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+      PetscReal X[MPM_MAX_DIM];
 
-      q[p] = scene->scheme.formulation->wave->value(&profile, f, X, t);
+      MpmParticlesLagrangian(particles, id[p], scene->cell_width, X);
+      q[p] = MpmSceneExact(scene, &profile, f, X, 0);
     }
     PetscCall(MpmParticlesRestore(particles, particles->table->fields[f], &q));
   }
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles)
 {
   const PetscReal amplitude = scalbn(scene->amplitude, -(int)exponent);
 
@@ -170,7 +166,7 @@ PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, Pets
   if (scene->initial == MPM_INITIAL_RANDOM)
     PetscCall(MpmParticlesFillRandom(particles->layout->seed, amplitude, particles));
   else if (scene->initial != MPM_INITIAL_EIGENMODE)
-    PetscCall(FillExact(scene, grid, amplitude, particles));
+    PetscCall(FillExact(scene, amplitude, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,28 +196,38 @@ PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
   const PetscReal *xi;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi, &xi));
+  particles->per_cell = 0;
+  if (particles->layout->dim > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   while (per_cell < n && xi[per_cell] != xi[0]) per_cell++;
   for (PetscInt p = per_cell; p < n && !differ; p++)
     differ = cell[p] != cell[p - per_cell] + 1 || xi[p] != xi[p - per_cell];
   particles->per_cell = per_cell >= n || per_cell > MPM_BLOCK || differ ? 0 : per_cell;
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi, &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table, const MpmFraction *drift,
                                   const MpmGrid *grid, MpmParticles **particles)
 {
+  PetscInt size;
+
   PetscFunctionBegin;
   PetscCall(PetscNew(particles));
   (*particles)->layout = layout;
   (*particles)->table  = table;
-  (*particles)->drift  = *drift;
   (*particles)->total  = layout->particles;
+  PetscCall(PetscArraycpy((*particles)->drift, drift, MPM_MAX_DIM));
   PetscCall(CreateSwarm(grid, *particles));
-  PetscCall(Place(grid, *particles));
+  if (grid->dim == 1)
+    PetscCall(Place(grid, *particles));
+  else
+    PetscCall(MpmParticlesPlaceBox(grid, *particles));
+  PetscCall(DMSwarmGetSize((*particles)->swarm, &size));
+  PetscCheck(size == (*particles)->total, PetscObjectComm((PetscObject)grid->da), PETSC_ERR_PLIB,
+             "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, (*particles)->total);
   PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -9,21 +9,25 @@
 /*S
    MpmParticles - the particles of this rank, in the order of their places.
 
-   At step n a particle of drift delta is at cell + xi + n delta. The swarm keeps (cell, xi) of its resting place. cell
-   is a local index of the grid. Migration adds the whole cells of drift to it that rebased counts. The rest of n delta
-   is the same for all particles and is formed exactly. So nothing accumulates, and moving writes nothing to memory. The
-   global id is DMSwarm's own field pid.
+   At step n a particle of drift delta is at cell + xi + n delta, in each direction. The swarm keeps (cell, xi) of its
+   resting place, in fields of their own for each direction. cell is a local index of the grid. Migration adds the whole
+   cells of drift to it that rebased counts. The rest of n delta is the same for all particles and is formed exactly. So
+   nothing accumulates, and moving writes nothing to memory. The global id is DMSwarm's own field pid.
+
+   In one dimension particles are in the order of their places. In more, those of a row of cells along x come after one
+   another, row by row. Within it they are in lines: the particles of a line had equal indices of their sites in the
+   other directions. Within a line they are in the order of their places.
 S*/
 typedef struct {
   DM               swarm;
   const MpmLayout *layout;
   const MpmTable  *table;
-  MpmFraction      drift;
+  MpmFraction      drift[MPM_MAX_DIM];
   PetscInt         count;    /* number of particles on this rank */
-  PetscInt         per_cell; /* particle p + per_cell rests one cell on from p, for all p; 0: not so */
+  PetscInt         per_cell; /* in one dimension: particle p + per_cell rests a cell on from p, for all p; 0: not so */
   PetscInt64       total;    /* number of particles on all ranks */
   PetscInt64       step;     /* time step of the places */
-  PetscInt64       rebased;  /* whole cells of drift that are in the cell field */
+  PetscInt64       rebased[MPM_MAX_DIM]; /* whole cells of drift that are in the cell fields */
   PetscBool        parallel;
 } MpmParticles;
 
@@ -33,7 +37,8 @@ typedef struct {
   const PetscReal *xi, *mass;
 } MpmPlaces;
 
-extern const char MpmFieldCell[], MpmFieldXi[];
+/* The names of the fields with the resting places, by direction. */
+extern const char *const MpmFieldCell[], *const MpmFieldXi[];
 
 /*
    MpmParticlesCreate - places a layout's particles, with the properties in which they differ. The fields of the table's
@@ -41,7 +46,7 @@ extern const char MpmFieldCell[], MpmFieldXi[];
 
    Collective. layout and table must outlive the particles.
 */
-PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table, const MpmFraction *drift,
+PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table, const MpmFraction drift[],
                                   const MpmGrid *grid, MpmParticles **particles);
 PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
 
@@ -49,7 +54,7 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
    Not collective. Sets the fields to a scene's initial data, divided by 2^exponent. With initial data eigenmode they
    stay 0, and the caller sets them (MpmModeFileFill).
 */
-PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles);
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles);
 
 /* Not collective. Sets every field to random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
 PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles);
@@ -66,22 +71,30 @@ PetscInt MpmParticlesRoom(const MpmParticles *particles);
 /* Not collective. Sets per_cell. It is called when places have changed. */
 PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 
-/* Not collective. The drift from the swarm's (cell, xi) to the places at a step: whole cells, and part in [0,1). */
-PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt64 step, PetscInt *whole, PetscReal *part);
+/*
+   Not collective. The drift along an axis from the swarm's (cell, xi) to the places at a step: whole cells, and part in
+   [0,1).
+*/
+PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt axis, PetscInt64 step, PetscInt *whole,
+                                 PetscReal *part);
 
 /* Not collective. Access to a swarm field by name; every Get needs its Restore. */
 PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array);
 PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array);
 
-/* Not collective. The Lagrangian coordinate X / h in [0, cells) of a particle at (cell, xi) of the swarm's fields. */
-static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, const MpmGrid *grid, PetscInt cell,
-                                               PetscReal xi)
+/* Not collective. The Lagrangian coordinates X = x - U0 t of a particle, in the unit of the cell's width. */
+static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscInt64 id, PetscReal cell_width,
+                                          PetscReal X[])
 {
-  PetscInt64 home = (grid->first + cell - particles->rebased) % grid->cells;
-
-  if (home < 0) home += grid->cells;
-  return home + xi;
+  MpmLayoutRest(particles->layout, id, X);
+  for (PetscInt a = 0; a < particles->layout->dim; a++) X[a] *= cell_width;
 }
+
+/* Not collective. Places the particles of this rank, in more than one dimension. MpmParticlesCreate calls it. */
+PetscErrorCode MpmParticlesPlaceBox(const MpmGrid *grid, MpmParticles *particles);
+
+/* Not collective. Brings the particles into the order of their places. */
+PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid);
 
 /*
    MpmParticlesRebase - adds the whole cells of drift to the cell field, and sends particles that have left this rank's

@@ -42,6 +42,8 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
   PetscFunctionBegin;
   PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
   PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                     .map         = op->kind,
+                                     .axis        = op->axis,
                                      .kernel      = c->basis->kernel[op->kind],
                                      .mass_kernel = c->basis->p2g_mass,
                                      .a           = MpmOpValue(op, c->courant),
@@ -72,6 +74,7 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
   pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind        = op->kind,
                                                  .a           = MpmOpValue(op, c->courant),
+                                                 .axis        = op->axis,
                                                  .dst         = op->dst,
                                                  .src         = op->src,
                                                  .side        = op->side,
@@ -239,12 +242,17 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
 }
 
 /* The maximum norm of an operation whose number a is 1. */
-static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, PetscReal least_mass)
+static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, PetscInt ppc, PetscReal least_mass)
 {
+  PetscReal cells = 1; /* in which a node has particles: as many as a particle has nodes */
+
+  for (PetscInt a = 0; a < dim; a++) cells *= MpmMapReach(basis);
   switch (kind) {
-  case MPM_DIV: /* a node has particles in as many cells as a particle has nodes */
-    return basis->slope_sum * ppc * MpmMapReach(basis) / least_mass;
+  case MPM_DIV:
+  case MPM_DIV_MLS:
+    return basis->slope_sum * ppc * cells / least_mass;
   case MPM_GRAD:
+  case MPM_GRAD_MLS:
   case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
     return basis->slope_sum;
   case MPM_LAP:
@@ -270,7 +278,7 @@ PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal c
     if (traits.dst == MPM_NOWHERE) continue;
     dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
     from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
-    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
+    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, t->dim, ppc, least_mass);
     if (traits.weight == MPM_STIFFNESS) from *= stiffness;
     if (op->kind == MPM_WALL)
       *dst = PetscMax(*dst, from);

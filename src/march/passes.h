@@ -24,9 +24,14 @@
 E*/
 typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
 
-/* to_nodes: the map writes the node field. weight: the property that multiplies it, where it varies. */
+/*
+   map, axis: the kind of the map, and the direction that it acts along. to_nodes: the map writes the node field. weight:
+   the property that multiplies it, where it varies.
+*/
 typedef struct {
   MpmPassOpKind kind;
+  MpmOpKind     map;
+  PetscInt      axis;
   MpmKernel     kernel;
   MpmMassKernel mass_kernel;
   PetscReal     a;
@@ -37,13 +42,14 @@ typedef struct {
 
 /*
    A node operation. It is done on ghosts too, as far as its operands are valid: on depth ghosts fewer than the grid
-   has. side is the end at which a WALL acts.
+   has. axis is the direction that LAP and WALL act along, and side the end at which a WALL acts.
 */
 typedef struct {
   MpmOpKind kind;
   PetscReal a;
   PetscInt  dst, src, depth, side;
   PetscBool accumulates;
+  PetscInt  axis;
 } MpmNodeOp;
 
 /* Not collective. Whether a node's new value depends on itself and its neighbours alone: no sum over ranks, no wall. */

@@ -50,8 +50,8 @@ static PetscErrorCode GetPlaces(const MpmMarch *march, MpmPlaces *places)
 {
   PetscFunctionBegin;
   places->mass = NULL;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell, &places->cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi, &places->xi));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &places->cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &places->xi));
   if (march->layout->varies[MPM_MASS])
     PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -61,8 +61,8 @@ static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
 {
   PetscFunctionBegin;
   if (places->mass) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi, &places->xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell, &places->cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &places->xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &places->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,7 +77,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
   PetscReal       part;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
+  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
   for (PetscInt p = 0; p < march->particles->count; p++) {
     PetscInt  cell;
     PetscReal xi, row[MPM_MAX_REACH];
@@ -110,7 +110,7 @@ static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsS
   PetscCall(MpmGridGetArray(grid, x->other, &array[1]));
   PetscCall(SumWeights(x->march, &places, array[0], array[1]));
   PetscCall(MpmGridSum(grid, 2, array));
-  for (PetscInt i = 0; i < grid->nodes; i++) {
+  for (PetscInt i = 0; i < grid->axis[0].nodes; i++) {
     const PetscReal c1 = array[0][i] / array[1][i];
 
     if (!(array[1][i] > 0)) continue;
@@ -151,8 +151,8 @@ static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscRea
   PetscCall(MpmMarchProjectNext(x->march, field, x->inverse_mass, x->other));
   PetscCall(MpmGridGetArray(grid, x->node, &now));
   PetscCall(MpmGridGetArray(grid, x->other, &next));
-  for (PetscInt i = 0; i < grid->nodes; i++) change += PetscSqr(next[i] - now[i]);
-  PetscCall(Ratio(x, change, MpmSumSquares(grid->nodes, now), source));
+  for (PetscInt i = 0; i < grid->axis[0].nodes; i++) change += PetscSqr(next[i] - now[i]);
+  PetscCall(Ratio(x, change, MpmSumSquares(grid->axis[0].nodes, now), source));
   PetscCall(MpmGridRestoreArray(grid, x->other, &next));
   PetscCall(MpmGridRestoreArray(grid, x->node, &now));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -166,7 +166,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
   PetscReal part;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, march->particles->step, &whole, &part));
+  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
   sums[0] = sums[1] = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) {
     const PetscReal m    = places->mass ? places->mass[p] : 1;

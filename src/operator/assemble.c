@@ -209,16 +209,16 @@ static PetscInt64 SitesBefore(const MpmLayout *layout, PetscInt cell)
   return layout->dim == 1 ? MpmLayoutSitesBefore(layout, cell) : (PetscInt64)cell * layout->ppc[layout->dim - 1];
 }
 
-/* The sizes and the registers at the start, for polynomials of a degree; 0 for numbers. */
-static PetscErrorCode SetUp(MpmRegisters *r, PetscInt degree)
+PetscErrorCode MpmRegistersSizes(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                 MpmRegisters *r)
 {
-  const MpmLayout *layout = r->layout;
-  const PetscInt   last   = layout->dim - 1;
-  PetscMPIInt      rank, size;
-  PetscInt         plane_nodes = 1;
-  PetscInt64       begin, end, plane = 1; /* the particles of a plane across the last direction */
+  const PetscInt last = layout->dim - 1;
+  PetscMPIInt    rank, size;
+  PetscInt       plane_nodes = 1;
+  PetscInt64     begin, end, plane = 1; /* the particles of a plane across the last direction */
 
   PetscFunctionBegin;
+  *r = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
   PetscCallMPI(MPI_Comm_rank(r->comm, &rank));
   PetscCallMPI(MPI_Comm_size(r->comm, &size));
   r->cells = MpmGridCount(layout->grid[last].cells, size, rank);
@@ -235,7 +235,14 @@ static PetscErrorCode SetUp(MpmRegisters *r, PetscInt degree)
   r->particles = (PetscInt)(plane * PetscMax(end - begin, 0));
   r->fields    = r->scheme->table->nstate;
   r->state     = r->particles * r->fields;
-  r->columns   = r->state * (degree + 1);
+  r->columns   = r->state;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The registers at the start: those of the state are rows of the identity. */
+static PetscErrorCode Fill(MpmRegisters *r)
+{
+  PetscFunctionBegin;
   for (PetscInt f = 0; f < r->scheme->table->nparticles; f++)
     if (f < r->fields)
       PetscCall(Identity(r, f, &r->particle[f]));
@@ -248,8 +255,8 @@ PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const 
                                   MpmRegisters *r)
 {
   PetscFunctionBegin;
-  *r = (MpmRegisters){.comm = comm, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
-  PetscCall(SetUp(r, 0));
+  PetscCall(MpmRegistersSizes(comm, layout, scheme, step, r));
+  PetscCall(Fill(r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -257,8 +264,9 @@ PetscErrorCode MpmRegistersCreatePolynomial(const MpmLayout *layout, const MpmSc
                                             PetscInt degree, MpmRegisters *r)
 {
   PetscFunctionBegin;
-  *r = (MpmRegisters){.comm = PETSC_COMM_SELF, .layout = layout, .scheme = scheme, .step = *step, .masses_step = -1};
-  PetscCall(SetUp(r, degree));
+  PetscCall(MpmRegistersSizes(PETSC_COMM_SELF, layout, scheme, step, r));
+  r->columns *= degree + 1;
+  PetscCall(Fill(r));
   PetscCall(MatCreateSeqAIJ(PETSC_COMM_SELF, r->columns, r->columns, 1, NULL, &r->times_courant));
   for (PetscInt c = 0; c + r->state < r->columns; c++)
     PetscCall(MatSetValue(r->times_courant, c, c + r->state, 1, INSERT_VALUES));
@@ -299,8 +307,7 @@ static PetscErrorCode Raise(const MpmRegisters *r, const MpmOp *op, Mat *matrix)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The index of a node along an axis, and the distance of neighbours along it in the numbering of nodes. */
-static PetscInt IndexAlong(const MpmLayout *layout, PetscInt node, PetscInt axis, PetscInt *stride)
+PetscInt MpmNodeAlong(const MpmLayout *layout, PetscInt node, PetscInt axis, PetscInt *stride)
 {
   *stride = 1;
   for (PetscInt a = 0; a < axis; a++) *stride *= layout->grid[a].nodes;
@@ -317,7 +324,7 @@ static PetscErrorCode Stencil(const MpmRegisters *r, const MpmOp *op, const MpmP
                          PetscMin(2, AllNodes(r->layout) - r->nodes), NULL, map));
   for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++) {
     PetscInt       stride;
-    const PetscInt i = IndexAlong(r->layout, node, op->axis, &stride);
+    const PetscInt i = MpmNodeAlong(r->layout, node, op->axis, &stride);
 
     for (PetscInt d = -traits.halo; d <= traits.halo; d++) {
       PetscReal      sign;
@@ -344,7 +351,7 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
   PetscCall(MatCreateVecs(r->node[op->dst], NULL, &keep));
   PetscCall(VecSet(keep, 1));
   for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++)
-    if (IndexAlong(r->layout, node, op->axis, &stride) == wall) PetscCall(VecSetValue(keep, node, 0, INSERT_VALUES));
+    if (MpmNodeAlong(r->layout, node, op->axis, &stride) == wall) PetscCall(VecSetValue(keep, node, 0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(keep));
   PetscCall(VecAssemblyEnd(keep));
   PetscCall(MatDiagonalScale(r->node[op->dst], keep, NULL));
@@ -352,7 +359,7 @@ static PetscErrorCode SetWall(MpmRegisters *r, const MpmOp *op, PetscReal a)
   if (a == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, &only));
   for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++)
-    if (IndexAlong(r->layout, node, op->axis, &stride) == wall)
+    if (MpmNodeAlong(r->layout, node, op->axis, &stride) == wall)
       PetscCall(MatSetValue(only, node, node, a, INSERT_VALUES));
   PetscCall(MatAssemblyBegin(only, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(only, MAT_FINAL_ASSEMBLY));
@@ -383,23 +390,16 @@ static PetscErrorCode Apply(const MpmRegisters *r, const MpmOp *op, Mat map, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define PARITIES (MPM_MAX_DIM + 2)
-
-/* The matrices of a step's maps, by axis and by the parity of the node register. Each is made when it is first used. */
-typedef struct {
-  Mat map[MPM_OP_KINDS][MPM_MAX_DIM][PARITIES];
-} Maps;
-
 /* 0: even; 1 + a: the component of a vector along axis a; the last: a number that is imposed on walls. */
 static PetscInt ParityClass(const MpmLayout *layout, const MpmParity parity[])
 {
   if (MpmLayoutIsPeriodic(layout) || parity[0] == MPM_EVEN) return 0;
   for (PetscInt a = 0; a < layout->dim; a++)
     if (parity[a] == MPM_NORMAL) return 1 + a;
-  return PARITIES - 1;
+  return MPM_PARITIES - 1;
 }
 
-static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps, Mat *map)
+PetscErrorCode MpmStepMapsGet(MpmStepMaps *maps, MpmRegisters *r, const MpmOp *op, PetscInt64 step, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const MpmParity  *parity = r->scheme->table->parity[traits.dst == MPM_ON_NODES ? op->dst : op->src];
@@ -416,7 +416,16 @@ static PetscErrorCode MapOf(MpmRegisters *r, const MpmOp *op, PetscInt64 step, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, Maps *maps)
+PetscErrorCode MpmStepMapsDestroy(MpmStepMaps *maps)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+      for (PetscInt c = 0; c < MPM_PARITIES; c++) PetscCall(MatDestroy(&maps->map[k][a][c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, MpmStepMaps *maps)
 {
   const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
   const PetscReal   a        = ValueOf(r, op);
@@ -433,7 +442,7 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
     PetscCall(MatScale(r->particle[op->dst], a));
     PetscCall(Raise(r, op, &r->particle[op->dst]));
   } else {
-    PetscCall(MapOf(r, op, step, maps, &map));
+    PetscCall(MpmStepMapsGet(maps, r, op, step, &map));
     PetscCall(
         Apply(r, op, map, a, sides[traits.src == MPM_ON_NODES][op->src], &sides[traits.dst == MPM_ON_NODES][op->dst]));
   }
@@ -443,14 +452,12 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
 PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
 {
   const MpmTable *table = r->scheme->table;
-  Maps            maps  = {{{{NULL}}}};
+  MpmStepMaps     maps  = {{{{NULL}}}};
 
   PetscFunctionBegin;
   MpmFloatBegin();
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(ApplyOp(r, &table->ops[o], step, &maps));
-  for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-    for (PetscInt a = 0; a < table->dim; a++)
-      for (PetscInt c = 0; c < PARITIES; c++) PetscCall(MatDestroy(&maps.map[k][a][c]));
+  PetscCall(MpmStepMapsDestroy(&maps));
   PetscCall(MpmFloatEnd(r->comm, &r->float_check, "assembly", step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -32,6 +32,10 @@ typedef struct {
   MpmFloatCheck    float_check;
 } MpmRegisters;
 
+/* Collective. Sets the sizes alone; there are no registers. It is destroyed like registers. */
+PetscErrorCode MpmRegistersSizes(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                 MpmRegisters *registers);
+
 /* Collective. The particle registers of the state are rows of the identity; all other registers are empty. */
 PetscErrorCode MpmRegistersCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                   MpmRegisters *registers);
@@ -65,6 +69,26 @@ PetscErrorCode MpmRegistersMap(MpmRegisters *registers, MpmOpKind kind, PetscInt
    Collective. It takes all eigenvalues of W^T m W, and refuses grids too large for that.
 */
 PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, const MpmParity parity[], PetscInt64 step, Mat *map);
+
+#define MPM_PARITIES (MPM_MAX_DIM + 2)
+
+/*S
+   MpmStepMaps - the matrices of a step's maps, by kind, by axis and by the parity of the node register. Each is made
+   when it is first asked for. It starts as zeros.
+S*/
+typedef struct {
+  Mat map[MPM_OP_KINDS][MPM_MAX_DIM][MPM_PARITIES];
+} MpmStepMaps;
+
+/* Collective. The matrix of an operation that is a map, at a step. MpmStepMapsDestroy destroys it. */
+PetscErrorCode MpmStepMapsGet(MpmStepMaps *maps, MpmRegisters *registers, const MpmOp *op, PetscInt64 step, Mat *map);
+PetscErrorCode MpmStepMapsDestroy(MpmStepMaps *maps);
+
+/*
+   Not collective. The index of a node along an axis. stride: the distance of neighbours along it in the numbering of
+   nodes.
+*/
+PetscInt MpmNodeAlong(const MpmLayout *layout, PetscInt node, PetscInt axis, PetscInt *stride);
 
 /* Collective. Applies the operations of one step, with the particles where they are at that step. */
 PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);

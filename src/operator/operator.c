@@ -5,6 +5,7 @@
 #include "base/power_of_two.h"
 #include "march/march_private.h"
 #include "operator/assemble.h"
+#include "operator/shell.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include <mpmstab/operator.h>
@@ -14,6 +15,8 @@
 #define PERIODS 3      /* over which the march is compared */
 #define LARGEST 3e8    /* nonzeros */
 #define OF_NONZERO 50  /* bytes: for the registers during assembly, and later for the solver's factors */
+#define OF_MAP 14      /* bytes: of a number of a map */
+#define VECTORS 100    /* of the solver */
 
 /* Divides the registers by a power of two when they would leave the range of doubles, and adds to its exponent. */
 static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
@@ -48,14 +51,16 @@ static PetscBool IsSum(const MpmTable *table, PetscInt o)
    the basis in every direction, and each stencil over its halo. Sums that begin before one of them is read carry it at
    the same time.
 */
-static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
+static PetscErrorCode CheckMatrix(MPI_Comm comm, const MpmOperator *op)
 {
   const MpmLayout *layout = op->layout;
   const MpmBasis  *basis  = op->scheme->basis;
   const MpmTable  *table  = op->scheme->table;
   PetscReal        cells = 0, nonzeros = (PetscReal)op->order * op->fields * MpmLayoutPpc(layout);
+  char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
 
@@ -66,11 +71,26 @@ static PetscErrorCode CheckSize(MPI_Comm comm, const MpmOperator *op)
   }
   for (PetscInt a = 0; a < layout->dim; a++) nonzeros *= PetscMin(2 * cells * op->period + 1, layout->grid[a].cells);
   MpmCheckInput(nonzeros <= LARGEST,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT " and a period of %" PetscInt_FMT
+                "%s and a period of %" PetscInt_FMT
                 " steps: the operator would hold about %.2g numbers; allowed: at most %.2g, so fewer cells or a drift "
                 "with a smaller denominator ('mpmstab run' and 'symbol' need no operator)",
-                layout->grid[0].cells, layout->ppc[0], op->period, nonzeros, LARGEST);
+                size, op->period, nonzeros, LARGEST);
   PetscCall(MpmLayoutCheckMemory(comm, layout, OF_NONZERO * nonzeros, "the spectrum"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses an operator without a matrix whose maps and vectors would be too large. */
+static PetscErrorCode CheckMaps(MPI_Comm comm, const MpmOperator *op)
+{
+  const PetscReal maps = op->period * MpmShellNonzeros(op->layout, op->scheme);
+  char            what[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(what, sizeof what,
+                          "the spectrum, of %" PetscInt_FMT " unknowns and a period of %" PetscInt_FMT " steps,",
+                          op->order, op->period));
+  PetscCall(MpmLayoutCheckMemory(comm, op->layout, OF_MAP * maps + VECTORS * sizeof(PetscScalar) * (PetscReal)op->order,
+                                 what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,6 +129,13 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
     PetscCall(PetscObjectReference((PetscObject)op->A));
     *A        = op->A;
     *exponent = op->exponent;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!op->assembled) {
+    PetscReal nonzeros;
+
+    PetscCall(
+        MpmShellCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, step, 1, A, &nonzeros));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
@@ -163,7 +190,7 @@ static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec 
   PetscCall(VecDuplicate(*unit, &inverse));
   PetscCall(VecCopy(*unit, inverse));
   PetscCall(VecReciprocal(inverse));
-  PetscCall(MatDuplicate(A, MAT_COPY_VALUES, scaled));
+  PetscCall(op->assembled ? MatDuplicate(A, MAT_COPY_VALUES, scaled) : MpmShellCopy(A, scaled));
   PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
   PetscCall(VecDestroy(&inverse));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -181,12 +208,41 @@ static PetscErrorCode Balance(MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The operator as a matrix. */
+static PetscErrorCode CreateMatrix(MPI_Comm comm, MpmOperator *op)
+{
+  MatInfo info;
+
+  PetscFunctionBegin;
+  PetscCall(CheckMatrix(comm, op));
+  PetscCall(Assemble(comm, op));
+  PetscCall(MatGetInfo(op->A, MAT_GLOBAL_SUM, &info));
+  op->nonzeros = info.nz_used;
+  op->bytes    = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * op->order * sizeof(PetscInt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator as the maps of its steps. */
+static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
+{
+  MpmRegisters sizes;
+
+  PetscFunctionBegin;
+  PetscCall(CheckMaps(comm, op));
+  PetscCall(MpmShellCreate(comm, op->layout, op->scheme, &op->step, 0, op->period, &op->A, &op->nonzeros));
+  PetscCall(MpmRegistersSizes(comm, op->layout, op->scheme, &op->step, &sizes));
+  PetscCall(MpmRegistersMap(&sizes, MPM_P2G, 0, (const MpmParity[MPM_MAX_DIM]){MPM_EVEN}, 0, &op->p2g));
+  PetscCall(MpmRegistersDestroy(&sizes));
+  op->bytes = op->nonzeros * (sizeof(PetscScalar) + sizeof(PetscInt));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                  MpmOperator **op)
 {
   const PetscReal begin = MPI_Wtime();
   MpmOperator    *o;
-  MatInfo         info;
+  char            size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
   PetscCall(PetscNew(op));
@@ -195,17 +251,15 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->scheme = scheme;
   o->step   = *step;
   o->fields = scheme->table->nstate;
+  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
   MpmCheckInput(o->fields * layout->particles <= PETSC_MAX_INT / 2,
-                "cells %" PetscInt_FMT " with ppc %" PetscInt_FMT ": too many unknowns; allowed: at most %d",
-                layout->grid[0].cells, layout->ppc[0], PETSC_MAX_INT / 2);
-  o->order = (PetscInt)(o->fields * layout->particles);
+                "%s: too many unknowns, %" PetscInt64_FMT "; allowed: at most %d", size, o->fields * layout->particles,
+                PETSC_MAX_INT / 2);
+  o->order     = (PetscInt)(o->fields * layout->particles);
+  o->assembled = layout->dim == 1 || o->order <= MPM_MATRIX_ORDER ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(MpmStepPeriod(step, &o->period));
-  PetscCall(CheckSize(comm, o));
-  PetscCall(Assemble(comm, o));
+  PetscCall(o->assembled ? CreateMatrix(comm, o) : CreateShell(comm, o));
   PetscCall(Balance(o));
-  PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
-  o->nonzeros   = info.nz_used;
-  o->bytes      = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * o->order * sizeof(PetscInt);
   o->assemble_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

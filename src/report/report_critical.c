@@ -1,8 +1,45 @@
 /* The largest stable Courant number: prints it in words, and writes it as JSON and as CSV. */
 #include "report/results.h"
+#include "scene/fields.h"
 #include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
+#include <string.h>
+
+#define ALONG 1e-3 /* a direction is that of an axis or of a diagonal within this */
+
+/* A field of the scene as text: all digits for files, or six for headings. */
+static PetscErrorCode FieldText(const MpmScene *s, const char name[], PetscBool heading, size_t room, char text[])
+{
+  MpmValue value;
+
+  PetscFunctionBegin;
+  PetscCall(MpmValueOf(name, s, NULL, &value));
+  PetscCall(heading ? MpmValueHeading(&value, room, text) : MpmValueText(&value, room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints what is said about drift below the limit. */
+static PetscErrorCode PrintDrift(const MpmScene *s, const MpmCritical *c)
+{
+  char drift[MPM_COUNTS_TEXT];
+
+  PetscFunctionBegin;
+  if (!MpmSceneDrifts(s)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(FieldText(s, "drift", PETSC_TRUE, sizeof drift, drift));
+  if (s->layout.dim == 1)
+    MpmPrint("  particles move by %.6g cells per step at every Courant number that is looked at\n",
+             s->step.drift[0].value);
+  else
+    MpmPrint("  particles move by %s cells per step at every Courant number that is looked at\n", drift);
+  if (c->followed)
+    MpmPrint("  under drift growth comes in windows of Courant number; this is where the first one opens\n");
+  else
+    MpmPrint(
+        "  under drift growth comes in windows of Courant number; one narrower than the steps of the search may be "
+        "missed\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
 {
@@ -31,22 +68,71 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
-  if (MpmSceneDrifts(s))
-    MpmPrint("  particles move by %.6g cells per step at every Courant number that is looked at\n",
-             s->step.drift[0].value);
-  if (MpmSceneDrifts(s))
-    MpmPrint(c->followed
-                 ? "  under drift growth comes in windows of Courant number; this is where the first one opens\n"
-                 : "  under drift growth comes in windows of Courant number; one narrower than the steps of the "
-                   "search may be missed\n");
+  PetscCall(PrintDrift(s, c));
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
     MpmPrint("  closed form  %.10g: %s\n", c->closed, s->scheme.formulation->limit_text);
+  if (c->bound > 0)
+    MpmPrint(
+        "  any layout   of such particles at rest is stable up to %.10g = 2 sqrt(D / chi), jittered or with gaps\n",
+        c->bound);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintReason(PetscReal tolerance, const MpmCritical *c)
+/* Prints the direction of a wave of several phases. */
+static PetscErrorCode PrintDirection(PetscInt dim, const PetscReal beta[], PetscReal length)
+{
+  PetscInt along = 0, alike = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
+    if (PetscAbsReal(beta[a]) > (1 - ALONG) * length) along = a + 1;
+    if (PetscAbsReal(PetscAbsReal(beta[a]) * PetscSqrtReal((PetscReal)dim) - length) <= ALONG * length) alike++;
+  }
+  if (along) {
+    MpmPrint("along %c", "xyz"[along - 1]);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmPrint(alike == dim ? "along a diagonal (" : "along (");
+  for (PetscInt a = 0; a < dim; a++) MpmPrint("%s%.4g", a ? ", " : "", beta[a] / length);
+  MpmPrint(")");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints which wave of two or three dimensions limits: type, length, direction, phases. */
+static PetscErrorCode PrintWave(PetscInt dim, const MpmCritical *c)
+{
+  const char *const said[] = {[MPM_WAVE_NONE]  = "waves",
+                              [MPM_WAVE_P]     = "P waves",
+                              [MPM_WAVE_S]     = "S waves",
+                              [MPM_WAVE_MIXED] = "mixed P and S waves"};
+  PetscReal         length = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) length += PetscSqr(c->beta[a]);
+  length = PetscSqrtReal(length);
+  if (c->assembled)
+    MpmPrint("a mode with waves");
+  else
+    MpmPrint("%s", said[c->wave]);
+  MpmPrint(" of %.4g cells ", 2 * PETSC_PI / length);
+  PetscCall(PrintDirection(dim, c->beta, length));
+  MpmPrint(", beta = (");
+  for (PetscInt a = 0; a < dim; a++) MpmPrint("%s%.6g", a ? ", " : "", c->beta[a]);
+  MpmPrint(")");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether all waves of the mode that limits are infinitely long. */
+static PetscBool IsUniform(PetscInt dim, const PetscReal beta[])
+{
+  for (PetscInt a = 0; a < dim; a++)
+    if (beta[a] != 0) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -54,13 +140,15 @@ static PetscErrorCode PrintReason(PetscReal tolerance, const MpmCritical *c)
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
              c->fading, tolerance);
   MpmPrint("  limited by   ");
-  if (isnan(c->beta))
+  if (isnan(c->beta[0]))
     MpmPrint("a mode whose trace on the nodes has no phase");
-  else if (c->beta > 0)
-    MpmPrint("%s of %.4g cells, beta = %.6g", c->assembled ? "a mode with waves" : "waves", 2 * PETSC_PI / c->beta,
-             c->beta);
-  else
+  else if (IsUniform(dim, c->beta))
     MpmPrint("the mode with beta = 0");
+  else if (dim > 1)
+    PetscCall(PrintWave(dim, c));
+  else
+    MpmPrint("%s of %.4g cells, beta = %.6g", c->assembled ? "a mode with waves" : "waves", 2 * PETSC_PI / c->beta[0],
+             c->beta[0]);
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
   if (c->closed > 0 && isfinite(c->closed))
@@ -68,6 +156,14 @@ static PetscErrorCode PrintReason(PetscReal tolerance, const MpmCritical *c)
              "(transfer)\n",
              c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void PrintMoving(const MpmCritical *c, PetscReal growth, PetscReal tolerance)
+{
+  if (isinf(growth))
+    MpmPrint("beyond that range");
+  else
+    MpmPrint("%.9g%s", growth, growth > 1 + tolerance && c->asked.growth <= 1 + tolerance ? ", it rings" : "");
 }
 
 /* Prints growth and verdict at the scene's own Courant number. */
@@ -80,11 +176,12 @@ static PetscErrorCode PrintAsked(const MpmScene *s, PetscReal tolerance, const M
   else
     MpmPrint("%.9g per step", c->asked.growth);
   if (isfinite(c->asked.growth) && !isnan(c->moving)) {
-    MpmPrint("; if particles drift by 1/%d cell per step: ", MPM_CRITICAL_DRIFT);
-    if (isinf(c->moving))
-      MpmPrint("beyond that range");
-    else
-      MpmPrint("%.9g%s", c->moving, c->moving > 1 + tolerance && c->asked.growth <= 1 + tolerance ? ", it rings" : "");
+    MpmPrint("; if particles drift by 1/%d cell per step%s: ", MPM_CRITICAL_DRIFT, s->layout.dim > 1 ? " along x" : "");
+    PrintMoving(c, c->moving, tolerance);
+    if (s->layout.dim > 1) {
+      MpmPrint(", along the diagonal: ");
+      PrintMoving(c, c->moving_diagonal, tolerance);
+    }
   }
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -99,12 +196,18 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   PetscCall(MpmReportScene(s, request, ranks));
   MpmPrint("\n");
   PetscCall(PrintLimit(s, request->tolerance, c));
-  PetscCall(PrintReason(request->tolerance, c));
+  PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
   PetscCall(PrintAsked(s, request->tolerance, c));
   PetscCall(MpmReportFinding(&c->asked, NAN));
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
              c->order, c->evaluations);
+  else if (c->phases)
+    MpmPrint("searched: %s%" PetscInt_FMT " phases in (0, pi] of each direction and uphill from the largest growths, "
+             "%" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
+             MpmSceneDrifts(s) || isnan(c->closed) ? "all phases along the axes, and "
+                                                   : "the closed form at all phases, and ",
+             c->phases, c->evaluations, c->order);
   else
     MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
              c->evaluations, c->order);
@@ -112,22 +215,42 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The wave that limits in two or three dimensions, if there is one. */
+static void SetWave(json_t *object, PetscInt dim, const MpmCritical *c)
+{
+  json_t *beta = json_array();
+
+  for (PetscInt a = 0; a < dim; a++) json_array_append_new(beta, json_real(c->beta[a]));
+  if (isfinite(c->beta[0]))
+    json_object_set_new(object, "limited_by_beta", beta);
+  else
+    json_decref(beta);
+  if (c->wave != MPM_WAVE_NONE) json_object_set_new(object, "limited_by_wave", json_string(MpmWaveTypeNames[c->wave]));
+  if (c->phases) json_object_set_new(object, "phases", json_integer(c->phases));
+}
+
 PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const MpmCritical *c, PetscReal wall_s)
 {
-  PetscMPIInt ranks;
-  json_t     *object, *critical = json_object();
+  const PetscInt dim = s->layout.dim;
+  PetscMPIInt    ranks;
+  json_t        *object, *critical = json_object();
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
   MpmJsonSetFinding(object, &c->asked);
   MpmJsonSet(critical, "critical_courant", c->courant);
-  MpmJsonSet(critical, "limited_by_beta", c->beta);
+  if (dim == 1)
+    MpmJsonSet(critical, "limited_by_beta", c->beta[0]);
+  else
+    SetWave(critical, dim, c);
   MpmJsonSet(critical, "stable_at", c->stable_at);
   MpmJsonSet(critical, "unstable_at", c->unstable_at);
   MpmJsonSet(critical, "closed_form", c->closed);
   MpmJsonSet(critical, "fading", c->fading);
+  if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
   MpmJsonSet(critical, "growth_when_drifting", c->moving);
+  MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));
   json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
   MpmJsonSet(critical, "seconds", c->seconds);
@@ -136,28 +259,60 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CsvOpen(const char path[], MpmTextFile *csv)
+/* In more than one dimension a row begins with these fields; one with several values has them in quotes. */
+static const char *const fields[] = {"dim", "gradient", "poisson", "ppc", "offset", "jitter", "drift", "boundary"};
+
+static PetscErrorCode CsvOpen(const char path[], PetscInt dim, MpmTextFile *csv)
 {
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(path, csv));
-  if (csv->stream)
+  if (!csv->stream) PetscFunctionReturn(PETSC_SUCCESS);
+  if (dim == 1) {
     fprintf(csv->stream, "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
                          "critical_courant,closed_form,limited_by_beta\n");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  fprintf(csv->stream, "formulation,basis,transfer");
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(fields); i++) fprintf(csv->stream, ",%s", fields[i]);
+  fprintf(csv->stream, ",critical_courant,closed_form");
+  for (PetscInt a = 0; a < dim; a++) fprintf(csv->stream, ",limited_by_beta_%c", "xyz"[a]);
+  fprintf(csv->stream, ",limited_by_wave\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *scheme, const MpmCritical *c)
+/* The fields of a scene in more than one dimension. */
+static PetscErrorCode CsvScene(MpmTextFile *csv, const MpmScene *scene)
+{
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(fields); i++) {
+    char        text[MPM_COUNTS_TEXT];
+    const char *quote;
+
+    PetscCall(FieldText(scene, fields[i], PETSC_FALSE, sizeof text, text));
+    quote = strchr(text, ',') ? "\"" : "";
+    fprintf(csv->stream, ",%s%s%s", quote, text, quote);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *scheme, const MpmCritical *c)
 {
   const MpmLayout *l = &scene->layout;
 
-  if (!csv->stream) return;
-  fprintf(csv->stream, "%s,%s,%s,%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", scheme->formulation->name,
-          scheme->basis->name, scheme->transfer->name, l->ppc[0], l->offset[0].value, l->jitter,
-          scene->step.drift[0].value, MpmEndNames[l->grid[0].ends[0]], MpmEndNames[l->grid[0].ends[1]]);
+  PetscFunctionBegin;
+  if (!csv->stream) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(csv->stream, "%s,%s,%s", scheme->formulation->name, scheme->basis->name, scheme->transfer->name);
+  if (l->dim > 1)
+    PetscCall(CsvScene(csv, scene));
+  else
+    fprintf(csv->stream, ",%" PetscInt_FMT ",%.17g,%.17g,%.17g,%s,%s", l->ppc[0], l->offset[0].value, l->jitter,
+            scene->step.drift[0].value, MpmEndNames[l->grid[0].ends[0]], MpmEndNames[l->grid[0].ends[1]]);
   MpmTextFileCell(csv, c->courant);
   MpmTextFileCell(csv, c->closed);
-  MpmTextFileCell(csv, c->beta);
+  for (PetscInt a = 0; a < l->dim; a++) MpmTextFileCell(csv, c->beta[a]);
+  if (l->dim > 1) fprintf(csv->stream, ",%s", MpmWaveTypeNames[c->wave]);
   fprintf(csv->stream, "\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical)
@@ -165,8 +320,8 @@ PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, con
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(CsvOpen(path, &csv));
-  CsvRow(&csv, scene, &scene->scheme, critical);
+  PetscCall(CsvOpen(path, scene->layout.dim, &csv));
+  PetscCall(CsvRow(&csv, scene, &scene->scheme, critical));
   PetscCall(MpmTextFileClose(&csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -197,7 +352,31 @@ static PetscErrorCode PrintCell(void *context, const MpmScheme *scheme, const Mp
   else
     MpmPrint("  %9.4f", c->courant);
   fflush(stdout);
-  if (survey->request->csv[0]) CsvRow(&survey->csv, survey->scene, scheme, c);
+  if (survey->request->csv[0]) PetscCall(CsvRow(&survey->csv, survey->scene, scheme, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintHeading(const MpmScene *s)
+{
+  const char *const what = MpmSceneDrifts(s) ? "bounded (growth within tolerance)" : "stable";
+
+  PetscFunctionBegin;
+  if (s->layout.dim == 1)
+    MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT ", offset %.6g, drift %.6g", what,
+             s->layout.ppc[0], s->layout.offset[0].value, s->step.drift[0].value);
+  else {
+    static const char *const said[] = {"ppc", "offset", "drift", "poisson", "gradient"};
+
+    MpmPrint("largest %s Courant number c dt / h in %" PetscInt_FMT " dimensions:", what, s->layout.dim);
+    for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(said); i++) {
+      char text[MPM_COUNTS_TEXT];
+
+      PetscCall(FieldText(s, said[i], PETSC_TRUE, sizeof text, text));
+      MpmPrint("%s %s %s", i ? "," : "", said[i], text);
+    }
+  }
+  MpmPrint(", xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ", s->scheme.numbers.order,
+           s->scheme.numbers.ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -207,12 +386,8 @@ PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene, const MpmRequest *r
   Survey                survey = {.scene = scene, .request = request};
 
   PetscFunctionBegin;
-  if (request->csv[0]) PetscCall(CsvOpen(request->csv, &survey.csv));
-  MpmPrint("largest %s Courant number c dt / h: ppc %" PetscInt_FMT
-           ", offset %.6g, drift %.6g, xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ",
-           MpmSceneDrifts(scene) ? "bounded (growth within tolerance)" : "stable", scene->layout.ppc[0],
-           scene->layout.offset[0].value, scene->step.drift[0].value, scene->scheme.numbers.order,
-           scene->scheme.numbers.ratio);
+  if (request->csv[0]) PetscCall(CsvOpen(request->csv, scene->layout.dim, &survey.csv));
+  PetscCall(PrintHeading(scene));
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
   PetscCall(MpmCriticalSurvey(&of, PrintCell, &survey));
   MpmPrint("\n0: grows at every Courant number; none: no limit up to %.6g%s\n", MPM_CRITICAL_TO,

@@ -51,8 +51,8 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmReportScene(map->scene, map->request, ranks));
   PetscCall(PrintPicture(map));
-  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt_FMT " phases\n", map->points[0],
-           map->points[1], map->request->phases[0]);
+  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt64_FMT " phases\n", map->points[0],
+           map->points[1], MpmStabilityMapPhases(map));
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, MpmAxisNames[axes[0].kind],
@@ -90,7 +90,7 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
   for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
-  json_object_set_new(part, "phases", json_integer(map->request->phases[0]));
+  json_object_set_new(part, "phases", json_integer(MpmStabilityMapPhases(map)));
   json_object_set_new(part, "unstable", json_integer(map->unstable));
   json_object_set_new(part, "undecided", json_integer(map->undecided));
   if (map->limits) {
@@ -103,20 +103,30 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static const char *BetaName(PetscInt dim, PetscInt axis)
+{
+  static const char *const names[] = {"beta_x", "beta_y", "beta_z"};
+
+  return dim == 1 ? "beta" : names[axis];
+}
+
 PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
 {
-  MpmTextFile csv;
+  const PetscInt dim = map->scene->layout.dim;
+  MpmTextFile    csv;
 
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(map->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "%s,%s,growth,beta,verdict\n", MpmAxisNames[map->request->axes[0].kind],
+    fprintf(csv.stream, "%s,%s,growth", MpmAxisNames[map->request->axes[0].kind],
             MpmAxisNames[map->request->axes[1].kind]);
+    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
+    fprintf(csv.stream, ",verdict\n");
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
       fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
       MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
       MpmTextFileCell(&csv, map->growth[i]);
-      MpmTextFileCell(&csv, map->beta[i]);
+      for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, map->beta[a][i]);
       fprintf(csv.stream, ",%s\n", MpmVerdictNames[map->verdict[i]]);
     }
   }
@@ -133,7 +143,9 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
   for (int a = 0; a < 2; a++)
     PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->request->axes[a].kind], map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
-  PetscCall(MpmDataFileArray(&file, "/map", "beta", map->points[0], map->points[1], map->beta));
+  for (PetscInt a = 0; a < map->scene->layout.dim; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->scene->layout.dim, a), map->points[0], map->points[1],
+                               map->beta[a]));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -28,6 +28,11 @@ static const char *InitialWord(PetscInt i)
   return MpmInitialNames[i];
 }
 
+static const char *PolarisationWord(PetscInt i)
+{
+  return MpmPolarisationNames[i];
+}
+
 static const char *VerdictWord(PetscInt i)
 {
   return MpmVerdictNames[i];
@@ -105,6 +110,11 @@ static const char *BoundaryOf(const MpmScene *scene)
   return scene->boundary;
 }
 
+static const char *PolarisationOf(const MpmScene *scene)
+{
+  return MpmPolarisationNames[scene->polarisation];
+}
+
 static const char *InitialOf(const MpmScene *scene)
 {
   return MpmInitialNames[scene->initial];
@@ -146,6 +156,12 @@ static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
   return MpmSceneHasPoisson(scene);
+}
+
+static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneHasPoisson(scene) && scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasOffset(const MpmScene *scene, MpmRecord record)
@@ -264,8 +280,10 @@ const MpmField MpmOptions[] = {
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
    .word = InitialWord, .tasks = "run", TEXT(InitialOf), IN(6, 0, 23, 0)},
-  {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; number in mode_file, with eigenmode",
-   BETWEEN(1, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), IN(13, 0, 24, 0)},
+  {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; of several directions as 1,-1, and one number is along x; number in mode_file, with eigenmode",
+   BETWEEN(-2147483646, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
+  {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
+   .word = PolarisationWord, .tasks = "run", TEXT(PolarisationOf), IN(35, 0, 30, 0), .shown = HasPolarisation},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run"},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
@@ -282,7 +300,7 @@ const MpmField MpmOptions[] = {
    ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0)},
   {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells)",
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt)},
-  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset and ppc",
+  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson and drift_angle",
    .word = AxisWord, .tasks = "map"},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
    ABOVE(0), .tasks = "map"},
@@ -292,6 +310,10 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), .tasks = "map"},
   {"map_ppc", MPM_SPAN, "1,8", "particles per cell lo,hi of a map: every number between",
    BETWEEN(1, 512), .tasks = "map"},
+  {"map_poisson", MPM_SPAN, "0,0.49", "Poisson's ratios lo,hi of a map",
+   BETWEEN(0, 0.5), .tasks = "map"},
+  {"map_drift_angle", MPM_SPAN, "0,90", "directions lo,hi of the drift in a map, in degrees from x to y",
+   BETWEEN(0, 90), .tasks = "map"},
   {"map_points", MPM_LIST, "50,33", "points along the two axes of a map",
    BETWEEN(2, 100000), .tasks = "map"},
   {"modes", MPM_INTEGER, "8", "leading eigenvectors that go to output",

@@ -110,6 +110,15 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
   }
 }
 
+/* Jitter may cross the end of a periodic domain. */
+void MpmLayoutRest(const MpmLayout *layout, PetscInt64 id, PetscReal x[])
+{
+  PetscInt cell[MPM_MAX_DIM];
+
+  MpmLayoutPlace(layout, id, cell, x);
+  for (PetscInt a = 0; a < layout->dim; a++) x[a] += (cell[a] + layout->grid[a].cells) % layout->grid[a].cells;
+}
+
 void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
                       PetscInt cell[], PetscReal xi[])
 {
@@ -190,16 +199,23 @@ static PetscErrorCode Append(char text[], size_t room, const char format[], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (PetscInt a = 0; a < layout->dim; a++)
+    PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells));
+  for (PetscInt a = 0; a < layout->dim; a++)
+    PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])
 {
-  char size[128];
+  char size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(size, sizeof size, "cells %" PetscInt_FMT, layout->grid[0].cells));
-  for (PetscInt a = 1; a < layout->dim; a++)
-    PetscCall(Append(size, sizeof size, ",%" PetscInt_FMT, layout->grid[a].cells));
-  PetscCall(Append(size, sizeof size, " with ppc %" PetscInt_FMT, layout->ppc[0]));
-  for (PetscInt a = 1; a < layout->dim; a++) PetscCall(Append(size, sizeof size, ",%" PetscInt_FMT, layout->ppc[a]));
+  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
   PetscCall(MpmMemoryCheck(comm, size, bytes, what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -26,6 +26,9 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 */
 void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
+/* Not collective. The resting place of particle id in each direction, in cells from the left end of the domain. */
+void MpmLayoutRest(const MpmLayout *layout, PetscInt64 id, PetscReal x[]);
+
 /*
    MpmLayoutPlaceAt - finds the place of particle id after a number of steps with a drift, in each direction. It leaves
    out the whole cells of drift: they move all particles alike and do not change the map from particles to particles.
@@ -34,6 +37,10 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
 */
 void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
                       PetscInt cell[], PetscReal xi[]);
+
+/* Not collective. The options that say how large a layout is, as text: 'cells 8,4 with ppc 2,2'. */
+#define MPM_SIZE_TEXT 128
+PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[]);
 
 /* Collective. Refuses work on a layout that needs more memory than there is; see MpmMemoryCheck. */
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[]);

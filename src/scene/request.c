@@ -79,21 +79,23 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
 
 /* ---- axes of a map ---- */
 
-const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", NULL};
+const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", NULL};
 
-static const char *const spans[] = {"map_courant", "map_drift", "map_offset", "map_ppc"};
+static const char *const spans[] = {"map_courant", "map_drift",   "map_offset",
+                                    "map_ppc",     "map_poisson", "map_drift_angle"};
 
-/* The options, by either name, whose place an axis takes. */
-static const char *const replaced[][2] = {
-    {"courant", "dt"}, {"drift", "velocity"}, {"offset", "offset"}, {"ppc", "ppc"}};
+/* The options, by either name, whose place an axis takes. An angle turns the drift that is given. */
+static const char *const replaced[][2] = {{"courant", "dt"}, {"drift", "velocity"},  {"offset", "offset"},
+                                          {"ppc", "ppc"},    {"poisson", "poisson"}, {NULL, NULL}};
 
-static PetscErrorCode RefuseReplaced(const MpmSettings *settings, PetscInt kind)
+/* In more dimensions than one the scene's drift still says along which axes the map's goes. */
+static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
   char why[128];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = 0; i < 2; i++)
+  for (int i = kind == MPM_AXIS_DRIFT && scene->layout.dim > 1 ? 1 : 0; i < 2 && replaced[kind][i]; i++)
     if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,21 +117,40 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAxes(const MpmSettings *settings, MpmRequest *request)
+/* Refuses axes that the scene does not have. */
+static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
+    PetscCall(MpmSettingsRefuse(
+        settings, "map_axes",
+        "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
+  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+      scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
+    PetscCall(MpmSettingsRefuse(settings, "map_axes",
+                                "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
+                                "drift such as 1/8,0"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscInt kinds[2], points[2], n;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
   if (kinds[0] == kinds[1])
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: two different ones of courant, drift, offset and ppc"));
+    PetscCall(MpmSettingsRefuse(settings, "map_axes",
+                                "allowed: two different ones of courant, drift, offset, ppc, poisson and drift_angle"));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
   for (int a = 0; a < 2; a++) {
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
 
-    PetscCall(RefuseReplaced(settings, kinds[a]));
+    PetscCall(RefuseReplaced(settings, scene, kinds[a]));
     axis->kind = (MpmAxisKind)kinds[a];
     PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
     axis->from   = span[0];
@@ -140,6 +161,7 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, MpmRequest *request)
   for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
     if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != kinds[0] && i != kinds[1])
       PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
+  PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,7 +261,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
-  if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, request));
+  if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));

@@ -20,9 +20,16 @@ typedef struct {
 
 /*S
    MpmAxis - one axis of a map: points numbers at equal distances from one to another. They are exact fractions where
-   these have short terms.
+   these have short terms. The angle of the drift is in degrees, from x to y.
 S*/
-typedef enum { MPM_AXIS_COURANT, MPM_AXIS_DRIFT, MPM_AXIS_OFFSET, MPM_AXIS_PPC } MpmAxisKind;
+typedef enum {
+  MPM_AXIS_COURANT,
+  MPM_AXIS_DRIFT,
+  MPM_AXIS_OFFSET,
+  MPM_AXIS_PPC,
+  MPM_AXIS_POISSON,
+  MPM_AXIS_DRIFT_ANGLE
+} MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
 typedef struct {

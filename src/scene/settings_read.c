@@ -373,7 +373,9 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
     PetscCall(MpmFractionParse(first, &span[0], &ok));
     if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
   }
-  PetscCall(PetscSNPrintf(bounds, sizeof bounds, option->hi < 1 ? " to below 1" : " to %.6g", (double)option->hi));
+  PetscCall(PetscSNPrintf(bounds, sizeof bounds,
+                          1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
+                          (double)option->hi));
   PetscCall(PetscSNPrintf(
       why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
       option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));

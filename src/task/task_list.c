@@ -1,6 +1,7 @@
-/* The task list: mpmstab list [formulation|basis|transfer|boundary|layout|options|versions] */
+/* The task list: mpmstab list [formulation|basis|transfer|boundary|layout|options|versions|codes] */
 #include "base/suggest.h"
 #include "scene/fields.h"
+#include "task/codes.h"
 #include "task/task.h"
 #include <slepcsys.h>
 #include <string.h>
@@ -75,16 +76,39 @@ static PetscErrorCode ListVersions(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A file is named once for the options that were read in it. */
+static PetscErrorCode ListCodes(void)
+{
+  PetscFunctionBegin;
+  for (const MpmCode *code = MpmCodes; code->name; code++) {
+    const char *file = "";
+
+    MpmPrint("  %s: %s, commit %s\n", code->name, code->repository, code->version);
+    for (const MpmCodeOption *o = code->options; o->option; o++) {
+      if (strcmp(file, o->file)) MpmPrint("    %s\n", o->file);
+      file = o->file;
+      MpmPrint("      %-44s %s\n", o->option, o->here);
+    }
+    if (code->scheme) MpmPrint("    limit %s: mpmstab critical %s\n", code->limit, code->scheme);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static const struct {
   const char *name, *title;
   PetscErrorCode (*list)(void);
-} lists[] = {{"formulation", "formulations", ListFormulations},
-             {"basis", "bases", ListBases},
-             {"transfer", "transfers", ListTransfers},
-             {"boundary", "ends of the domain", ListBoundaries},
-             {"layout", "layouts", ListLayouts},
-             {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions},
-             {"versions", "versions", ListVersions}};
+} lists[] = {
+    {"formulation", "formulations", ListFormulations},
+    {"basis", "bases", ListBases},
+    {"transfer", "transfers", ListTransfers},
+    {"boundary", "ends of the domain", ListBoundaries},
+    {"layout", "layouts", ListLayouts},
+    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions},
+    {"versions", "versions", ListVersions},
+    {"codes",
+     "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
+     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it",
+     ListCodes}};
 
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
 {
@@ -94,9 +118,10 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
-  MpmCheckInput(argc <= 1,
-                "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions]",
-                argv[1]);
+  MpmCheckInput(
+      argc <= 1,
+      "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions|codes]",
+      argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
     if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
@@ -106,8 +131,8 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
   }
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options or versions%s%s%s", argv[0],
-              near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions or codes%s%s%s",
+              argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   *status = MPM_EXIT_DONE;
   PetscFunctionReturn(PETSC_SUCCESS);

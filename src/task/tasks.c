@@ -15,7 +15,7 @@ const MpmTask MpmTasks[] = {
     {"critical", "the largest stable Courant number, and the wave or mode that limits it", MpmTaskCritical},
     {"map", "growth over two of Courant number, drift, offset and particles per cell", MpmTaskMap},
     {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval", MpmTaskEnsemble},
-    {"list", "formulations, bases, transfers, boundaries, layouts; 'list options' shows every option", MpmTaskList},
+    {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes", MpmTaskList},
     {NULL, NULL, NULL},
 };
 

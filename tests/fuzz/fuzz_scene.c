@@ -87,7 +87,7 @@ static void CheckScene(const MpmScene *s, const MpmRequest *r)
   FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
   FuzzNeed(s->dt > 0 && s->step.courant > 0 && r->steps >= 1 && r->output_every >= 1, "time");
   FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
+  FuzzNeed(r->modes >= 0 && (s->mode[0] || s->mode[1] || s->mode[2]) && s->scheme.table->nops > 0, "a count");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -10,7 +10,7 @@
 /* Compares all particle data that the next step uses, in the order in which this rank holds them. */
 static PetscErrorCode SameBits(const MpmMarch *a, const MpmMarch *b, const char options[])
 {
-  const char *names[MPM_MAX_FIELDS + 3] = {MpmFieldXi, DMSwarmField_pid};
+  const char *names[MPM_MAX_FIELDS + 3] = {MpmFieldXi[0], DMSwarmField_pid};
   PetscInt    n                         = 2;
 
   PetscFunctionBegin;

@@ -38,12 +38,12 @@ static PetscErrorCode CheckPlaces(const MpmMarch *march, const char options[])
   PetscInt64          total = particles->count;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
   for (PetscInt p = 1; p < particles->count; p++)
     CHECK(cell[p] >= cell[p - 1], "%s: particle %d out of order", options, p);
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell, &cell));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse));
-  for (PetscInt i = 0; i < march->grid->nodes; i++) mass += inverse[i] > 0 ? 1 / inverse[i] : 0;
+  for (PetscInt i = 0; i < march->grid->axis[0].nodes; i++) mass += inverse[i] > 0 ? 1 / inverse[i] : 0;
   PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));

@@ -119,3 +119,31 @@ static inline PetscErrorCode OracleGrowthNd(const char path[], int fewest, Oracl
   CHECK(rows >= fewest, "only %d rows read", rows);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Collective. Does the same for critical-nd.csv: one, two and three dimensions, with the gradient and Poisson's ratio. */
+static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, OracleCheck check)
+{
+  FILE  *file = fopen(path, "r");
+  char   row[256], formulation[32], transfer[32], gradient[32], basis[32], options[512];
+  int    dim, ppc, rows = 0;
+  double offset, poisson, courant;
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
+  while (fgets(row, sizeof row, file)) {
+    if (sscanf(row, "%d,%31[^,],%31[^,],%31[^,],%31[^,],%d,%lf,%lf,%lf", &dim, formulation, transfer, gradient, basis,
+               &ppc, &offset, &poisson, &courant) != 9)
+      continue;
+    row[strcspn(row, "\r\n")] = 0;
+    PetscCall(PetscSNPrintf(options, sizeof options,
+                            "-dim %d -formulation %s -transfer %s -gradient %s -basis %s -ppc %d -offset %.17g", dim,
+                            formulation, transfer, gradient, basis, ppc, offset));
+    if (dim > 1 && strpbrk(formulation, "um")) /* usl, usf, musl, usavg: the others have no stress */
+      PetscCall(PetscSNPrintf(options + strlen(options), sizeof options - strlen(options), " -poisson %.17g", poisson));
+    PetscCall(check(row, options, courant));
+    rows++;
+  }
+  fclose(file);
+  CHECK(rows >= fewest, "only %d rows read", rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

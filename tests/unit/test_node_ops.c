@@ -19,7 +19,7 @@ static void Fill(PetscReal node[FIELDS][ROOM])
 /* Runs a pass in chunks of so many nodes; with 0, the operations wait until all nodes are complete. */
 static PetscErrorCode Run(const MpmPass *pass, PetscInt chunk, PetscReal node[FIELDS][ROOM])
 {
-  MpmGrid      grid                   = {.ghost = GHOST, .nodes = NODES};
+  MpmGrid      grid                   = {.dim = 1, .ghost = GHOST, .axis = {{.nodes = NODES}}};
   MpmMarch     march                  = {.grid = &grid};
   MpmNodesDone done[MPM_MAX_PASS_OPS] = {{0, 0}};
   PetscReal   *field[MPM_MAX_FIELDS]  = {NULL};

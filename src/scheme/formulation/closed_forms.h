@@ -30,5 +30,6 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 /* The closed forms of schemes that update the stress from P2G of the particles' velocity. */
 #define STRESS_AHEAD                                                                                                   \
   .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
-  .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit
+  .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit,      \
+  .mls_bound = PETSC_TRUE
 /* clang-format on */

@@ -52,4 +52,5 @@ const MpmFormulation MpmUsl = {.name      = "usl",
                                .corrected_text = "tr = 1 + f - s, det = f + (alpha - f) s, s = k^2 kappa",
                                .limit_text     = "s = k^2 kappa <= 2 (1 + f) / (1 + f - alpha)",
                                .corrected      = Corrected,
-                               .limit          = Limit};
+                               .limit          = Limit,
+                               .mls_bound      = PETSC_TRUE};

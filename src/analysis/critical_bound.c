@@ -1,0 +1,42 @@
+/*
+   The Courant number up to which MLS-MPM is stable on every layout: k <= 2 sqrt(D / chi), with chi = 1 + (d - 1) nu /
+   (1 - nu) and D = sum_i phi_ip (x_i - x_p)^2, the least over the places that particles may have.
+
+   With F, S and A the operators on the nodes, of P2G G2P with the affine part, of DIV STRESS GRAD and of P2G G2P, a step
+   is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A). THEORY.md, section 4.
+*/
+#include "analysis/critical_parts.h"
+#include "scheme/maps.h"
+#include <math.h>
+
+#define PLACES 64 /* in a cell, the node among them; D is least there where it is not the same everywhere */
+#define NONE 1e-9 /* hats have D = 0 on a node */
+
+/* The least D of a direction. */
+static PetscReal LeastSpread(const MpmBasis *basis, PetscReal half_width)
+{
+  PetscReal least = INFINITY;
+
+  for (int place = 0; place < PLACES; place++) {
+    const PetscReal xi = (PetscReal)place / PLACES;
+    PetscReal       row[MPM_MAX_REACH], spread = 0;
+
+    MpmMapRow(basis, MPM_G2P, xi, half_width, row);
+    for (PetscInt d = 0; d < MpmMapReach(basis); d++) spread += row[d] * PetscSqr(d - basis->reach_left - xi);
+    least = PetscMin(least, spread);
+  }
+  return least;
+}
+
+PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
+{
+  const MpmSpace *space = &scheme->space;
+  PetscReal       least = INFINITY, chi = 1;
+
+  if (!scheme->formulation->mls_bound || !scheme->transfer->affine || space->gradient != MPM_GRADIENT_MLS ||
+      layout->material.kind != MPM_MATERIAL_UNIFORM)
+    return 0;
+  for (PetscInt a = 0; a < layout->dim; a++) least = PetscMin(least, LeastSpread(scheme->basis, layout->half_width[a]));
+  if (layout->dim > 1) chi += (PetscReal)(layout->dim - 1) * space->poisson / (1 - space->poisson);
+  return least > NONE ? 2 * sqrt(least / chi) : 0;
+}

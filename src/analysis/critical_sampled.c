@@ -1,0 +1,376 @@
+/*
+   The largest Courant number with growth within tolerance in two and three dimensions, by samples of the symbol: for
+   particles that move, and for formulations without a closed form.
+
+   Waves along an axis are those of one dimension, with that direction's drift. The limit of these waves is an upper
+   bound of the limit of all. Oblique waves are sampled below it.
+*/
+#include "analysis/critical_parts.h"
+#include "linalg/small_eigen.h"
+#include "scene/layout.h"
+#include "symbol/bloch.h"
+#include "analysis/zoom.h"
+#include <mpmstab/symbol.h>
+#include <math.h>
+
+#define WITHIN 2        /* the largest ratio of growths from which a search goes on */
+#define LEAST_BETA 2e-4 /* no waves longer than this */
+#define FEWEST 4        /* phases in (0, pi] of each direction, */
+#define MOST 16         /* and the largest number of them */
+#define WORK 1e10       /* multiplications on one grid of phases that are bearable */
+#define FACTORS 100     /* the eigenvalues of a complex matrix of order n take so many times n^3 of them */
+#define BELOW 100       /* samples begin at this part of the limit of axis waves, */
+#define FROM 1e-2       /* or here where these have none */
+#define RATIO 1.3       /* of Courant numbers, one over the other */
+#define PRECISION 1e-7  /* relative width of a bracket */
+#define ROUNDS 20       /* of bisection at the phases that grow most, and of the search for these */
+#define SAME 1e-6       /* relative distance within which limits are those of axis waves */
+#define NEARLY 0.9      /* modes whose growth is at least this part of the largest count as equally fast */
+
+/* How a search goes on from the grid, by dimension: from so many places, and its first and last step at one wave. */
+static const PetscInt  starts[] = {0, 0, 6, 3};
+static const PetscReal finest[] = {0, 0, 1e-3, 0.1};
+#define FIRST_STEP 0.02
+#define LAST_STEP 1e-4
+
+/* The symbol as a function of Courant number and phases. beta: the phases of the largest growth found last. */
+typedef struct {
+  const MpmCriticalCase *of;
+  MpmBloch               bloch;
+  MpmSmallEigen          eigen;
+  MpmZoom                zoom;
+  PetscReal              courant, beta[MPM_MAX_DIM];
+  PetscInt64             evaluations;
+} Samples;
+
+static PetscErrorCode SamplesCreate(const MpmCriticalCase *of, Samples *s)
+{
+  PetscFunctionBegin;
+  *s = (Samples){.of = of};
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &s->bloch));
+  PetscCall(MpmSmallEigenCreate(s->bloch.size, &s->eigen));
+  s->zoom        = MpmCriticalZoom(of->layout, of->step.drift);
+  s->zoom.points = MpmCriticalSamples(of->layout, of->scheme);
+  s->zoom.starts = starts[of->layout->dim];
+  s->zoom.within = WITHIN;
+  s->zoom.finest = finest[of->layout->dim];
+  s->zoom.least  = LEAST_BETA;
+  s->zoom.comm   = PETSC_COMM_WORLD;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SamplesDestroy(Samples *s)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSmallEigenDestroy(&s->eigen));
+  PetscCall(MpmBlochDestroy(&s->bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme)
+{
+  const PetscReal order = (PetscReal)scheme->table->nstate * MpmLayoutPpc(layout),
+                  each  = FACTORS * order * order * order;
+  PetscInt n            = MOST;
+
+  while (n > FEWEST && pow(2.0 * n, (PetscReal)layout->dim) / 2 * each > WORK) n--;
+  return n;
+}
+
+static PetscErrorCode GrowthAt(Samples *s, const PetscReal beta[], PetscReal *growth)
+{
+  PetscInt  exponent;
+  PetscReal largest = 0;
+
+  PetscFunctionBegin;
+  s->evaluations++;
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
+  for (PetscInt i = 0; i < s->eigen.n; i++) largest = fmax(largest, cabs(s->eigen.value[i]));
+  *growth = MpmGrowthPerStep(largest, exponent, s->bloch.period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The zoom looks for the least of a positive number. */
+static PetscErrorCode Inverse(void *context, const PetscReal beta[], PetscReal *value)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthAt((Samples *)context, beta, &growth));
+  *value = 1 / growth;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest growth of all phases at a Courant number. Where it is beyond tolerance its phases are kept. */
+static PetscErrorCode GrowthOfAll(void *context, PetscReal courant, PetscReal *growth)
+{
+  Samples  *s = (Samples *)context;
+  PetscReal beta[MPM_MAX_DIM], value;
+
+  PetscFunctionBegin;
+  s->courant = courant;
+  PetscCall(MpmZoomLeast(&s->zoom, Inverse, s, beta, &value));
+  *growth = 1 / value;
+  if (*growth > 1 + s->of->tolerance) PetscCall(PetscArraycpy(s->beta, beta, s->zoom.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Growth at the phases that are kept. */
+static PetscErrorCode GrowthThere(void *context, PetscReal courant, PetscReal *growth)
+{
+  Samples *s = (Samples *)context;
+
+  PetscFunctionBegin;
+  s->courant = courant;
+  PetscCall(GrowthAt(s, s->beta, growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Narrows a bracket down to the limit of the wave that is kept and of those beside it: by turns the limit of a wave, and
+   the wave that grows most there. Every rank does this.
+*/
+static PetscErrorCode Narrow(Samples *s, PetscReal bracket[2])
+{
+  MpmZoom zoom = s->zoom;
+
+  PetscFunctionBegin;
+  zoom.finest = LAST_STEP;
+  for (int round = 0; round < ROUNDS; round++) {
+    const PetscReal        before = bracket[1];
+    const MpmCriticalSteps steps  = {
+         .from = bracket[0] > 0 ? bracket[0] : bracket[1], .to = bracket[1], .ratio = 2, .width = MPM_CRITICAL_TO};
+    PetscReal value;
+
+    PetscCall(MpmCriticalCross(GrowthThere, s, s->of->tolerance, &steps, PRECISION, bracket));
+    if (round > 0 && !(bracket[1] < before * (1 - PRECISION))) break;
+    s->courant = bracket[1];
+    PetscCall(Inverse(s, s->beta, &value));
+    PetscCall(MpmZoomFrom(&zoom, Inverse, s, FIRST_STEP, s->beta, &value));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- waves along an axis ---- */
+
+/* Whether a direction has the same waves along its axis as one before it. */
+static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
+{
+  const MpmLayout *l = of->layout;
+
+  for (PetscInt a = 0; a < axis; a++)
+    if (l->ppc[a] == l->ppc[axis] && l->offset[a].value == l->offset[axis].value &&
+        of->step.drift[a].value == of->step.drift[axis].value)
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Finds the limit of the waves along one axis. */
+static PetscErrorCode LimitOfAxis(const MpmCriticalCase *of, PetscInt axis, MpmCritical *c)
+{
+  MpmLayout       layout = *of->layout;
+  MpmScheme       scheme = *of->scheme;
+  MpmCriticalCase along  = *of;
+
+  PetscFunctionBegin;
+  layout.dim       = 1;
+  layout.grid[0]   = layout.grid[axis];
+  layout.offset[0] = layout.offset[axis];
+  MpmLayoutSetPpc(&layout, layout.ppc[axis]);
+  scheme.space.dim = 1;
+  PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
+  along.layout = &layout;
+  along.scheme = &scheme;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along.step.drift[a] = (MpmFraction){.den = 1};
+  along.step.drift[0] = of->step.drift[axis];
+  PetscCall(MpmCriticalFind(&along, PETSC_TRUE, c));
+  PetscCall(MpmTableDestroy(&scheme.table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the least limit of the waves along the axes. Infinite: there is none. */
+static PetscErrorCode LimitOfAxes(const MpmCriticalCase *of, MpmCritical *least)
+{
+  PetscFunctionBegin;
+  *least = (MpmCritical){.stable_at = INFINITY, .unstable_at = INFINITY, .courant = INFINITY, .fading = NAN};
+  for (PetscInt axis = 0; axis < of->layout->dim; axis++) {
+    MpmCritical c;
+
+    if (IsRepeated(of, axis)) continue;
+    PetscCall(LimitOfAxis(of, axis, &c));
+    least->evaluations += c.evaluations;
+    if (!(c.unstable_at < least->unstable_at)) continue;
+    c.evaluations = least->evaluations;
+    *least        = c;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) least->beta[a] = 0;
+    least->beta[axis] = c.beta[0];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the search ---- */
+
+/* Takes over the limit of axis waves, if the symbol of all dimensions has them grow there too. */
+static PetscErrorCode TakeAxes(Samples *s, const MpmCritical *axes, MpmCritical *c)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  c->stable_at   = axes->stable_at;
+  c->unstable_at = axes->unstable_at;
+  c->threshold   = axes->threshold;
+  c->fading      = axes->fading;
+  c->doubtful    = axes->doubtful;
+  PetscCall(PetscArraycpy(c->beta, axes->beta, MPM_MAX_DIM));
+  s->courant = c->unstable_at * (1 + SAME);
+  PetscCall(GrowthAt(s, c->beta, &growth));
+  if (growth <= 1 + s->of->tolerance / 2) c->disputed = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the first Courant number at which a sample grows, up to the limit of axis waves. */
+static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal bracket[2])
+{
+  MpmCriticalSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+
+  PetscFunctionBegin;
+  if (isfinite(axes->unstable_at)) {
+    steps.to   = axes->unstable_at;
+    steps.from = axes->unstable_at / BELOW;
+  }
+  PetscCall(MpmCriticalCross(GrowthOfAll, s, s->of->tolerance, &steps, 1, bracket));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal beta[], MpmCritical *c)
+{
+  MpmCritical axes;
+  PetscReal   bracket[2] = {0, unstable};
+
+  PetscFunctionBegin;
+  PetscCall(LimitOfAxes(s->of, &axes));
+  c->evaluations += axes.evaluations;
+  if (isfinite(unstable))
+    PetscCall(PetscArraycpy(s->beta, beta, s->zoom.dim));
+  else
+    PetscCall(FindSample(s, &axes, bracket));
+  if (isfinite(bracket[1])) PetscCall(Narrow(s, bracket));
+  c->stable_at   = isfinite(bracket[1]) ? bracket[0] : INFINITY;
+  c->unstable_at = bracket[1];
+  if (isfinite(axes.unstable_at) && !(bracket[1] < axes.unstable_at * (1 - SAME)))
+    PetscCall(TakeAxes(s, &axes, c));
+  else if (isfinite(bracket[1])) {
+    PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
+    PetscCall(MpmCriticalThreshold(GrowthThere, s, s->of->tolerance, c));
+  }
+  c->courant = c->threshold || MpmStepDrifts(&s->of->step) ? c->stable_at : 0;
+  if (c->disputed) c->courant = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalBySamples(const MpmCriticalCase *of, PetscReal unstable, const PetscReal beta[],
+                                    MpmCritical *c)
+{
+  Samples samples;
+
+  PetscFunctionBegin;
+  PetscCall(SamplesCreate(of, &samples));
+  c->order  = samples.bloch.size;
+  c->phases = samples.zoom.points;
+  PetscCall(Search(&samples, unstable, beta, c));
+  c->evaluations += samples.evaluations;
+  PetscCall(SamplesDestroy(&samples));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
+                                       PetscReal beta[], PetscInt64 *evaluations)
+{
+  Samples   s;
+  PetscReal value;
+
+  PetscFunctionBegin;
+  PetscCall(SamplesCreate(of, &s));
+  s.courant = of->step.courant;
+  if (!uphill) s.zoom.starts = 1;
+  if (!uphill) s.zoom.finest = PETSC_PI;
+  PetscCall(MpmZoomLeast(&s.zoom, Inverse, &s, beta, &value));
+  finding->tolerance = of->tolerance;
+  finding->growth    = 1 / value;
+  PetscCall(MpmCriticalRounding(of, of->step.courant, beta, &finding->defective_error));
+  finding->uncertainty = finding->defective_error;
+  finding->verdict     = MpmVerdictOf(finding);
+  PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence,
+                          "the symbol at %" PetscInt_FMT " phases in (0, pi] of each direction%s", s.zoom.points,
+                          uphill ? ", and uphill from the largest growths" : ""));
+  *evaluations += s.evaluations;
+  PetscCall(SamplesDestroy(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- polarisation ---- */
+
+/* The first register of the formulation's first vector, or MPM_NONE. */
+static PetscInt VectorOf(const MpmScheme *scheme)
+{
+  for (PetscInt r = 0; r < scheme->table->nstate; r++)
+    if (scheme->table->field[r] != MPM_NONE &&
+        scheme->formulation->particle_ranks[scheme->table->field[r]] == MPM_VECTOR)
+      return r;
+  return MPM_NONE;
+}
+
+/* The share along beta of a mode's nodal vector, P2G of the particles'. */
+static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], PetscInt vector, const PetscReal beta[])
+{
+  const PetscInt dim               = b->layout->dim;
+  double complex node[MPM_MAX_DIM] = {0}, along = 0;
+  PetscReal      all = 0, length = 0;
+
+  for (PetscInt j = 0; j < b->ppc; j++) {
+    double complex tie  = 1;
+    PetscInt       rest = j;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      tie *= MpmTie(&b->ties[a], 0, MPM_P2G, rest % b->ties[a].n, b->wave[a]);
+      rest /= b->ties[a].n;
+    }
+    for (PetscInt a = 0; a < dim; a++) node[a] += conj(tie) * mode[b->fields * j + vector + a];
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    along += beta[a] * node[a];
+    all += PetscSqr(cabs(node[a]));
+    length += PetscSqr(beta[a]);
+  }
+  return PetscSqr(cabs(along)) / (all * length);
+}
+
+PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
+                                   MpmWaveType *wave)
+{
+  const PetscInt vector  = VectorOf(of->scheme);
+  PetscReal      largest = 0, least = 1, most = 0, excess;
+  PetscInt       exponent;
+  Samples        s;
+
+  PetscFunctionBegin;
+  *wave = MPM_WAVE_NONE;
+  if (vector == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(SamplesCreate(of, &s));
+  PetscCall(MpmBlochMatrix(&s.bloch, courant, beta, PETSC_FALSE, s.eigen.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&s.eigen, PETSC_TRUE));
+  for (PetscInt i = 0; i < s.eigen.n; i++) largest = fmax(largest, cabs(s.eigen.value[i]));
+  excess = log(largest) + (PetscReal)exponent * M_LN2;
+  for (PetscInt i = 0; i < s.eigen.n; i++) {
+    const PetscReal share = ShareAlong(&s.bloch, s.eigen.right + s.eigen.n * i, vector, beta);
+
+    if (log(cabs(s.eigen.value[i])) + (PetscReal)exponent * M_LN2 < NEARLY * excess || isnan(share)) continue;
+    least = PetscMin(least, share);
+    most  = PetscMax(most, share);
+  }
+  if (excess > 0 && most >= least)
+    *wave = least >= MPM_WAVE_SHARE ? MPM_WAVE_P : most <= 1 - MPM_WAVE_SHARE ? MPM_WAVE_S : MPM_WAVE_MIXED;
+  PetscCall(SamplesDestroy(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,134 @@
+/*
+   Compiles a pass for rows. Maps that follow one another in the same direction, to nodes or to particles, become one
+   step. Within it they are sorted by line and kernel. The order of such maps matters to rounding alone.
+*/
+#include "march/rows.h"
+#include "scheme/lines.h"
+
+/* What the maps of a step are sorted by, the most important first. */
+typedef struct {
+  PetscInt         node, axis;
+  MpmOpKind        across, along;
+  const MpmPassOp *op;
+} Entry;
+
+typedef struct {
+  const MpmBasis *basis;
+  MpmRowPlan     *plan;
+  PetscInt        n, nsamples;
+  PetscBool       to_nodes;
+  Entry           entry[2 * MPM_MAX_PASS_OPS];
+  PetscInt        sample[MPM_MAX_PASS_OPS];
+} Group;
+
+static PetscBool SameLine(const Entry *a, const Entry *b)
+{
+  return a->node == b->node && a->axis == b->axis && a->across == b->across ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool Precedes(const Entry *a, const Entry *b)
+{
+  if (a->node != b->node) return a->node < b->node ? PETSC_TRUE : PETSC_FALSE;
+  if (a->axis != b->axis) return a->axis < b->axis ? PETSC_TRUE : PETSC_FALSE;
+  if (a->across != b->across) return a->across < b->across ? PETSC_TRUE : PETSC_FALSE;
+  return a->along < b->along ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Adds an entry behind those that do not come after it. */
+static void Insert(Group *g, Entry entry)
+{
+  PetscInt i = g->n++;
+
+  for (; i > 0 && Precedes(&entry, &g->entry[i - 1]); i--) g->entry[i] = g->entry[i - 1];
+  g->entry[i] = entry;
+}
+
+static void AddStep(MpmRowPlan *plan, MpmRowStep step)
+{
+  plan->step[plan->nsteps++] = step;
+}
+
+static MpmRowMap MapOf(const Group *g, const Entry *entry)
+{
+  const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
+
+  return (MpmRowMap){.kernel   = g->basis->kernel[entry->along],
+                     .a        = masses ? 1 : entry->op->a,
+                     .particle = masses ? MPM_NONE : entry->op->particle,
+                     .weight   = entry->op->weight};
+}
+
+/* Makes a step of the maps of a group, and then of its samples. */
+static void Close(Group *g)
+{
+  MpmRowPlan    *plan  = g->plan;
+  const PetscInt begin = plan->nlines;
+
+  for (PetscInt i = 0; i < g->n; i++) {
+    const Entry *e    = &g->entry[i];
+    PetscInt     last = plan->nmaps;
+
+    if (i == 0 || !SameLine(e, &g->entry[i - 1]))
+      plan->line[plan->nlines++] =
+          (MpmRowLine){.node = e->node, .axis = e->axis, .across = e->across, .begin = plan->nmaps};
+    plan->needs[e->across]           = PETSC_TRUE;
+    plan->map[plan->nmaps++]         = MapOf(g, e);
+    plan->line[plan->nlines - 1].end = plan->nmaps;
+    while (last > plan->line[plan->nlines - 1].begin && plan->map[last - 1].kernel == plan->map[plan->nmaps - 1].kernel)
+      plan->map[--last].shared++;
+  }
+  if (g->n)
+    AddStep(plan,
+            (MpmRowStep){.kind = g->to_nodes ? MPM_ROW_SPREAD : MPM_ROW_GATHER, .begin = begin, .end = plan->nlines});
+  for (PetscInt s = 0; s < g->nsamples; s++)
+    AddStep(plan, (MpmRowStep){.kind = MPM_ROW_SAMPLE, .particle = g->sample[s]});
+  g->n = g->nsamples = 0;
+}
+
+static void AddMap(Group *g, const MpmPassOp *op)
+{
+  const MpmOpKind phi   = op->to_nodes ? MPM_P2G : MPM_G2P;
+  Entry           entry = {.node   = op->node,
+                           .axis   = op->axis,
+                           .across = MpmLineKind(g->basis, op->axis ? op->map : MPM_P2G),
+                           .along  = MpmLineFirstAlike(g->basis, op->axis ? phi : op->map),
+                           .op     = op};
+
+  if (g->to_nodes != op->to_nodes) Close(g);
+  g->to_nodes = op->to_nodes;
+  Insert(g, entry);
+  if (op->kind != MPM_PASS_MASS) return;
+  entry.node = MPM_MASSES;
+  Insert(g, entry);
+}
+
+/* Whether a group has changed, or will sample, a particle field. */
+static PetscBool Uses(const Group *g, PetscInt particle)
+{
+  for (PetscInt i = 0; i < g->n; i++)
+    if (g->entry[i].op->particle == particle) return PETSC_TRUE;
+  for (PetscInt s = 0; s < g->nsamples; s++)
+    if (g->sample[s] == particle) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *plan)
+{
+  Group group = {.basis = basis, .plan = plan};
+
+  *plan = (MpmRowPlan){.nsteps = 0};
+  for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
+    if (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS)
+      AddMap(&group, op);
+    else if (op->kind == MPM_PASS_SAMPLE)
+      group.sample[group.nsamples++] = op->particle;
+    else if (op->kind == MPM_PASS_DRIFT) {
+      Close(&group);
+      AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
+    } else {
+      if (Uses(&group, op->particle)) Close(&group); /* else it comes before the group */
+      AddStep(plan, (MpmRowStep){.kind = MPM_ROW_SCALE, .particle = op->particle, .a = op->a});
+    }
+  }
+  Close(&group);
+}

@@ -1,0 +1,245 @@
+/* Takes the particles of a rank through a pass, row by row. */
+#include "march/rows.h"
+#include "scheme/lines.h"
+
+#define MARGIN 8 /* nodes of a line before the cell of the row's first particle, and after that of its last */
+#define LINE (MPM_BLOCK + 2 * MARGIN)
+
+/*
+   The places of a row, before DRIFT or after it. The block is relative to the cell of the row's first particle
+   and the whole cells of drift.
+
+   begin, n - the particles that the block is of
+   lo, hi   - the nodes of the line that have weights
+   rows     - the number of rows of nodes; node[0] of a row is at offset[r] of a local array
+   weight   - weight[a][kind]: of the rows, with kind along axis a and phi_ip along the others; of axis 0: phi_ip alone
+*/
+typedef struct {
+  MpmBlock  block;
+  PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
+  PetscReal xi[MPM_BLOCK], weight[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_ROWS];
+} Placed;
+
+/* Memory for a row while it is in a pass. */
+typedef struct {
+  Placed    placed[2];
+  PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
+} Work;
+
+/* The number of particles from begin on that are on one line, in cells that a line of nodes has room for. */
+static PetscInt RowLength(const MpmRowArrays *a, PetscInt begin)
+{
+  const PetscInt dim = a->march->layout->dim, most = PetscMin(a->march->particles->count - begin, MPM_BLOCK);
+  PetscInt       n = 1;
+
+  for (; n < most; n++) {
+    const PetscInt on = a->cell[0][begin + n] - a->cell[0][begin];
+
+    if (on < 0 || on >= MPM_BLOCK) return n;
+    for (PetscInt d = 1; d < dim; d++)
+      if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
+  }
+  return n;
+}
+
+/* Whether the particles of a row rest at the same places along x as those that placed is of, but for whole cells. */
+static PetscBool IsAlike(const MpmRowArrays *a, PetscInt begin, PetscInt n, const Placed *placed)
+{
+  const PetscInt  *cell = a->cell[0] + begin, *of = a->cell[0] + placed->begin;
+  const PetscReal *xi = a->xi[0] + begin, *of_xi = a->xi[0] + placed->begin;
+  PetscInt         differ = 0;
+
+  if (placed->n != n) return PETSC_FALSE;
+  for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of[p] - of[0]) | (xi[p] != of_xi[p]);
+  return differ ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/*
+   Moves n particles from their resting places along an axis on to those of the pass, before DRIFT or after it. Along an
+   axis without drift they stay exactly where they are, also those just left of a wall.
+*/
+static void Move(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
+                 PetscInt after, PetscInt cell[], PetscReal xi[])
+{
+  if (a->march->particles->drift[axis].value != 0) {
+    MpmPlaceBlock(n, cell0, xi0, a->whole[after][axis], a->part[after][axis], cell, xi);
+    return;
+  }
+  for (PetscInt p = 0; p < n; p++) {
+    cell[p] = cell0[p];
+    xi[p]   = xi0[p];
+  }
+}
+
+/* Finds the places of a row along x. */
+static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+{
+  const MpmMarch *march  = a->march;
+  const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
+  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK] = {0};
+
+  if (IsAlike(a, begin, n, placed)) {
+    placed->begin = begin;
+    return;
+  }
+  for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
+  Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
+  MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], &placed->block);
+  placed->begin = begin;
+  placed->n     = n;
+  placed->lo = placed->hi = placed->block.first[0];
+  for (PetscInt p = 1; p < n; p++) {
+    placed->lo = PetscMin(placed->lo, placed->block.first[p]);
+    placed->hi = PetscMax(placed->hi, placed->block.first[p]);
+  }
+  placed->hi += march->scheme->basis->nodes;
+}
+
+/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
+static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, Placed *placed)
+{
+  const MpmMarch *march = a->march;
+  const MpmBasis *basis = march->scheme->basis;
+  const MpmGrid  *grid  = march->grid;
+  const PetscInt  n = basis->nodes, dim = grid->dim;
+  PetscInt        first[MPM_MAX_DIM]                               = {0, 0, 0};
+  PetscReal       along[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_NODES] = {{{1}}};
+
+  along[2][MPM_P2G][0] = 1; /* of a direction that is not there */
+  for (PetscInt d = 1; d < dim; d++) {
+    PetscInt  cell;
+    PetscReal xi;
+
+    Move(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
+    for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
+      if (a->plan->needs[k] || k == MPM_P2G)
+        first[d] = cell + MpmLineWeights(basis, (MpmOpKind)k, xi, march->layout->half_width[d], along[d][k]);
+  }
+  placed->rows = dim == 2 ? n : n * n;
+  for (PetscInt r = 0; r < placed->rows; r++) {
+    const PetscInt y = r % n, z = r / n;
+
+    placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
+                        (first[2] + z) * grid->axis[2].stride;
+    for (PetscInt k = 0; k < MPM_OP_KINDS; k++) {
+      if (!a->plan->needs[k]) continue;
+      placed->weight[1][k][r] = along[1][k][y] * along[2][MPM_P2G][z];
+      placed->weight[2][k][r] = along[1][MPM_P2G][y] * along[2][k][z];
+    }
+    placed->weight[0][MPM_P2G][r] = along[1][MPM_P2G][y] * along[2][MPM_P2G][z];
+  }
+}
+
+static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+{
+  PlaceAlong(a, begin, n, after, placed);
+  PlaceAcross(a, begin, after, placed);
+}
+
+/* A particle field of a row. Scratch fields live for one row. */
+static PetscReal *FieldOf(const MpmRowArrays *a, PetscInt field, PetscInt begin)
+{
+  const PetscInt nstate = a->march->scheme->table->nstate;
+
+  return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
+}
+
+/* The nodes [lo, hi) of a line to particles. Maps that share a kernel differ in their particle fields and factors. */
+static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
+{
+  PetscReal *line = w->line[0] + MARGIN;
+
+  for (const MpmRowLine *l = a->plan->line + step->begin; l < a->plan->line + step->end; l++) {
+    const PetscReal *node = a->node[l->node] + placed->lo;
+
+    MpmLinesGather(placed->rows, placed->offset, placed->weight[l->axis][l->across], placed->hi - placed->lo, node,
+                   line + placed->lo);
+    for (const MpmRowMap *m = a->plan->map + l->begin, *end = a->plan->map + l->end; m < end;) {
+      const MpmRowMap *last = m + m->shared;
+
+      if (m == last && !m->weight) {
+        m->kernel(&placed->block, m->a, FieldOf(a, m->particle, placed->begin), line);
+        m++;
+        continue;
+      }
+      for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
+      m->kernel(&placed->block, 1, w->weighed, line);
+      for (; m <= last; m++) {
+        const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
+        const PetscReal *restrict from   = w->weighed;
+        PetscReal *restrict q            = FieldOf(a, m->particle, placed->begin);
+
+        for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
+      }
+    }
+  }
+}
+
+/* What the particles of a row give to a line. */
+static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *placed, Work *w, PetscReal *line)
+{
+  for (PetscInt i = placed->lo; i < placed->hi; i++) line[i] = 0;
+  for (const MpmRowMap *m = a->plan->map + l->begin; m < a->plan->map + l->end; m++) {
+    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : FieldOf(a, m->particle, placed->begin);
+    const PetscReal *weight = m->weight ? a->weight[m->weight] + placed->begin : NULL;
+
+    if (weight) {
+      for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = weight[p] * q[p];
+      q = w->weighed;
+    }
+    m->kernel(&placed->block, m->a, q, line);
+  }
+}
+
+/* Lines of one node field go to its rows together. */
+static void RunSpread(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
+{
+  const PetscInt lo = placed->lo, n = placed->hi - lo;
+  PetscReal      weight[MPM_MOST_LINES][MPM_MOST_ROWS];
+
+  for (PetscInt first = step->begin, lines; first < step->end; first += lines) {
+    const MpmRowLine *l = a->plan->line + first;
+    const PetscReal  *line[MPM_MOST_LINES];
+
+    for (lines = 0; lines < MPM_MOST_LINES && first + lines < step->end && l[lines].node == l->node; lines++) {
+      FillLine(a, &l[lines], placed, w, w->line[lines] + MARGIN);
+      line[lines] = w->line[lines] + MARGIN + lo;
+      for (PetscInt r = 0; r < placed->rows; r++) weight[lines][r] = placed->weight[l[lines].axis][l[lines].across][r];
+    }
+    MpmLinesSpread(placed->rows, placed->offset, lines, (const PetscReal(*)[MPM_MOST_ROWS])weight, line, n,
+                   a->sum[l->node] + lo);
+  }
+}
+
+static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
+{
+  const Placed *placed = &w->placed[0];
+
+  Place(a, begin, n, 0, &w->placed[0]);
+  for (const MpmRowStep *step = a->plan->step; step < a->plan->step + a->plan->nsteps; step++) {
+    if (step->kind == MPM_ROW_GATHER)
+      RunGather(a, step, placed, w);
+    else if (step->kind == MPM_ROW_SPREAD)
+      RunSpread(a, step, placed, w);
+    else if (step->kind == MPM_ROW_SCALE)
+      MpmScale(n, step->a, FieldOf(a, step->particle, begin));
+    else if (step->kind == MPM_ROW_DRIFT) {
+      Place(a, begin, n, 1, &w->placed[1]);
+      placed = &w->placed[1];
+    } else if (a->sample)
+      a->squares[step->particle] += MpmSumSquares(n, FieldOf(a, step->particle, begin));
+  }
+}
+
+void MpmRowsRun(const MpmRowArrays *arrays)
+{
+  const PetscInt count = arrays->march->particles->count;
+  Work           work;
+
+  work.placed[0].n = work.placed[1].n = 0;
+  for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
+  for (PetscInt begin = 0, n; begin < count; begin += n) {
+    n = RowLength(arrays, begin);
+    RunRow(arrays, begin, n, &work);
+  }
+}

@@ -1,0 +1,73 @@
+/*
+   Passes in more than one dimension. Particles go through a pass row by row: those of a row lie on a line along x. So
+   the maps act on lines of nodes (scheme/lines.h), and operations that act on the same line share it.
+*/
+#pragma once
+#include "march/march_private.h"
+
+/* The node field that stands for the nodal masses. */
+#define MPM_MASSES MPM_MAX_FIELDS
+
+/*
+   A map between particles and a line. Maps of one kernel from one line share its result; shared counts those that
+   follow and use it too. particle is MPM_NONE for the nodal masses.
+*/
+typedef struct {
+  MpmKernel   kernel;
+  PetscReal   a;
+  PetscInt    particle, shared;
+  MpmProperty weight;
+} MpmRowMap;
+
+/*
+   A line of a node field. The nodes of rows across it have the weights phi_ip; along axis, unless it is 0, they have
+   those of across. Its maps are map[begin] to map[end - 1] of the plan.
+*/
+typedef struct {
+  PetscInt  node, axis, begin, end;
+  MpmOpKind across;
+} MpmRowLine;
+
+typedef enum { MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SPREAD, MPM_ROW_DRIFT, MPM_ROW_SAMPLE } MpmRowStepKind;
+
+/* A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. */
+typedef struct {
+  MpmRowStepKind kind;
+  PetscInt       begin, end, particle;
+  PetscReal      a;
+} MpmRowStep;
+
+/*S
+   MpmRowPlan - a pass compiled for rows. needs[kind] says that some line has the weights of kind across it.
+S*/
+struct MpmRowPlan_ {
+  PetscInt   nsteps, nlines, nmaps;
+  MpmRowStep step[2 * MPM_MAX_PASS_OPS];
+  MpmRowLine line[2 * MPM_MAX_PASS_OPS];
+  MpmRowMap  map[2 * MPM_MAX_PASS_OPS];
+  PetscBool  needs[MPM_OP_KINDS];
+};
+
+/* Not collective. Compiles a pass. */
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *plan);
+
+/* Collective. As MpmMarchRunPassesOn, for one pass. */
+PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
+                               PetscBool sample);
+
+/* The particles and nodes that a pass goes over. sum[MPM_MASSES] are the nodal masses. */
+typedef struct {
+  const MpmMarch   *march;
+  const MpmRowPlan *plan;
+  PetscBool         sample;
+  PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
+  PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM], *squares;
+  PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
+  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
+} MpmRowArrays;
+
+/* Not collective. Takes all particles through the pass. */
+void MpmRowsRun(const MpmRowArrays *arrays);
+
+/* Not collective. The node operations after a pass, in more than one dimension. */
+void MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[]);
