@@ -7,7 +7,12 @@
 /* With more phases than this in a direction the maximum has the same digits, but for the last in more dimensions. */
 static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 
-#define AGREE 1e-6    /* closed form and symbol, relative to growth: a defective pair has an error of 1e-8 */
+/*
+   Closed form and symbol agree to this, relative to growth. A defective pair has an error of 1e-8. In more dimensions a
+   gas may have a defective triple at 1, with an error of 1e-5: where m.m is 0 and m is not (THEORY.md, section 4).
+*/
+#define AGREE 1e-6
+#define AGREE_IN_SPACE 1e-4
 #define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
@@ -318,12 +323,13 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   PetscCall(PetscFree(all));
   *comparison = (MpmComparison){.published      = mine[0].distance < 0 ? NAN : mine[0].distance,
                                 .published_beta = mine[0].beta[0],
-                                .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance};
+                                .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance,
+                                .allowed        = s->layout->dim > 1 ? AGREE_IN_SPACE : AGREE};
   PetscCall(PetscArraycpy(comparison->corrected_beta, mine[1].beta, MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmPredictDisagrees(const MpmComparison *comparison, PetscReal growth)
 {
-  return comparison->corrected > AGREE * PetscMax(1, growth) ? PETSC_TRUE : PETSC_FALSE;
+  return comparison->corrected > comparison->allowed * PetscMax(1, growth) ? PETSC_TRUE : PETSC_FALSE;
 }

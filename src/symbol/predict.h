@@ -93,10 +93,10 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
 /*S
    MpmComparison - the largest distance over the phases between abs(G) by a formula and the growth by the symbol without
    the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare. The slides have one
-   dimension.
+   dimension. allowed: the largest distance that may come from rounding, relative to growth.
 */
 typedef struct {
-  PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM];
+  PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM], allowed;
 } MpmComparison;
 
 /*
