@@ -20,6 +20,14 @@ void MpmLaunchAlone(void);
 void MpmLaunchStandardFiles(void);
 
 /*
+   MpmLaunchMemory - returns whether the shell grants the address space (ulimit -v) that MPI and LAPACK start with.
+   Otherwise the first rank says so. Without it Open MPI prints several lines of its own, or ends without any.
+
+   Not collective; call it before MPI_Init.
+*/
+int MpmLaunchMemory(void);
+
+/*
    MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options can be read without waiting.
    Otherwise the first rank prints which one cannot.
 
