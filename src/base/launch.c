@@ -60,20 +60,28 @@ int MpmLaunchMemory(void)
   return 0;
 }
 
+int MpmLaunchOptionFile(int i, size_t room, char name[])
+{
+  static const char *const here[] = {"petscrc", ".petscrc"};
+  const char *const        home   = getenv("HOME");
+
+  if (i > 2 || (i == 2 && !home)) return 0;
+  (void)snprintf(name, room, "%s%s", i < 2 ? here[i] : home, i < 2 ? "" : "/.petscrc");
+  return 1;
+}
+
 int MpmLaunchOptionFiles(int argc, char **argv)
 {
-  const char *home           = getenv("HOME");
-  char        names[3][4096] = {"", ".petscrc", "petscrc"};
+  char name[4096];
 
   for (int i = 1; i < argc; i++)
     if (!strcmp(argv[i], "-skip_petscrc")) return 1;
-  if (home) (void)snprintf(names[0], sizeof names[0], "%s/.petscrc", home);
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; MpmLaunchOptionFile(i, sizeof name, name); i++) {
     struct stat is;
 
-    if (!names[i][0] || stat(names[i], &is) || S_ISREG(is.st_mode)) continue;
-    RefuseOnce(names[i], "PETSc looks for options there, and it is not a regular file; allowed: a text file, or "
-                         "-skip_petscrc");
+    if (stat(name, &is) || S_ISREG(is.st_mode)) continue;
+    RefuseOnce(name, "PETSc looks for options there, and it is not a regular file; allowed: a text file, or "
+                     "-skip_petscrc");
     return 0;
   }
   return 1;

@@ -1,5 +1,6 @@
 /* Launch: what is set for the process before MPI starts. */
 #pragma once
+#include <stddef.h>
 
 /*
    MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open MPI
@@ -26,6 +27,14 @@ void MpmLaunchStandardFiles(void);
    Not collective; call it before MPI_Init.
 */
 int MpmLaunchMemory(void);
+
+/*
+   MpmLaunchOptionFile - gives the names of the files in which PETSc looks for options, the one that overrules the others
+   first. Returns 0 when there is no i-th.
+
+   Not collective.
+*/
+int MpmLaunchOptionFile(int i, size_t room, char name[]);
 
 /*
    MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options can be read without waiting.
