@@ -30,6 +30,12 @@ def check_memory():
                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
         check(done.returncode in (0, 2) and "PETSC ERROR" not in done.stderr,
               f"{megabytes} MB: status {done.returncode}: {done.stderr}")
+    for megabytes in range(500, 560, 10):  # the particles' arrays do not fit, or not when PETSc enlarges them
+        size = megabytes << 20
+        done = run("run -cells 3000000 -steps 1".split(),
+                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+        check(done.returncode in (0, 2) and done.stderr.count("\n") == (done.returncode == 2),
+              f"{megabytes} MB for particles: status {done.returncode}: {done.stderr}")
     size = 600 << 20
     done = run("spectrum -cells 1000 -measure false".split(),
                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
