@@ -73,7 +73,7 @@ def kill_many(runs, seed, program):
     """Runs on two ranks, each killed three times and resumed to the last bit; longer ones where they were done too soon."""
     found = ended = 0
     for number in range(runs):
-        for seconds in (1.2, 3, 6):
+        for seconds in (1, 3, 6):
             with tempfile.TemporaryDirectory() as folder:
                 os.chdir(folder)
                 try:

@@ -8,9 +8,13 @@ from oracle import DONE, REFUSED, Finding, end_session, judge, require, result
 FILES = "-output out.h5 -csv out.csv -json out.json -checkpoint c.h5".split()
 OUTPUTS = ("out.h5", "out.xmf", "out.csv", "out.json", "c.h5")
 SIGNALS = {"SIGKILL": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "SIGINT": signal.SIGINT}
-SCENES = ("-formulation gas2 -cells 400 -courant 0.2 -drift 0.3 -jitter 0.5", "-formulation usl -cells 300 -ppc 3 -drift 1/7",
+SCENES = ("-formulation gas2 -cells 400 -courant 0.2 -drift 0.3 -jitter 0.5",
+          "-formulation usl -cells 300 -ppc 3 -drift 1/7",
           "-formulation musl -cells 200 -basis quadratic -boundary fixed,free -courant 0.3",
           "-formulation gas1 -cells 300 -initial random", "-formulation usavg -transfer xpic -cells 200 -jitter 0.2")
+LONG = ("run -cells 300 -steps 100000000 -output o.h5 -csv o.csv -json o.json",
+        "map -map_points 300,300 -csv o.csv -output o.h5", "symbol -cells 100000 -csv o.csv -output o.h5",
+        "ensemble -jitter 0.4 -layouts 10000 -csv o.csv", "spectrum -cells 400 -jitter 0.3 -output o.h5")
 TRIAL, WITHIN = 2000, 60
 
 
@@ -71,13 +75,15 @@ def remove_outputs():
 
 
 def steps_for(program, scene, ranks, seconds):
-    """So many steps that a run takes about this long on this machine."""
-    judge(program.run([*scene, "-steps", str(TRIAL), "-json", "out.json"], ranks), [DONE])
-    return max(TRIAL, int(TRIAL * seconds / max(result("out.json")["run"]["loop_s"], 1e-3)))
+    """So many steps that a run, which asks all ranks for signals at each, takes about this long on this machine."""
+    judge(program.run([*scene, "-steps", str(TRIAL), "-json", "out.json", "-checkpoint", "c.h5"], ranks), [DONE])
+    steps = max(TRIAL, int(TRIAL * seconds / max(result("out.json")["run"]["loop_s"], 1e-3)))
+    remove_outputs()
+    return steps
 
 
 def has_begun(process):
-    """Whether the run has opened its files. Open MPI's mpirun may hang on signals that come before all ranks have started."""
+    """Whether the run has opened its files. On a signal before all ranks have started Open MPI's mpirun may hang."""
     marching = children(process)
     return any(f"-{pid}-" in name for name in os.listdir(".") for pid in marching)
 
@@ -158,11 +164,7 @@ def attack_kills(dice, program):
 
 def attack_end(dice, program):
     """A signal in a task without a checkpoint: nothing is left but what was there."""
-    words = dice.choice((["run", "-cells", "300", "-steps", "100000000", "-output", "o.h5", "-csv", "o.csv", "-json", "o.json"],
-                         ["map", "-map_points", "300,300", "-csv", "o.csv", "-output", "o.h5"],
-                         ["symbol", "-cells", "100000", "-csv", "o.csv", "-output", "o.h5"],
-                         ["ensemble", "-jitter", "0.4", "-layouts", "10000", "-csv", "o.csv"],
-                         ["spectrum", "-cells", "400", "-jitter", "0.3", "-output", "o.h5"]))
+    words = dice.choice(LONG).split()
     ranks, name = dice.choice((1, 1, 2)), dice.choice(("SIGTERM", "SIGINT", "SIGQUIT"))
     process = program.start(program.command(words, ranks))
     while ranks > 1 and process.poll() is None and len(children(process)) < ranks:

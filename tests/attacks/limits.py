@@ -11,7 +11,8 @@ MEMORY = ("run -cells 64 -steps 20", "run -cells 1000000 -steps 2 -ppc 2", "run 
           "critical", "critical -boundary fixed -cells 60", "map -map_points 20,10", "ensemble -jitter 0.4 -layouts 3",
           "spectrum -cells 40 -pseudospectrum 5 -powers 9", "list")
 FILES = ("run -cells 64 -steps 100 -output {0}.h5 -output_every 10", "map -map_points 20,15 -output {0}.h5 -csv {0}.csv",
-         "symbol -cells 4000 -output {0}.h5", "symbol -cells 8000 -csv {0}.csv", "run -cells 4000 -steps 5 -checkpoint {0}.h5",
+         "symbol -cells 4000 -output {0}.h5", "symbol -cells 8000 -csv {0}.csv",
+         "run -cells 4000 -steps 5 -checkpoint {0}.h5",
          "run -cells 500 -steps 300 -csv {0}.csv -json {0}.json", "spectrum -cells 30 -measure false -output {0}.h5",
          "run -cells 200 -steps 50 -output {0}.h5 -checkpoint {0}c.h5 -checkpoint_every 5 -csv {0}.csv -json {0}.json")
 LOADER = 127

@@ -50,9 +50,10 @@ RIVALS = (("ppc", "counts"), ("courant", "dt"), ("drift", "velocity"), ("steps",
 # Options of the libraries, some of which do not exist or cannot be.
 LIBRARY = ("-eps_nev 3", "-eps_type lapack", "-eps_type nosuch", "-eps_max_it 1", "-eps_nonsense 1", "-eps_ncv -7",
            "-st_type shift", "-st_type sinvert", "-st_shift 0.5", "-st_ksp_type gmres", "-svd_type cross", "-svd_nsv 0",
-           "-nodal_ksp_max_it 1", "-nodal_pc_type nosuch", "-ksp_type cg", "-dm_nonsense 1", "-mat_type nosuch", "-vec_type cuda",
-           "-mat_view nosuch", "-sf_type nosuch", "-options_left no", "-options_file nowhere", "-malloc_debug", "-skip_petscrc",
-           "-eps_view", "-eps_monitor", "-da_grid_x 7", "-vecscatter_view", "-ds_method 99", "-bv_type nosuch", "-fp_trap")
+           "-nodal_ksp_max_it 1", "-nodal_pc_type nosuch", "-ksp_type cg", "-dm_nonsense 1", "-mat_type nosuch",
+           "-vec_type cuda", "-mat_view nosuch", "-sf_type nosuch", "-options_left no", "-options_file nowhere",
+           "-malloc_debug", "-skip_petscrc", "-eps_view", "-eps_monitor", "-da_grid_x 7", "-vecscatter_view",
+           "-ds_method 99", "-bv_type nosuch", "-fp_trap")
 
 
 def words_of(options):
@@ -128,11 +129,18 @@ def attack_options(dice, program):
     elsewhere = ""
     if dice.random() < 0.15:
         elsewhere = dice.choice((*LIBRARY, " ".join(words_of(random_options(dice, 0)))))
-    done = judge(program.run(words, dice.choice((1, 1, 1, 1, 1, 1, 1, 2, 3)), env={**os.environ, "PETSC_OPTIONS": elsewhere}))
+    ranks = dice.choice((1, 1, 1, 1, 1, 1, 1, 2, 3))
+    done = judge(program.run(words, ranks, env={**os.environ, "PETSC_OPTIONS": elsewhere}))
     asked += elsewhere.split()
     beside.check(done, asked)
     if "json" in options and done.status in (DONE, MISSED) and os.path.exists("r.json"):
         result("r.json")
+
+
+# Pieces of YAML and of what is none.
+PIECES = (b"[", b"{", b"&a ", b"*a", b"!!str ", b"\t", b"\x00", b"---\n", b"...\n", b"- ", b": ", b"? ", b"|\n", b">\n", b"'",
+          b'"', b"#", b"%YAML 9.9\n", b"<<: *a\n", b"\xff", b"\xef\xbb\xbf", b"expect: stable\n",
+          b"expect:\n  growth: [1, 2]\n", b"\r\n")
 
 
 def yaml_of(options):
@@ -148,9 +156,7 @@ def broken(dice, text):
         if how == 0 and data:
             data[at % len(data)] ^= 1 << dice.randrange(8)
         elif how == 1:
-            data[at:at] = dice.choice((b"[", b"{", b"&a ", b"*a", b"!!str ", b"\t", b"\x00", b"---\n", b"...\n", b"- ", b": ",
-                                       b"? ", b"|\n", b">\n", b"'", b'"', b"#", b"%YAML 9.9\n", b"<<: *a\n", b"\xff",
-                                       b"\xef\xbb\xbf", b"expect: stable\n", b"expect:\n  growth: [1, 2]\n", b"\r\n"))
+            data[at:at] = dice.choice(PIECES)
         elif how == 2:
             del data[at:at + dice.choice((1, 5, 50))]
         elif how == 3:
