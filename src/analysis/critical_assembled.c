@@ -113,8 +113,9 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
-  asked->uncertainty = p->rounding;
-  asked->verdict     = MpmVerdictOf(asked);
+  asked->uncertainty     = p->rounding;
+  asked->defective_error = p->rounding;
+  asked->verdict         = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
   grows = asked->growth <= 1 + p->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
   if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));
