@@ -1,4 +1,4 @@
-/* Computes wavenumber and null-space share of eigenvectors. */
+/* Computes wavenumber, polarisation and null-space share of eigenvectors. */
 #include "operator/assemble.h"
 #include "analysis/modes.h"
 #include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
@@ -10,18 +10,47 @@
 #define RANK 1e-10 /* singular values below this, relative to the largest, count as 0 */
 #define ITERATIONS 2000
 
-/* The work space of the loop over modes. */
+/*
+   The work space of the loop over modes. nodes_along: the number of nodes in each direction; half: the number of phases
+   of direction 0, which go up to pi alone; vector: the first register of a vector, or MPM_NONE; kept: the Fourier
+   components of its nodal trace, for each part of the mode and each component.
+*/
 typedef struct {
   const MpmOperator *op;
-  PetscInt           cells;
+  PetscInt           count, phases, dim, nodes_along[MPM_MAX_DIM], half, vector;
   Mat                transposed; /* P2G transposed */
   KSP                lsqr;
   Vec                x[2], field, rest, nodes, on_first;
   VecScatter         to_first;
   fftw_plan          plan; /* on rank 0 */
   double            *trace;
-  fftw_complex      *spectrum;
+  fftw_complex      *spectrum, *kept;
 } Lens;
+
+/* The first register of the first vector, or MPM_NONE. In one dimension there is no polarisation. */
+static PetscInt VectorOf(const MpmScheme *scheme)
+{
+  const MpmTable *table = scheme->table;
+
+  for (PetscInt r = 0; r < table->nstate && table->dim > 1; r++)
+    if (table->field[r] != MPM_NONE && scheme->formulation->particle_ranks[table->field[r]] == MPM_VECTOR) return r;
+  return MPM_NONE;
+}
+
+/* FFTW's last direction is the one whose nodes follow one another. */
+static PetscErrorCode PlanCreate(Lens *l)
+{
+  int n[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++) n[l->dim - 1 - a] = (int)l->nodes_along[a];
+  l->trace    = fftw_alloc_real((size_t)l->count);
+  l->spectrum = fftw_alloc_complex((size_t)l->phases);
+  if (l->vector != MPM_NONE) l->kept = fftw_alloc_complex((size_t)(2 * l->dim * l->phases));
+  l->plan = fftw_plan_dft_r2c((int)l->dim, n, l->trace, l->spectrum, FFTW_ESTIMATE);
+  PetscCheck(l->plan, PETSC_COMM_SELF, PETSC_ERR_LIB, "FFTW has no plan for %" PetscInt_FMT, l->count);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, Lens *l)
 {
@@ -29,8 +58,11 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
   PC          pc;
 
   PetscFunctionBegin;
-  *l = (Lens){.op = op};
-  PetscCall(MatGetSize(op->p2g, &l->cells, NULL));
+  *l = (Lens){.op = op, .dim = op->layout->dim, .vector = VectorOf(op->scheme)};
+  PetscCall(MatGetSize(op->p2g, &l->count, NULL));
+  for (PetscInt a = 0; a < l->dim; a++) l->nodes_along[a] = op->layout->grid[a].nodes;
+  l->half   = l->nodes_along[0] / 2 + 1;
+  l->phases = l->count / l->nodes_along[0] * l->half;
   PetscCall(MatCreateVecs(eigen->A, &l->x[0], &l->x[1]));
   PetscCall(MatCreateVecs(op->p2g, &l->field, &l->nodes));
   PetscCall(VecDuplicate(l->field, &l->rest));
@@ -43,12 +75,7 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
   PetscCall(PCSetType(pc, PCNONE));
   PetscCall(KSPSetTolerances(l->lsqr, 1e-10, 1e-14, PETSC_CURRENT, ITERATIONS));
   PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)op->p2g), &rank));
-  if (rank == 0) {
-    l->trace    = fftw_alloc_real((size_t)l->cells);
-    l->spectrum = fftw_alloc_complex((size_t)l->cells / 2 + 1);
-    l->plan     = fftw_plan_dft_r2c_1d((int)l->cells, l->trace, l->spectrum, FFTW_ESTIMATE);
-    PetscCheck(l->plan, PETSC_COMM_SELF, PETSC_ERR_LIB, "FFTW has no plan for %" PetscInt_FMT, l->cells);
-  }
+  if (rank == 0) PetscCall(PlanCreate(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,6 +85,7 @@ static PetscErrorCode LensDestroy(Lens *l)
   if (l->plan) fftw_destroy_plan(l->plan);
   fftw_free(l->trace);
   fftw_free(l->spectrum);
+  fftw_free(l->kept);
   PetscCall(VecScatterDestroy(&l->to_first));
   PetscCall(VecDestroy(&l->on_first));
   PetscCall(VecDestroy(&l->nodes));
@@ -70,8 +98,11 @@ static PetscErrorCode LensDestroy(Lens *l)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the power of the real nodal trace at each phase 0 .. cells/2. For complex modes it is called for both parts. */
-static PetscErrorCode AddPower(Lens *l, PetscReal power[])
+/*
+   Adds the power of the real nodal trace of a register at each phase, and keeps its components if it is one of the
+   vector's. For complex modes it is called for both parts.
+*/
+static PetscErrorCode AddPower(Lens *l, int part, PetscInt r, PetscReal power[])
 {
   const PetscReal *g;
 
@@ -80,12 +111,56 @@ static PetscErrorCode AddPower(Lens *l, PetscReal power[])
   PetscCall(VecScatterEnd(l->to_first, l->nodes, l->on_first, INSERT_VALUES, SCATTER_FORWARD));
   if (!l->plan) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(VecGetArrayRead(l->on_first, &g));
-  PetscCall(PetscArraycpy(l->trace, g, l->cells));
+  PetscCall(PetscArraycpy(l->trace, g, l->count));
   PetscCall(VecRestoreArrayRead(l->on_first, &g));
   fftw_execute(l->plan);
-  for (PetscInt m = 0; m <= l->cells / 2; m++)
+  for (PetscInt m = 0; m < l->phases; m++)
     power[m] += PetscSqr(creal(l->spectrum[m])) + PetscSqr(cimag(l->spectrum[m]));
+  if (l->vector != MPM_NONE && r >= l->vector && r < l->vector + l->dim)
+    PetscCall(PetscArraycpy(l->kept + (part * l->dim + r - l->vector) * l->phases, l->spectrum, l->phases));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The phase of a Fourier component in each direction: up to pi in the first, and in [0, 2 pi) in the others. */
+static void PhaseOf(const Lens *l, PetscInt m, PetscReal beta[])
+{
+  beta[0] = 2 * PETSC_PI * (m % l->half) / l->nodes_along[0];
+  m /= l->half;
+  for (PetscInt a = 1; a < l->dim; a++) {
+    beta[a] = 2 * PETSC_PI * (m % l->nodes_along[a]) / l->nodes_along[a];
+    m /= l->nodes_along[a];
+  }
+}
+
+/*
+   The share of the vector's Fourier component that is along beta. Phases above pi are negative ones. A phase of pi is
+   both, and the sign that gives the largest share is taken.
+*/
+static PetscReal ShareAlong(const Lens *l, PetscInt m, const PetscReal beta[])
+{
+  PetscReal share = 0;
+
+  for (PetscInt signs = 0; signs < 1 << l->dim; signs++) {
+    PetscReal length = 0, along = 0, all = 0;
+
+    for (int part = 0; part < 2; part++) {
+      double complex sum = 0;
+
+      length = 0;
+      for (PetscInt a = 0; a < l->dim; a++) {
+        const double complex v = l->kept[(part * l->dim + a) * l->phases + m];
+        const PetscReal      b = beta[a] > PETSC_PI * (1 + SEEN) ? beta[a] - 2 * PETSC_PI : beta[a];
+        const PetscBool turn = signs >> a & 1 && fabs(beta[a] - PETSC_PI) <= PETSC_PI * SEEN ? PETSC_TRUE : PETSC_FALSE;
+
+        sum += v * (turn ? -b : b);
+        length += b * b;
+        all += PetscSqr(cabs(v));
+      }
+      along += PetscSqr(cabs(sum));
+    }
+    share = PetscMax(share, length * all > 0 ? along / (length * all) : NAN);
+  }
+  return share;
 }
 
 /*
@@ -110,58 +185,70 @@ static PetscErrorCode NullNorm(Lens *l, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Examines one mode of norm 1, which is in l->x. */
-static PetscErrorCode Look(Lens *l, PetscReal power[], PetscReal *beta, PetscReal *null_share)
+/* Examines mode j, of norm 1, which is in l->x. */
+static PetscErrorCode Look(Lens *l, PetscReal power[], MpmModes *modes, PetscInt j)
 {
   PetscReal share = 0, norm, total = 0;
   PetscInt  largest = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(power, l->cells / 2 + 1));
+  PetscCall(PetscArrayzero(power, l->phases));
   for (int part = 0; part < 2; part++) {
     for (PetscInt f = 0; f < l->op->fields; f++) {
       PetscCall(VecStrideGather(l->x[part], f, l->field, INSERT_VALUES));
       PetscCall(MatMult(l->op->p2g, l->field, l->nodes));
-      PetscCall(AddPower(l, power));
+      PetscCall(AddPower(l, part, f, power));
       PetscCall(NullNorm(l, &norm));
       share += norm * norm;
     }
   }
-  *null_share = sqrt(share);
-  for (PetscInt m = 0; m <= l->cells / 2; m++) {
+  modes->null_share[j] = sqrt(share);
+  for (PetscInt m = 0; m < l->phases; m++) {
     total += power[m];
     if (power[m] > power[largest] * (1 + SEEN)) largest = m;
   }
-  *beta = total > SEEN * SEEN * l->cells ? 2 * PETSC_PI * largest / l->cells : NAN;
+  PhaseOf(l, largest, modes->beta + l->dim * j);
+  for (PetscInt a = 0; a < l->dim && !(total > SEEN * SEEN * l->count); a++) modes->beta[l->dim * j + a] = NAN;
+  modes->p_share[j] = NAN;
+  if (l->kept && MpmLayoutIsPeriodic(l->op->layout) && !isnan(modes->beta[l->dim * j]))
+    modes->p_share[j] = ShareAlong(l, largest, modes->beta + l->dim * j);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmModes *modes)
+PetscErrorCode MpmModesCreateLeading(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmModes *modes)
 {
   PetscReal *power;
   Lens       lens;
 
   PetscFunctionBegin;
-  modes->n = eigen->n;
-  PetscCall(PetscMalloc2(eigen->n, &modes->beta, eigen->n, &modes->null_share));
+  modes->n   = PetscMin(count, eigen->n);
+  modes->dim = op->layout->dim;
+  PetscCall(PetscMalloc3(modes->dim * modes->n, &modes->beta, modes->n, &modes->p_share, modes->n, &modes->null_share));
   PetscCall(LensCreate(op, eigen, &lens));
-  PetscCall(PetscMalloc1(lens.cells / 2 + 1, &power));
-  for (PetscInt j = 0; j < eigen->n; j++) {
+  PetscCall(PetscMalloc1(lens.phases, &power));
+  for (PetscInt j = 0; j < modes->n; j++) {
     PetscCall(MpmEigenVector(eigen, j, lens.x[0], lens.x[1]));
     PetscCall(MpmOperatorToState(op, lens.x[0], lens.x[1]));
     PetscCall(VecSetBlockSize(lens.x[0], op->fields));
     PetscCall(VecSetBlockSize(lens.x[1], op->fields));
-    PetscCall(Look(&lens, power, &modes->beta[j], &modes->null_share[j]));
+    PetscCall(Look(&lens, power, modes, j));
   }
   PetscCall(PetscFree(power));
   PetscCall(LensDestroy(&lens));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmModes *modes)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmModesCreateLeading(op, eigen, eigen->n, modes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModesDestroy(MpmModes *modes)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree2(modes->beta, modes->null_share));
+  PetscCall(PetscFree3(modes->beta, modes->p_share, modes->null_share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,19 +4,22 @@
 #include <mpmstab/operator.h>
 
 /*S
-   MpmModes - two numbers for each listed eigenvalue.
+   MpmModes - where each of the first n listed eigenvectors lives.
 
-   beta: the phase per cell of the largest Fourier component of the mode's nodal trace, which is P2G of its fields. It
-   is NaN when the trace is 0 to rounding, and it is on rank 0 only. null_share: norm of the part that P2G sends to 0,
-   relative to that of the mode.
+   beta: the phase per cell of the largest Fourier component of the mode's nodal trace, which is P2G of its fields: dim
+   numbers a mode, the first up to pi and the others below 2 pi. They are NaN when the trace is 0 to rounding, and on
+   rank 0 only. p_share: of that component of the velocity (u of a gas), the part of the square that is along beta: 1 for
+   a P wave, 0 for an S wave. It is on rank 0 only, and NaN in one dimension, between ends, and where there is no vector.
+   null_share: norm of the part of the mode that P2G sends to 0, relative to that of the mode.
 S*/
 typedef struct {
-  PetscInt   n;
-  PetscReal *beta, *null_share;
+  PetscInt   n, dim;
+  PetscReal *beta, *p_share, *null_share;
 } MpmModes;
 
-/* Collective. Computes them for all listed eigenvalues. */
+/* Collective. MpmModesCreate examines all listed eigenvectors, MpmModesCreateLeading the first count of them. */
 PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmModes *modes);
+PetscErrorCode MpmModesCreateLeading(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmModes *modes);
 PetscErrorCode MpmModesDestroy(MpmModes *modes);
 
 /*

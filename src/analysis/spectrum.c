@@ -9,6 +9,7 @@
 #define BESIDE 1e-10       /* relative distance of a shift from an eigenvalue */
 #define AT_ONE 1e-6        /* rounding splits a defective pair at 1 by about 1e-8 */
 #define AGREE 1e-6         /* largest mismatch of spectrum and symbol */
+#define LEADING 4          /* modes of the report */
 #define MEASURE_WORK 2e8   /* most particle-steps of the measured run */
 #define MEASURE_STEPS 4000 /* steps of a run that does not grow */
 #define MEASURE_FEWEST 100
@@ -294,6 +295,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   PetscCall(Judge(s));
   PetscCall(Measure(s));
   PetscCall(Transient(s));
+  if (scene->layout.dim > 1) PetscCall(MpmModesCreateLeading(s->op, s->eigen, LEADING, &s->leading));
   PetscCall(PeakMemory(comm, &s->memory));
   s->memory -= before;
   s->wall_s = MPI_Wtime() - started;
@@ -309,6 +311,7 @@ PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
   if (s->run) PetscCall(MpmRunDestroy(&s->run));
   PetscCall(MpmTransientDestroy(&s->transient));
   PetscCall(MpmPseudospectrumDestroy(&s->pseudospectrum));
+  PetscCall(MpmModesDestroy(&s->leading));
   PetscCall(MpmEigenDestroy(&s->eigen));
   PetscCall(MpmOperatorDestroy(&s->op));
   if (s->symbol) PetscCall(MpmSymbolDestroy(&s->symbol));

@@ -15,7 +15,8 @@
    are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
    on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
    ranks. run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
-   NULL when not asked for, or when the operator's numbers leave the range of doubles.
+   NULL when not asked for, or when the operator's numbers leave the range of doubles. leading: the modes of the first
+   listed eigenvalues, in two and three dimensions; none in one.
 S*/
 #define MPM_UNCOUNTED -1
 typedef struct {
@@ -35,6 +36,7 @@ typedef struct {
   PetscReal          memory, wall_s;
   PetscInt           at_one, nullity;
   MpmFinding         finding;
+  MpmModes           leading;
 } MpmSpectrum;
 
 /*

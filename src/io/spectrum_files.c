@@ -18,7 +18,8 @@ static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *mod
   }
   PetscCall(MpmDataFileArray(file, "/spectrum", "eigenvalues", n, 2, pairs));
   PetscCall(MpmDataFileArray(file, "/spectrum", "residuals", n, 1, s->eigen->residual));
-  PetscCall(MpmDataFileArray(file, "/spectrum", "beta", n, 1, modes->beta));
+  PetscCall(MpmDataFileArray(file, "/spectrum", "beta", n, modes->dim, modes->beta));
+  if (modes->dim > 1) PetscCall(MpmDataFileArray(file, "/spectrum", "p_share", n, 1, modes->p_share));
   PetscCall(MpmDataFileArray(file, "/spectrum", "null_share", n, 1, modes->null_share));
   PetscCall(PetscFree(pairs));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -26,25 +27,25 @@ static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *mod
 
 static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
 {
-  const int   exponent = (int)s->op->exponent;
-  MpmTextFile csv;
+  static const char *const names[MPM_MAX_DIM] = {"beta", "beta_x,beta_y,p_share", "beta_x,beta_y,beta_z,p_share"};
+  const int                exponent           = (int)s->op->exponent;
+  MpmTextFile              csv;
 
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(s->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "mode,re,im,abs,growth,residual,beta,null_share\n");
+    fprintf(csv.stream, "mode,re,im,abs,growth,residual,%s,null_share\n", names[modes->dim - 1]);
     for (PetscInt j = 0; j < s->eigen->n; j++) {
       const PetscReal size  = hypot(s->eigen->re[j], s->eigen->im[j]);
-      const PetscReal row[] = {scalbn(s->eigen->re[j], exponent),
-                               scalbn(s->eigen->im[j], exponent),
-                               scalbn(size, exponent),
-                               MpmGrowthPerStep(size, s->op->exponent, s->op->period),
-                               s->eigen->residual[j],
-                               modes->beta[j],
-                               modes->null_share[j]};
+      const PetscReal row[] = {scalbn(s->eigen->re[j], exponent), scalbn(s->eigen->im[j], exponent),
+                               scalbn(size, exponent), MpmGrowthPerStep(size, s->op->exponent, s->op->period),
+                               s->eigen->residual[j]};
 
       fprintf(csv.stream, "%" PetscInt_FMT, j + 1);
       for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(row); c++) MpmTextFileCell(&csv, row[c]);
+      for (PetscInt a = 0; a < modes->dim; a++) MpmTextFileCell(&csv, modes->beta[modes->dim * j + a]);
+      if (modes->dim > 1) MpmTextFileCell(&csv, modes->p_share[j]);
+      MpmTextFileCell(&csv, modes->null_share[j]);
       fprintf(csv.stream, "\n");
     }
   }

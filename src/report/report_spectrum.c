@@ -56,11 +56,25 @@ static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Says what wave the leading mode is. */
+static PetscErrorCode PrintLeading(const MpmModes *modes)
+{
+  char beta[96];
+
+  PetscFunctionBegin;
+  if (!modes->n || isnan(modes->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmReportVector(modes->dim, modes->beta, 4, sizeof beta, beta));
+  MpmPrint("first mode listed: beta = %s", beta);
+  if (!isnan(modes->p_share[0])) MpmPrint(", P share %.3g", modes->p_share[0]);
+  MpmPrint(", share that no node sees %.2g\n", modes->null_share[0]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintOperator(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros, of %" PetscInt_FMT " step%s; ", s->op->order,
-           s->op->nonzeros, s->op->period, s->op->period == 1 ? "" : "s");
+  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros%s, of %" PetscInt_FMT " step%s; ", s->op->order,
+           s->op->nonzeros, s->op->assembled ? "" : " in its maps", s->op->period, s->op->period == 1 ? "" : "s");
   if (isfinite(s->step_mismatch))
     MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
   else
@@ -69,6 +83,7 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
              s->radius > 1 ? ", relative to the largest" : "");
+  PetscCall(PrintLeading(&s->leading));
   if (s->at_one != MPM_UNCOUNTED) {
     MpmPrint("eigenvalues at 1: %" PetscInt_FMT, s->at_one);
     if (s->nullity != MPM_UNCOUNTED)

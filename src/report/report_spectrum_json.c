@@ -27,6 +27,27 @@ static json_t *Operator(const MpmSpectrum *s)
   return object;
 }
 
+/* The first listed eigenvalues with their modes. */
+static json_t *Modes(const MpmSpectrum *s)
+{
+  const MpmModes *modes = &s->leading;
+  json_t         *list  = json_array();
+
+  for (PetscInt j = 0; j < modes->n; j++) {
+    json_t *mode = json_object(), *beta = json_array();
+
+    MpmJsonSet(mode, "re", scalbn(s->eigen->re[j], (int)s->op->exponent));
+    MpmJsonSet(mode, "im", scalbn(s->eigen->im[j], (int)s->op->exponent));
+    for (PetscInt a = 0; a < modes->dim && !isnan(modes->beta[modes->dim * j]); a++)
+      json_array_append_new(beta, json_real(modes->beta[modes->dim * j + a]));
+    json_object_set_new(mode, "beta", beta);
+    MpmJsonSet(mode, "p_share", modes->p_share[j]);
+    MpmJsonSet(mode, "null_share", modes->null_share[j]);
+    json_array_append_new(list, mode);
+  }
+  return list;
+}
+
 PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
 {
   json_t *object, *run;
@@ -45,6 +66,7 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
     json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
     json_object_set_new(object, "run", run);
   }
+  if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
   PetscCall(MpmJsonWrite(s->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -245,6 +245,29 @@ static PetscErrorCode LargestOfAll(const MpmPredictor *p, PetscReal courant, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The corrected formula for the problem whose nodal velocity is nearest to the velocity of the scene's mode. */
+static PetscReal CorrectedMode(const MpmPredictor *p, const MpmScene *scene, const PetscReal beta[])
+{
+  const MpmProfile profile = MpmSceneProfile(scene, 1);
+  MpmCellSymbols   cell[MPM_MAX_DIM];
+  PetscReal        most    = -1;
+  PetscInt         nearest = 0;
+
+  if (p->why_not_corrected || !MpmSceneHasPoisson(scene)) return MpmPredictorCorrected(p, scene->step.courant, beta);
+  (void)MpmPredictorSymbols(p, beta, cell);
+  for (PetscInt i = 0; i < p->problems; i++) {
+    double complex vector[MPM_MAX_DIM], along = 0;
+
+    MpmPredictorPolarisation(p, beta, i, vector);
+    for (PetscInt a = 0; a < scene->layout.dim; a++) along += profile.wave[0].direction[a] * vector[a];
+    if (cabs(along) > most) {
+      most    = cabs(along);
+      nearest = i;
+    }
+  }
+  return scene->scheme.formulation->corrected(&cell[nearest], scene->step.courant);
+}
+
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 {
   const MpmLayout *layout = &scene->layout;
@@ -262,7 +285,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
   if (!predictor.why_not_corrected) PetscCall(LargestOfAll(&predictor, scene->step.courant, &predictions->corrected));
   for (PetscInt a = 0; a < layout->dim; a++) beta[a] = MpmSymbolPhase(scene->mode[a], layout->grid[a].cells);
   if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
-    predictions->corrected_mode = MpmPredictorCorrected(&predictor, scene->step.courant, beta);
+    predictions->corrected_mode = CorrectedMode(&predictor, scene, beta);
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

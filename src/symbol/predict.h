@@ -81,7 +81,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant
    MpmPredictions - growth per step by the closed forms: the largest over the phases of the scene's grid. NaN where a
    formula does not cover the scene (see MpmPredictor), or the slides leave out its Courant number.
 
-   corrected_mode is the corrected formula at the one phase of initial mode.
+   corrected_mode is the corrected formula at the one phase of initial mode, for its P or its S wave.
 */
 typedef struct {
   PetscReal published, corrected, corrected_mode;
