@@ -30,7 +30,7 @@ static PetscErrorCode Test(int argc, char **argv)
   CHECK(plan->line[0].axis == 1 && plan->line[0].across == MPM_DIV, "the slopes are across x");
   CHECK(plan->map[0].kernel == basis->kernel[MPM_G2P] && plan->map[0].shared == 1 && plan->map[1].shared == 0,
         "two maps share a line and its result along x");
-  CHECK(plan->needs[MPM_DIV] && plan->needs[MPM_P2G] && !plan->needs[MPM_DIV_MLS], "weights that are not needed");
+  CHECK(plan->nkinds == 2 && plan->kind[0] == MPM_P2G && plan->kind[1] == MPM_DIV, "weights that are not needed");
   PetscCall(PetscFree(plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
