@@ -15,7 +15,6 @@
 
 /* The largest number of particle registers of a table, and of its node registers. Scratch counts too. */
 #define MPM_MAX_FIELDS 64
-#define MPM_NONE -1
 
 /*E
    MpmOpKind - the operations of a table. a is the operation's factor times a power of the Courant number (MpmOpValue).

@@ -77,13 +77,20 @@ typedef struct {
   PetscBool    varies[MPM_PROPERTIES];
 } MpmLayout;
 
-/* Not collective. The number of cells of the grid, and of the sites in the fullest cell, over all directions. */
+/* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */
 static inline PetscInt64 MpmLayoutCells(const MpmLayout *layout)
 {
   PetscInt64 cells = 1;
 
   for (PetscInt a = 0; a < layout->dim; a++) cells *= layout->grid[a].cells;
   return cells;
+}
+static inline PetscInt64 MpmLayoutNodes(const MpmLayout *layout)
+{
+  PetscInt64 nodes = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) nodes *= layout->grid[a].nodes;
+  return nodes;
 }
 static inline PetscInt MpmLayoutPpc(const MpmLayout *layout)
 {

@@ -16,18 +16,20 @@
    length, cell_width   - of the domain in each direction, and of a cell, in units of length
    wave_speed, dt       - c in length / time, and the time step
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
-                          size
+                          size. With initial data eigenmode mode[0] is the number of the eigenvector.
+   polarisation         - which way the material moves in a mode
    stagger              - the field that is updated first starts half a step early
 S*/
 typedef struct {
-  MpmLayout  layout;
-  MpmScheme  scheme;
-  MpmStep    step;
-  char       boundary[128];
-  PetscInt   mode[MPM_MAX_DIM];
-  PetscReal  length[MPM_MAX_DIM], cell_width, wave_speed, dt, amplitude;
-  MpmInitial initial;
-  PetscBool  stagger;
+  MpmLayout       layout;
+  MpmScheme       scheme;
+  MpmStep         step;
+  char            boundary[128];
+  PetscInt        mode[MPM_MAX_DIM];
+  PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, amplitude;
+  MpmInitial      initial;
+  PetscBool       stagger;
+  MpmPolarisation polarisation;
 } MpmScene;
 
 /*
@@ -78,12 +80,29 @@ PetscBool MpmSceneHasPoisson(const MpmScene *scene);
    MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.
 
    Not collective. It is known from initial data mode, pulse and step, for particles that are all alike, in a domain
-   that is filled from end to end, or for a bar from the left end to a free end inside the domain.
+   that is filled from end to end, or in one dimension for a bar from the left end to a free end inside the domain.
 */
 PetscBool MpmSceneHasExact(const MpmScene *scene);
 
-/* Not collective. The exact solution of the scene, for an amplitude of the caller's choice. */
+/*
+   MpmSceneProfile - the exact solution of the scene, for an amplitude of the caller's choice.
+
+   Not collective. A mode is a plane wave in a periodic domain. Between ends it is a standing wave. There is none, and
+   nwaves is 0, where the ends of several directions do not go together:
+
+     a scalar (elastic)   there is one between any ends
+     gas, P waves         between ends of symmetry; along one direction also between fixed and free ends of that one
+     S waves              the same, and no ends in a direction that the material moves in but the wave does not go
+*/
 MpmProfile MpmSceneProfile(const MpmScene *scene, PetscReal amplitude);
+
+/*
+   MpmSceneExact - the exact value of state register r at (X, t). With stagger the field that lags has its value of half
+   a time step before.
+
+   Not collective. The scene must have an exact solution, and profile be one of its profiles.
+*/
+PetscReal MpmSceneExact(const MpmScene *scene, const MpmProfile *profile, PetscInt r, const PetscReal X[], PetscReal t);
 
 /* Not collective. The numbers of particles in the cells of the pattern, as text with commas between them. */
 #define MPM_COUNTS_TEXT (8 * MPM_MAX_COUNTS)

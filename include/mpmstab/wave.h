@@ -1,9 +1,11 @@
 /*
    The continuous problems behind the formulations, and their exact solutions. X = x - U0 t is the Lagrangian coordinate
-   on a domain of length L, which is periodic or has two ends. src/scheme/wave.c has the formulas.
+   on a domain that is periodic or has two ends in each direction. src/scheme/wave.c has the formulas.
 */
 #pragma once
-#include <mpmstab/compat.h>
+#include <mpmstab/boundary.h>
+
+#define MPM_NONE -1 /* no field, no register */
 
 /*E
    MpmInitial - the initial data of a run.
@@ -29,45 +31,77 @@ static inline PetscBool MpmInitialHasExact(MpmInitial initial)
   return initial != MPM_INITIAL_RANDOM && initial != MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/*E
+   MpmPolarisation - which way the material of a momentum scheme moves in a mode, with more than one dimension.
+
+   MPM_P_WAVE - along the wave, with speed c
+   MPM_S_WAVE - across it, with speed c sqrt(mu), where mu = (1 - 2 nu) / (2 (1 - nu)). In three dimensions it moves in
+                the plane of x and y, and along x when the wave is along z.
+E*/
+typedef enum { MPM_P_WAVE, MPM_S_WAVE } MpmPolarisation;
+extern const char *const MpmPolarisationNames[];
+
+/*S
+   MpmPlaneWave - one of the plane waves that a mode is the sum of.
+
+   normal    - the unit vector along the wave
+   direction - the unit vector along which the material moves; not used for a scalar
+   weight    - what it is multiplied by
+S*/
+typedef struct {
+  PetscReal normal[MPM_MAX_DIM], direction[MPM_MAX_DIM], weight;
+} MpmPlaneWave;
+
+#define MPM_MAX_WAVES 4 /* a plane wave, and its mirror images in two directions */
+
 /*S
    MpmProfile - the parameters of an exact solution. Lengths and times are in the units of the scene.
 
    initial    - the initial data
-   length     - L
+   dim        - the number of space dimensions; a pulse and a step are of one
+   length     - L of direction 0
    wave_speed - c
    cell_width - h
    amplitude  - A, the amplitude of the velocity; for a pulse in a second-order problem, that of the displacement
-   wavenumber - K of a mode
+   poisson    - Poisson's ratio; 1/2 where the stress is one number
+   speed      - the speed of a mode: c, or that of S waves
+   wavenumber - abs(K) of a mode
    phase      - the phase of a mode at X = 0
+   nwaves, wave - the plane waves of a mode: one in a periodic domain and along a direction with ends, and its mirror
+                images otherwise. 0 when there is no such mode between the ends of the domain.
    image      - image[end]: the sign of the velocities in the mirror image of a pulse beyond an end; -1 for a fixed end,
                 1 for a free one, 0 in a periodic domain
 S*/
 typedef struct {
-  MpmInitial initial;
-  PetscReal  length, wave_speed, cell_width, amplitude, wavenumber, phase, image[2];
+  MpmInitial   initial;
+  PetscInt     dim, nwaves;
+  PetscReal    length, wave_speed, cell_width, amplitude, poisson, speed, wavenumber, phase, image[2];
+  MpmPlaneWave wave[MPM_MAX_WAVES];
 } MpmProfile;
 
 /*S
    MpmWave - a continuous problem.
 
-   equations     - as text
-   value         - the exact value of a field at (X, t)
-   amplitude     - the size of a field; errors of the field are relative to it
+   equations     - as text, in one dimension
+   equations_nd  - and in more
+   value         - the exact value of a component of a field at (X, t)
+   amplitude     - the size of a field's components; their errors are relative to it
    velocity_unit - the number that turns the fields of a formulation's energy terms into velocities, so that half their
                    squares is energy per density
 
-   Fields have the numbers of the formulation's particle fields. Field 2 of a first-order problem is h u_x, the affine
-   part that some transfers give to velocities.
+   Fields have the numbers of the formulation's particle fields, and components those of MpmTable. Field MPM_NONE of a
+   first-order problem is the affine part that some transfers give to velocities, h times the gradient.
 
    Not collective: value, amplitude and velocity_unit.
 S*/
 typedef struct {
-  const char *equations;
-  PetscReal (*value)(const MpmProfile *profile, PetscInt field, PetscReal X, PetscReal t);
+  const char *equations, *equations_nd;
+  PetscReal (*value)(const MpmProfile *profile, PetscInt field, PetscInt component, const PetscReal X[], PetscReal t);
   PetscReal (*amplitude)(const MpmProfile *profile, PetscInt field);
   PetscReal (*velocity_unit)(const MpmProfile *profile);
 } MpmWave;
 
-extern const MpmWave MpmWaveFirstOrder;  /* gas: u_t = c r_x, r_t = c u_x with r = -(c/rho0) rho */
-extern const MpmWave MpmWaveMomentum;    /* velocity and stress: v_t = c s_x, s_t = c v_x with s = sigma / (rho0 c) */
-extern const MpmWave MpmWaveSecondOrder; /* the bar: u_t = (c/h) w, w_t = h c u_xx with w = v h / c */
+extern const MpmWave MpmWaveFirstOrder; /* gas: u_t = c grad r, r_t = c div u with r = -(c/rho0) rho */
+extern const MpmWave
+    MpmWaveMomentum; /* velocity and stress: v_t = c div s, s_t = c C:grad v with s = sigma / (rho0 c) */
+extern const MpmWave MpmWaveSecondOrder; /* the bar: u_t = (c/h) w, w_t = h c div grad u with w = v h / c */

@@ -13,6 +13,8 @@
 #define WITHIN 1.25     /* the search goes on from limits on this grid that are within this factor of the least */
 #define FINEST 1e-8     /* last step in beta */
 #define LEAST_BETA 2e-4 /* no waves longer than this: closed forms cancel there */
+#define LONG 1e-3       /* phases below this are of long waves; */
+#define FALLS 0.9       /* where their limit at twice the length is smaller by this factor it goes to 0 */
 #define BISECTIONS 40
 #define BEYOND 1e-5 /* relative distance from the limit within which growth should leave the tolerance */
 #define CLOSE 1e-6  /* relative distance from the limit at which the symbol is looked at, */
@@ -70,13 +72,22 @@ static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The limits of long waves may go to 0 with beta (gas1 with xpic). Then the least one is 0, and at no phase. */
 PetscErrorCode MpmCriticalClosedInSpace(const MpmPredictor *predictor, MpmCritical *c)
 {
-  const MpmZoom zoom   = ClosedZoom(predictor->layout);
-  Closed        closed = {.predictor = predictor};
+  const MpmZoom zoom    = ClosedZoom(predictor->layout);
+  Closed        closed  = {.predictor = predictor};
+  PetscReal     largest = 0, beta[MPM_MAX_DIM], shorter;
 
   PetscFunctionBegin;
   PetscCall(MpmZoomLeast(&zoom, LimitAt, &closed, c->closed_beta, &c->closed));
+  for (PetscInt a = 0; a < zoom.dim; a++) {
+    largest = PetscMax(largest, PetscAbsReal(c->closed_beta[a]));
+    beta[a] = 2 * c->closed_beta[a];
+  }
+  if (!(largest < LONG)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LimitAt(&closed, beta, &shorter));
+  if (c->closed < FALLS * shorter) c->closed = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

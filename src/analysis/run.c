@@ -44,13 +44,13 @@ typedef struct {
 */
 static PetscInt64 SampleGap(const MpmScene *scene, PetscInt64 steps)
 {
-  PetscReal least = MpmLayoutIsUniform(&scene->layout) ? scene->layout.ppc[0] : LEAST_MASS;
+  PetscReal least = MpmLayoutIsUniform(&scene->layout) ? MpmLayoutPpc(&scene->layout) : LEAST_MASS;
   PetscReal extreme[MPM_PROPERTIES], bound, safe;
 
   MpmMaterialBounds(&scene->layout, extreme);
   least *= extreme[MPM_MASS] / extreme[MPM_VOLUME];
-  bound = MpmScheduleBound(scene->scheme.table, scene->scheme.basis, scene->step.courant, scene->layout.ppc[0], least,
-                           extreme[MPM_STIFFNESS]);
+  bound = MpmScheduleBound(scene->scheme.table, scene->scheme.basis, scene->step.courant, MpmLayoutPpc(&scene->layout),
+                           least, extreme[MPM_STIFFNESS]);
   safe  = bound > 1 ? floor(ROOM / log2(bound)) : ROOM;
   return PetscMax(1, PetscMin((PetscInt64)safe, steps / MOST_SAMPLES));
 }
@@ -198,7 +198,7 @@ static PetscErrorCode Conclude(Loop *loop)
   alike    = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
   r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
-                              (PetscReal)scene->layout.particles / scene->layout.grid[0].nodes, alike);
+                              (PetscReal)scene->layout.particles / MpmLayoutNodes(&scene->layout), alike);
   if (loop->diagnostics) {
     r->transfer_first = loop->diagnostics->first;
     r->transfer_last  = loop->diagnostics->last;

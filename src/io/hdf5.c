@@ -160,33 +160,41 @@ PetscErrorCode MpmHdf5Close(MpmHdf5 *f, PetscBool *failed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define MOST_DIMENSIONS 4
+
+/* An array: its number of dimensions and its extents, of which the first is the number of rows. */
+typedef struct {
+  hid_t   type;
+  int     n;
+  hsize_t extent[MOST_DIMENSIONS];
+} Shape;
+
 /* Writes rows [begin, begin + n) of an array that the first rank has open. */
-static void WriteRows(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, PetscInt64 begin, PetscInt64 n,
-                      const void *values)
+static void WriteRows(MpmHdf5 *f, hid_t array, const Shape *shape, PetscInt64 begin, PetscInt64 n, const void *values)
 {
-  const hsize_t offset[] = {(hsize_t)begin, 0}, count[] = {(hsize_t)n, (hsize_t)columns};
-  hid_t         space, memory;
+  hsize_t offset[MOST_DIMENSIONS] = {(hsize_t)begin}, count[MOST_DIMENSIONS] = {(hsize_t)n};
+  hid_t   space, memory;
 
   if (n == 0 || f->failed) return;
+  for (int d = 1; d < shape->n; d++) count[d] = shape->extent[d];
   space  = Try(f, H5Dget_space(array));
-  memory = Try(f, H5Screate_simple(columns > 1 ? 2 : 1, count, NULL));
+  memory = Try(f, H5Screate_simple(shape->n, count, NULL));
   (void)Try(f, H5Sselect_hyperslab(space, H5S_SELECT_SET, offset, NULL, count, NULL));
-  (void)Try(f, H5Dwrite(array, type, memory, space, H5P_DEFAULT, values));
+  (void)Try(f, H5Dwrite(array, shape->type, memory, space, H5P_DEFAULT, values));
   (void)Try(f, H5Sclose(memory));
   (void)Try(f, H5Sclose(space));
 }
 
-static hid_t CreateArray(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns)
+static hid_t CreateArray(MpmHdf5 *f, const char name[], const Shape *shape, size_t width)
 {
-  const hsize_t extent[] = {(hsize_t)rows, (hsize_t)columns};
-  hid_t         array, space, links;
+  hid_t array, space, links;
 
-  Reserve(f, rows * columns * (PetscInt64)H5Tget_size(type));
+  Reserve(f, (PetscInt64)(shape->extent[0] * width));
   if (f->failed) return -1;
-  space = Try(f, H5Screate_simple(columns > 1 ? 2 : 1, extent, NULL));
+  space = Try(f, H5Screate_simple(shape->n, shape->extent, NULL));
   links = Try(f, H5Pcreate(H5P_LINK_CREATE));
   (void)Try(f, H5Pset_create_intermediate_group(links, 1));
-  array = Try(f, H5Dcreate2(f->file, name, type, space, links, H5P_DEFAULT, H5P_DEFAULT));
+  array = Try(f, H5Dcreate2(f->file, name, shape->type, space, links, H5P_DEFAULT, H5P_DEFAULT));
   (void)Try(f, H5Pclose(links));
   (void)Try(f, H5Sclose(space));
   return array;
@@ -207,8 +215,8 @@ static PetscErrorCode SendRows(MpmHdf5 *f, PetscInt64 rows, size_t width, const 
    Writes the rows that the other ranks send. It receives them even after a failure, since the other ranks send them
    anyway.
 */
-static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, hid_t type, PetscInt columns, size_t width,
-                                    PetscMPIInt ranks, const PetscInt64 rows[])
+static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, const Shape *shape, size_t width, PetscMPIInt ranks,
+                                    const PetscInt64 rows[])
 {
   const PetscInt64 piece  = PetscMax(1, PIECE / (PetscInt64)width);
   PetscInt64       before = rows[0];
@@ -222,7 +230,7 @@ static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, hid_t type, PetscIn
       const PetscInt64 n = PetscMin(piece, rows[r] - done);
 
       PetscCallMPI(MPI_Recv(values, (int)((size_t)n * width), MPI_BYTE, r, TAG, f->comm, MPI_STATUS_IGNORE));
-      WriteRows(f, array, type, columns, before + done, n, values);
+      WriteRows(f, array, shape, before + done, n, values);
     }
     before += rows[r];
   }
@@ -230,28 +238,41 @@ static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, hid_t type, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns,
-                            const void *part)
+PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt n,
+                                const PetscInt row[], const void *part)
 {
-  const size_t width = H5Tget_size(type) * (size_t)columns;
-  PetscMPIInt  rank, size;
-  PetscInt64  *all, total = 0;
-  hid_t        array;
+  Shape       shape = {.type = type, .n = 1 + n};
+  size_t      width = H5Tget_size(type);
+  PetscMPIInt rank, size;
+  PetscInt64 *all;
+  hid_t       array;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
   PetscCallMPI(MPI_Comm_size(f->comm, &size));
+  for (PetscInt d = 0; d < n; d++) {
+    shape.extent[1 + d] = (hsize_t)row[d];
+    width *= (size_t)row[d];
+  }
   PetscCall(PetscCalloc1(size, &all));
   PetscCallMPI(MPI_Gather(&rows, 1, MPIU_INT64, all, 1, MPIU_INT64, 0, f->comm));
   if (rank == 0) {
-    for (PetscMPIInt r = 0; r < size; r++) total += all[r];
-    array = CreateArray(f, name, type, total, columns);
-    WriteRows(f, array, type, columns, 0, rows, part);
-    PetscCall(WriteReceived(f, array, type, columns, width, size, all));
+    for (PetscMPIInt r = 0; r < size; r++) shape.extent[0] += (hsize_t)all[r];
+    array = CreateArray(f, name, &shape, width);
+    WriteRows(f, array, &shape, 0, rows, part);
+    PetscCall(WriteReceived(f, array, &shape, width, size, all));
     if (array >= 0) (void)Try(f, H5Dclose(array));
   } else
     PetscCall(SendRows(f, rows, width, part));
   PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns,
+                            const void *part)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmHdf5WriteRows(f, name, type, rows, columns > 1, &columns, part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

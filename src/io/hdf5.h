@@ -45,6 +45,12 @@ PetscErrorCode MpmHdf5Close(MpmHdf5 *file, PetscBool *failed);
 PetscErrorCode MpmHdf5Write(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 rows, PetscInt columns,
                             const void *part);
 
+/*
+   Collective. The same for an array of 1 + n dimensions, where a row is an array of n dimensions itself.
+*/
+PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 rows, PetscInt n,
+                                const PetscInt row[], const void *part);
+
 /* Collective. Write an attribute of the root ("/"), or of a group or array that has been written. */
 PetscErrorCode MpmHdf5WriteText(MpmHdf5 *file, const char object[], const char name[], const char text[]);
 PetscErrorCode MpmHdf5WriteReal(MpmHdf5 *file, const char object[], const char name[], PetscReal value);

@@ -18,24 +18,21 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the particles' starting places, over which a mode's values can be plotted. */
+/* Writes the particles' starting places, over which a mode's values can be plotted: a row of dim numbers for each. */
 static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
 {
-  PetscMPIInt rank;
-  PetscReal  *x;
+  const PetscInt dim = layout->dim;
+  PetscMPIInt    rank;
+  PetscReal     *x;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
-  PetscCall(PetscMalloc1(rank ? 0 : layout->particles, &x));
+  PetscCall(PetscMalloc1(rank ? 0 : dim * layout->particles, &x));
   for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
-    PetscInt  cell;
-    PetscReal xi;
-
-    MpmLayoutPlace(layout, id, &cell, &xi);
-    x[id] =
-        cell_width * ((cell + layout->grid[0].cells) % layout->grid[0].cells + xi); /* jitter may leave the domain */
+    MpmLayoutRest(layout, id, &x[dim * id]);
+    for (PetscInt a = 0; a < dim; a++) x[dim * id + a] *= cell_width;
   }
-  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, 1, x));
+  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, dim, x));
   PetscCall(PetscFree(x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

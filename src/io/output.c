@@ -1,39 +1,54 @@
 /* Writes particle and node fields as HDF5, in the order of global ids, and an XDMF file that describes them. */
 #include "io/datafile.h"
 #include "io/output.h"
+#include "io/xdmf.h"
 #include "base/textfile.h"
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
 
+/*
+   by_id, coordinates - numbers of particles in the order of global ids, and dim of them in a row (3 in one dimension)
+   by_number          - numbers of nodes, x fastest; each rank has whole rows, or planes in three dimensions
+   local              - a node field of the march
+*/
 struct MpmOutput_ {
   const MpmScene *scene;
   MpmDataFile     file;
-  Vec             by_id, coordinates, local, global;
+  Vec             by_id, coordinates, by_number, local;
   MpmTextFile     xmf;
 };
 
+/* A vector of rows; no row is on two ranks. */
+static PetscErrorCode CreateRows(MPI_Comm comm, PetscInt rows, PetscInt width, Vec *vector)
+{
+  PetscFunctionBegin;
+  PetscCall(VecCreate(comm, vector));
+  PetscCall(VecSetBlockSize(*vector, width));
+  PetscCall(VecSetSizes(*vector, PETSC_DECIDE, rows * width));
+  PetscCall(VecSetType(*vector, VECSTANDARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request, MpmOutput **output)
 {
-  const MPI_Comm comm = PetscObjectComm((PetscObject)march->grid->da);
-  const PetscInt n    = (PetscInt)march->layout->particles;
-  MpmOutput     *o;
+  const MPI_Comm      comm = PetscObjectComm((PetscObject)march->grid->da);
+  const MpmDirection *grid = march->layout->grid;
+  const PetscInt      n = (PetscInt)march->layout->particles, dim = march->layout->dim;
+  PetscInt            row = 1;
+  MpmOutput          *o;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(output));
   o        = *output;
   o->scene = march->scene;
-  PetscCall(VecCreateMPI(comm, PETSC_DECIDE, n, &o->by_id));
-  PetscCall(VecCreate(comm, &o->coordinates));
-  PetscCall(VecSetBlockSize(o->coordinates, 3));
-  PetscCall(VecSetSizes(o->coordinates, PETSC_DECIDE, 3 * n));
-  PetscCall(VecSetType(o->coordinates, VECSTANDARD));
+  for (PetscInt a = 0; a + 1 < dim; a++) row *= grid[a].nodes;
+  PetscCall(CreateRows(comm, n, 1, &o->by_id));
+  PetscCall(CreateRows(comm, n, dim == 1 ? 3 : dim, &o->coordinates));
+  PetscCall(CreateRows(comm, grid[dim - 1].nodes, row, &o->by_number));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
-  PetscCall(VecCreateMPI(comm, march->grid->axis[0].nodes, march->layout->grid[0].nodes, &o->global));
   PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
-  if (o->xmf.stream)
-    fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-                           "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
+  if (o->xmf.stream) MpmXdmfBegin(o->xmf.stream);
   PetscCall(MpmDataFileOpen(comm, o->scene, request, &o->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -57,50 +72,63 @@ static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a vector as PLACE/NAME of the file, each block as a row. */
-static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, const char place[], const char name[])
+/* Writes a vector as PLACE/NAME of the file. A block is a row, of n dimensions; 0: a number. */
+static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, PetscInt n, const PetscInt row[], const char place[],
+                                  const char name[])
 {
   const PetscReal *values;
-  PetscInt         n, columns;
+  PetscInt         size, width;
   char             path[128];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", place, name));
-  PetscCall(VecGetLocalSize(vector, &n));
-  PetscCall(VecGetBlockSize(vector, &columns));
+  PetscCall(VecGetLocalSize(vector, &size));
+  PetscCall(VecGetBlockSize(vector, &width));
   PetscCall(VecGetArrayRead(vector, &values));
-  PetscCall(MpmHdf5Write(&output->file.hdf5, path, H5T_NATIVE_DOUBLE, n / columns, columns, values));
+  PetscCall(MpmHdf5WriteRows(&output->file.hdf5, path, H5T_NATIVE_DOUBLE, size / width, n, row, values));
   PetscCall(VecRestoreArrayRead(vector, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], const MpmMarch *march)
+/* Sets column a of the rows x to the particles' places in that direction, wrapped into the domain. */
+static PetscErrorCode SetPlaces(const MpmMarch *march, PetscInt a, PetscReal h, PetscInt width, PetscReal x[])
 {
   const MpmParticles *particles = march->particles;
+  const PetscInt      first = march->grid->axis[a].first, cells = march->grid->axis[a].cells;
   const PetscReal    *xi;
   const PetscInt     *cell;
-  PetscReal          *x;
   PetscInt            whole, zero = 0;
   PetscReal           part;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(particles, 0, particles->step, &whole, &part));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
-  PetscCall(PetscCalloc1(3 * particles->count, &x));
+  PetscCall(MpmParticlesWhere(particles, a, particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &xi));
   for (PetscInt p = 0; p < particles->count; p++) {
     PetscInt  now;
     PetscReal place;
 
     MpmPlaceBlock(1, &zero, &xi[p], 0, part, &now, &place);
-    now = (PetscInt)(((PetscInt64)march->grid->axis[0].first + cell[p] + whole + now) % march->grid->axis[0].cells);
-    x[3 * p] = output->scene->cell_width * ((now < 0 ? now + march->grid->axis[0].cells : now) + place);
+    now              = (PetscInt)(((PetscInt64)first + cell[p] + whole + now) % cells);
+    x[width * p + a] = h * ((now < 0 ? now + cells : now) + place);
   }
-  PetscCall(SetById(march, 3, x, output->coordinates));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[a], &xi));
+  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], const MpmMarch *march)
+{
+  PetscReal *x;
+  PetscInt   width;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetBlockSize(output->coordinates, &width));
+  PetscCall(PetscCalloc1(width * march->particles->count, &x));
+  for (PetscInt a = 0; a < march->layout->dim; a++) PetscCall(SetPlaces(march, a, output->scene->cell_width, width, x));
+  PetscCall(SetById(march, width, x, output->coordinates));
   PetscCall(PetscFree(x));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
-  PetscCall(WriteVector(output, output->coordinates, place, "coordinates"));
+  PetscCall(WriteVector(output, output->coordinates, 1, &width, place, "coordinates"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,68 +147,60 @@ static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], cons
     PetscCall(SetById(march, 1, q, output->by_id));
     PetscCall(MpmParticlesRestore(march->particles, name, &q));
     PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
-    PetscCall(WriteVector(output, output->by_id, place, name));
+    PetscCall(WriteVector(output, output->by_id, 0, NULL, place, name));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the vector by_number from a local array of this rank's nodes, in true size. */
+static PetscErrorCode SetByNumber(const MpmMarch *march, const PetscReal local[], Vec by_number)
+{
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox box  = MpmGridBoxOf(grid, 0);
+  const PetscInt   nx   = box.hi[0];
+  PetscReal       *values;
+  PetscInt        *number;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(nx, &values, nx, &number));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscInt from = MpmGridRow(grid, &box, r), y = r % box.hi[1], z = r / box.hi[1];
+    PetscInt       to = grid->axis[0].first;
+
+    if (grid->dim > 1) to += march->layout->grid[0].nodes * (grid->axis[1].first + y);
+    if (grid->dim > 2) to += march->layout->grid[0].nodes * march->layout->grid[1].nodes * (grid->axis[2].first + z);
+    for (PetscInt i = 0; i < nx; i++) {
+      values[i] = scalbn(local[from + i], (int)march->exponent);
+      number[i] = to + i;
+    }
+    PetscCall(VecSetValues(by_number, nx, number, values, INSERT_VALUES));
+  }
+  PetscCall(PetscFree2(values, number));
+  PetscCall(VecAssemblyBegin(by_number));
+  PetscCall(VecAssemblyEnd(by_number));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch *march)
 {
-  char place[80];
+  const MpmLayout *layout = march->layout;
+  PetscInt         row[MPM_MAX_DIM];
+  char             place[80];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(place, sizeof place, "%s/nodes", group));
+  for (PetscInt a = 0; a + 1 < layout->dim; a++) row[a] = layout->grid[layout->dim - 2 - a].nodes; /* x is the last */
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
-    PetscReal *from, *to;
+    PetscReal *local;
 
     PetscCall(MpmMarchProject(march, f, output->local));
-    PetscCall(MpmGridGetArray(march->grid, output->local, &from));
-    PetscCall(VecGetArray(output->global, &to));
-    for (PetscInt i = 0; i < march->grid->axis[0].nodes; i++) to[i] = scalbn(from[i], (int)march->exponent);
-    PetscCall(VecRestoreArray(output->global, &to));
-    PetscCall(MpmGridRestoreArray(march->grid, output->local, &from));
-    PetscCall(WriteVector(output, output->global, place, output->scene->scheme.table->fields[f]));
+    PetscCall(MpmGridGetArray(march->grid, output->local, &local));
+    PetscCall(SetByNumber(march, local, output->by_number));
+    PetscCall(MpmGridRestoreArray(march->grid, output->local, &local));
+    PetscCall(
+        WriteVector(output, output->by_number, layout->dim - 1, row, place, output->scene->scheme.table->fields[f]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Describes one particle or node field, stored in the HDF5 file, as an XDMF attribute. */
-static void DescribeField(FILE *xmf, const char file[], const char group[], const char place[], const char name[],
-                          const char dimensions[])
-{
-  fprintf(xmf,
-          "<Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Node\">"
-          "<DataItem Dimensions=\"%s\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">%s:%s/%s/%s</DataItem>"
-          "</Attribute>\n",
-          name, dimensions, file, group, place, name);
-}
-
-static void DescribeStep(const MpmOutput *output, FILE *xmf, const char group[], PetscReal time)
-{
-  const MpmScene *s     = output->scene;
-  const char     *slash = strrchr(output->file.path, '/'), *file = slash ? slash + 1 : output->file.path;
-  char            particles[32], nodes[32];
-
-  snprintf(particles, sizeof particles, "%" PetscInt64_FMT, s->layout.particles);
-  snprintf(nodes, sizeof nodes, "1 1 %" PetscInt_FMT, s->layout.grid[0].nodes);
-  fprintf(xmf,
-          "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n"
-          "<Grid Name=\"particles\" GridType=\"Uniform\">\n"
-          "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"%s\"/>\n"
-          "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"%s 3\" NumberType=\"Float\" Precision=\"8\" "
-          "Format=\"HDF\">%s:%s/particles/coordinates</DataItem></Geometry>\n",
-          time, particles, particles, file, group);
-  for (PetscInt f = 0; s->scheme.table->fields[f]; f++)
-    DescribeField(xmf, file, group, "particles", s->scheme.table->fields[f], particles);
-  fprintf(xmf,
-          "</Grid>\n<Grid Name=\"nodes\" GridType=\"Uniform\">\n"
-          "<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"%s\"/>\n"
-          "<Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\" Format=\"XML\">0 0 0</DataItem>"
-          "<DataItem Dimensions=\"3\" Format=\"XML\">1 1 %.17g</DataItem></Geometry>\n",
-          nodes, s->cell_width);
-  for (PetscInt f = 0; s->scheme.table->fields[f]; f++)
-    DescribeField(xmf, file, group, "nodes", s->scheme.table->fields[f], nodes);
-  fprintf(xmf, "</Grid>\n</Grid>\n");
 }
 
 static PetscErrorCode NameGroup(PetscInt64 step, size_t room, char group[])
@@ -214,6 +234,7 @@ PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, Pets
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
 {
   const PetscReal time = march->step * march->scene->dt, step = (PetscReal)march->step;
+  const char     *slash = strrchr(output->file.path, '/');
   char            group[64];
 
   PetscFunctionBegin;
@@ -223,7 +244,8 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
   PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "time", time));
   PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "step", step));
   PetscCall(MpmDataFileCheck(&output->file));
-  if (output->xmf.stream) DescribeStep(output, output->xmf.stream, group, time);
+  if (output->xmf.stream)
+    MpmXdmfStep(output->xmf.stream, output->scene, slash ? slash + 1 : output->file.path, group, time);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,7 +253,7 @@ static PetscErrorCode NameFiles(MpmOutput *o)
 {
   PetscFunctionBegin;
   PetscCall(MpmDataFileClose(&o->file));
-  if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
+  if (o->xmf.stream) MpmXdmfEnd(o->xmf.stream);
   PetscCall(MpmTextFileClose(&o->xmf));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,7 +272,7 @@ PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output)
   PetscCall(VecDestroy(&o->by_id));
   PetscCall(VecDestroy(&o->coordinates));
   PetscCall(VecDestroy(&o->local));
-  PetscCall(VecDestroy(&o->global));
+  PetscCall(VecDestroy(&o->by_number));
   PetscCall(PetscFree(*output));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -33,36 +33,54 @@ static PetscErrorCode SumParticles(const MpmMarch *march, PetscInt field, PetscR
 /* The mass of a node at a wall includes that of its image, in every step. */
 static PetscErrorCode SumNodes(const MpmMarch *march, PetscReal *sum)
 {
-  const MpmGrid *grid = march->grid;
-  PetscReal     *inverse;
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox box  = MpmGridBoxOf(grid, 0);
+  PetscReal       *inverse;
 
   PetscFunctionBegin;
   PetscCall(MpmGridGetArray(grid, march->inverse_mass, &inverse));
-  for (PetscInt i = 0; i < grid->axis[0].nodes; i++) *sum += inverse[i] > 0 ? 1 / inverse[i] : 0;
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscReal *row = inverse + MpmGridRow(grid, &box, r);
+
+    for (PetscInt i = 0; i < box.hi[0]; i++) *sum += row[i] > 0 ? 1 / row[i] : 0;
+  }
   PetscCall(MpmGridRestoreArray(grid, march->inverse_mass, &inverse));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether some wall stops a component of the velocity. */
+static PetscBool IsStopped(const MpmLayout *layout, PetscInt component)
+{
+  for (PetscInt a = 0; a < layout->dim; a++)
+    for (int end = 0; end < 2; end++)
+      if (MpmEndIsOdd(layout->grid[a].ends[end], a == component ? MPM_NORMAL : MPM_TANGENTIAL)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *c)
 {
-  const PetscInt field    = march->scheme->formulation->conserved;
-  PetscReal      sums[3]  = {0, 0, 0};
-  MPI_Comm       comm     = PetscObjectComm((PetscObject)march->grid->da);
-  PetscBool      no_walls = PETSC_TRUE;
+  const MpmTable *table                    = march->scheme->table;
+  const PetscInt  field                    = march->scheme->formulation->conserved;
+  PetscReal       sums[MPM_MAX_DIM + 1][2] = {{0}};
+  MPI_Comm        comm                     = PetscObjectComm((PetscObject)march->grid->da);
 
   PetscFunctionBegin;
-  for (int end = 0; end < 2; end++)
-    if (MpmEndIsFixed(march->layout->grid[0].ends[end])) no_walls = PETSC_FALSE;
-  *c = (MpmConserved){.particles    = march->particles->count,
-                      .exponent     = march->exponent,
-                      .has_momentum = field != MPM_NONE && no_walls ? PETSC_TRUE : PETSC_FALSE};
-  PetscCall(SumNodes(march, &sums[0]));
-  if (c->has_momentum) PetscCall(SumParticles(march, field, &sums[1]));
+  *c = (MpmConserved){.particles = march->particles->count, .exponent = march->exponent};
+  PetscCall(SumNodes(march, &sums[MPM_MAX_DIM][0]));
+  for (PetscInt r = 0; r < table->nstate; r++) {
+    const PetscInt component = table->component[r];
+
+    if (field == MPM_NONE || table->field[r] != field || IsStopped(march->layout, component)) continue;
+    c->has_momentum = PETSC_TRUE;
+    PetscCall(SumParticles(march, r, sums[component]));
+  }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &c->particles, 1, MPIU_INT64, MPI_SUM, comm));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, comm));
-  c->mass     = sums[0];
-  c->momentum = sums[1];
-  c->size     = sums[2];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2 * (MPM_MAX_DIM + 1), MPIU_REAL, MPI_SUM, comm));
+  c->mass = sums[MPM_MAX_DIM][0];
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    c->momentum[a] = sums[a][0];
+    c->size += sums[a][1];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,8 +94,13 @@ PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *befo
   scale      = scalbn(1, (int)(before->exponent - now.exponent));
   changes[0] = fabs(now.mass - before->mass) / before->mass;
   changes[1] = NAN;
-  if (now.has_momentum)
-    changes[1] = fabs(now.momentum - scale * before->momentum) / PetscMax(now.size, scale * before->size);
+  if (now.has_momentum) {
+    PetscReal largest = 0;
+
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+      largest = PetscMax(largest, fabs(now.momentum[a] - scale * before->momentum[a]));
+    changes[1] = largest / PetscMax(now.size, scale * before->size);
+  }
   PetscCheck(now.particles == before->particles, PETSC_COMM_WORLD, PETSC_ERR_PLIB,
              "%" PetscInt64_FMT " particles at step %" PetscInt64_FMT ", %" PetscInt64_FMT " at the start",
              now.particles, march->step, before->particles);

@@ -9,13 +9,14 @@
 
    particles    - the number of particles
    mass         - the sum of the nodal masses, in particles of the first material
-   momentum     - the sum of m v over the particles, for the field that the formulation conserves, times 2^exponent
-   size         - the sum of m abs(v), times 2^exponent
-   has_momentum - scheme and ends conserve a momentum
+   momentum     - the sum of m v over the particles, for each component of the field that the formulation conserves,
+                  in units of 2^exponent; 0 for components that a wall stops
+   size         - the sum of m abs(v) over these components, in units of 2^exponent
+   has_momentum - scheme and ends conserve a component of the momentum
 S*/
 typedef struct {
   PetscInt64 particles;
-  PetscReal  mass, momentum, size;
+  PetscReal  mass, momentum[MPM_MAX_DIM], size;
   PetscInt   exponent;
   PetscBool  has_momentum;
 } MpmConserved;
@@ -28,7 +29,7 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *sums);
 
    Collective. A change of particles or mass is an error of the program. Momentum may be lost at nodes without mass.
 
-   Output Parameter: changes - the change of mass relative to mass, and that of momentum relative to size; NaN where
-   there is none to conserve
+   Output Parameter: changes - the change of mass relative to mass, and the largest of those of the momentum's components
+   relative to size; NaN where there is none to conserve
 */
 PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *before, PetscReal changes[2]);

@@ -9,31 +9,29 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
   const MpmScene     *scene     = march->scene;
   const MpmParticles *particles = march->particles;
   const char         *name      = scene->scheme.table->fields[field];
-  const PetscReal     lag       = scene->stagger && field == scene->scheme.formulation->staggered ? scene->dt / 2 : 0;
-  const PetscReal     t         = march->step * scene->dt - lag;
+  const PetscReal     t         = march->step * scene->dt;
   const PetscBool     weighed   = scene->layout.varies[MPM_VOLUME];
-  const PetscReal    *xi, *q, *volume = NULL;
-  const PetscInt     *cell;
+  const PetscReal    *q, *volume = NULL;
+  const PetscInt64   *id;
 
   PetscFunctionBegin;
   if (weighed) PetscCall(MpmParticlesGet(particles, MpmPropertyNames[MPM_VOLUME], &volume));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, name, &q));
   sums[0] = sums[1] = sums[2] = 0;
   for (PetscInt p = 0; p < particles->count; p++) {
-    const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, march->grid, cell[p], xi[p]);
-    const PetscReal e = fabs(q[p] - scale * scene->scheme.formulation->wave->value(profile, field, X, t));
     const PetscReal V = weighed ? volume[p] : 1;
+    PetscReal       X[MPM_MAX_DIM], e;
 
+    MpmParticlesLagrangian(particles, id[p], scene->cell_width, X);
+    e = fabs(q[p] - scale * MpmSceneExact(scene, profile, field, X, t));
     sums[0] += V * e;
     sums[1] += V * e * e;
     if (!(e <= sums[2])) sums[2] = e; /* NaN is the largest */
   }
   if (weighed) PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[MPM_VOLUME], &volume));
   PetscCall(MpmParticlesRestore(particles, name, &q));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -45,12 +43,13 @@ PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
   const MpmProfile      profile = MpmSceneProfile(scene, scalbn(scene->amplitude, -start));
   const MPI_Comm        comm    = PetscObjectComm((PetscObject)march->grid->da);
   /* the sum of all volumes: in a full grid it is ppc a cell, however many particles share the cell */
-  const PetscReal volume = MpmSceneIsFull(scene) ? (PetscReal)scene->layout.grid[0].cells * scene->layout.ppc[0]
-                                                 : (PetscReal)scene->layout.particles;
+  const PetscReal volume = MpmSceneIsFull(scene)
+                               ? (PetscReal)MpmLayoutCells(&scene->layout) * MpmLayoutPpc(&scene->layout)
+                               : (PetscReal)scene->layout.particles;
 
   PetscFunctionBegin;
   for (PetscInt field = 0; field < scene->scheme.table->nstate; field++) {
-    const PetscReal unit = f->wave->amplitude(&profile, field);
+    const PetscReal unit = f->wave->amplitude(&profile, scene->scheme.table->field[field]);
     PetscReal       sums[3];
 
     PetscCall(LocalSums(march, field, &profile, scalbn(1, -grown), sums));

@@ -5,7 +5,8 @@
 #include "march/rows.h"
 #include <math.h>
 
-#define OF_PARTICLE 24.0 /* bytes: place, id and owner */
+#define OF_PARTICLE 12.0 /* bytes: id and owner */
+#define OF_PLACE 12.0    /* bytes: the place along a direction */
 #define OF_OUTPUT 100.0  /* bytes a particle: its values and coordinates by global id */
 #define OF_NODE 20.0     /* bytes: mass and DMDA's indices */
 #define OF_NUMBER 8.0    /* bytes: a value of a field */
@@ -167,7 +168,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   m->scene      = scene;
   m->cell_width = scene->cell_width;
   m->exponent   = MpmSceneExponent(scene);
-  PetscCall(MpmParticlesFill(scene, m->grid, m->exponent, m->particles));
+  PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
   PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -231,12 +232,13 @@ PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift)
 
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
 {
-  PetscReal particle = OF_PARTICLE + OF_NUMBER * scene->scheme.table->nparticles + (output ? OF_OUTPUT : 0);
+  PetscReal particle = OF_PARTICLE + OF_PLACE * scene->layout.dim + OF_NUMBER * scene->scheme.table->nparticles +
+                       (output ? OF_OUTPUT : 0);
 
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->layout.varies[w]) particle += OF_NUMBER;
   return (PetscReal)scene->layout.particles * particle +
-         (PetscReal)scene->layout.grid[0].nodes * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
+         (PetscReal)MpmLayoutNodes(&scene->layout) * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
 }
 
 static PetscErrorCode Migrate(MpmMarch *march)

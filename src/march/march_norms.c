@@ -7,6 +7,14 @@ static PetscBool Differ(const MpmLayout *layout)
   return layout->varies[MPM_MASS] || layout->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscReal CellVolume(const MpmMarch *march)
+{
+  PetscReal volume = 1;
+
+  for (PetscInt a = 0; a < march->layout->dim; a++) volume *= march->cell_width;
+  return volume;
+}
+
 /* The array of a property where it varies, else NULL. */
 static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
 {
@@ -64,35 +72,110 @@ static PetscErrorCode ParticleSquares(const MpmMarch *march, PetscInt field, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The sum of squares of a node field, or of its differences over cells. */
+/* The squares of a row of n nodes, or of its differences to the nodes stride further on. */
+static PetscReal RowSquares(PetscInt n, PetscInt stride, const PetscReal f[])
+{
+  PetscReal sum = 0;
+
+  if (!stride) return MpmSumSquares(n, f);
+  for (PetscInt i = 0; i < n; i++) sum += PetscSqr(f[i + stride] - f[i]);
+  return sum;
+}
+
+/* The sum of squares of a node field, or of its differences over cells, along all axes. */
 static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt field, PetscBool differences, PetscReal *sum)
 {
-  PetscReal *f;
+  const MpmGrid *grid = march->grid;
+  PetscReal     *f;
 
   PetscFunctionBegin;
   *sum = 0;
-  PetscCall(MpmGridGetArray(march->grid, march->node[field], &f));
-  if (differences)
-    for (PetscInt i = 0; i < march->grid->axis[0].count; i++) *sum += PetscSqr(f[i + 1] - f[i]);
-  else
-    *sum = MpmSumSquares(march->grid->axis[0].nodes, f);
-  PetscCall(MpmGridRestoreArray(march->grid, march->node[field], &f));
+  PetscCall(MpmGridGetArray(grid, march->node[field], &f));
+  for (PetscInt a = 0; a < (differences ? grid->dim : 1); a++) {
+    MpmGridBox box = MpmGridBoxOf(grid, 0);
+
+    if (differences) box.hi[a] = grid->axis[a].count;
+    for (PetscInt r = 0; r < MpmGridRows(&box); r++)
+      *sum += RowSquares(box.hi[0], differences ? grid->axis[a].stride : 0, f + MpmGridRow(grid, &box, r));
+  }
+  PetscCall(MpmGridRestoreArray(grid, march->node[field], &f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* For a formulation without an energy: the sum of squares of the node fields that particle fields are sent to. */
-static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
+/* Adds the squares of the node fields that the registers of a particle field, or all with MPM_NONE, are sent to. */
+static PetscErrorCode SeenSquares(const MpmMarch *march, PetscInt field, PetscReal *sum)
 {
-  const MpmTable *table = march->scheme->table;
+  const MpmTable *table                 = march->scheme->table;
+  PetscBool       taken[MPM_MAX_FIELDS] = {PETSC_FALSE};
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < table->nstate; f++) {
-    const MpmOp *seen = MpmTableSeenBy(table, f);
+  for (PetscInt r = 0; r < table->nstate; r++) {
+    const MpmOp *seen = MpmTableSeenBy(table, r);
     PetscReal    squares;
 
-    if (!seen) continue;
+    if (!seen || taken[seen->dst] || (field != MPM_NONE && table->field[r] != field)) continue;
+    if (field != MPM_NONE) taken[seen->dst] = PETSC_TRUE; /* components of a stress are sent to one field */
     PetscCall(NodeSquares(march, seen->dst, PETSC_FALSE, &squares));
-    *sum += march->cell_width * squares;
+    *sum += CellVolume(march) * squares;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The energy of a stress s with the components 00 01 02 11 12 22, twice: s : C^-1 s = s : s / (2 mu) -
+   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu.
+*/
+static PetscErrorCode StressSquares(const MpmMarch *march, PetscInt first, PetscReal *sum)
+{
+  const PetscInt   dim = march->layout->dim, n = dim * (dim + 1) / 2;
+  const PetscReal  nu = march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
+  const PetscReal *weight, *stiffness;
+  PetscReal       *s[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++)
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[first + c], &s[c]));
+  PetscCall(GetProperty(march, MPM_VOLUME, &weight));
+  PetscCall(GetProperty(march, MPM_STIFFNESS, &stiffness));
+  *sum = 0;
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal trace = 0, squares = 0;
+
+    for (PetscInt a = 0, c = 0; a < dim; a++) {
+      for (PetscInt b = a; b < dim; b++, c++) {
+        squares += (a == b ? 1 : 2) * s[c][p] * s[c][p];
+        trace += a == b ? s[c][p] : 0;
+      }
+    }
+    squares = squares / (2 * mu) - lambda / (2 * mu * (dim * lambda + 2 * mu)) * trace * trace;
+    *sum += squares * (weight ? weight[p] : 1) / (stiffness ? stiffness[p] : 1);
+  }
+  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(RestoreProperty(march, MPM_VOLUME, &weight));
+  for (PetscInt c = 0; c < n; c++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[first + c], &s[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The sum of squares of a particle field over its components, as in a term of the energy. */
+static PetscErrorCode TermSquares(const MpmMarch *march, const MpmEnergyTerm *term, PetscReal *sum)
+{
+  const MpmTable *table = march->scheme->table;
+  PetscInt        first = 0, n = 0;
+
+  PetscFunctionBegin;
+  while (table->field[first] != term->field) first++;
+  while (first + n < table->nstate && table->field[first + n] == term->field) n++;
+  *sum = 0;
+  if (term->stress && n > 1) {
+    PetscCall(StressSquares(march, first, sum));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt r = first; r < first + n; r++) {
+    PetscReal squares;
+
+    PetscCall(ParticleSquares(march, r, term, &squares));
+    *sum += squares;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -101,27 +184,25 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 {
   const MpmTable       *table       = march->scheme->table;
   const MpmFormulation *formulation = march->scheme->formulation;
-  const PetscReal       h           = march->cell_width;
+  const PetscReal       h           = CellVolume(march);
   PetscReal             sums[3]     = {0, 0, 0}, squares;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < table->nstate; f++) {
     PetscCall(ParticleSquares(march, f, NULL, &squares));
-    sums[0] += h / march->layout->ppc[0] * squares;
+    sums[0] += h / MpmLayoutPpc(march->layout) * squares;
   }
-  if (!formulation->nenergy) PetscCall(SeenSquares(march, &sums[2]));
+  if (!formulation->nenergy) PetscCall(SeenSquares(march, MPM_NONE, &sums[2]));
   for (PetscInt t = 0; t < formulation->nenergy; t++) {
-    const MpmEnergyTerm *term         = &formulation->energy[t];
-    const PetscBool      on_particles = term->place == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-    const MpmOp         *seen         = on_particles ? MpmTableSeenBy(table, term->field) : NULL;
+    const MpmEnergyTerm *term = &formulation->energy[t];
 
-    squares = 0;
-    if (seen || !on_particles)
-      PetscCall(NodeSquares(march, seen ? seen->dst : term->field, on_particles ? PETSC_FALSE : PETSC_TRUE, &squares));
-    sums[2] += h * squares;
-    if (on_particles) {
-      PetscCall(ParticleSquares(march, term->field, term, &squares));
-      squares /= march->layout->ppc[0];
+    if (term->place == MPM_ON_PARTICLES) {
+      PetscCall(SeenSquares(march, term->field, &sums[2]));
+      PetscCall(TermSquares(march, term, &squares));
+      squares /= MpmLayoutPpc(march->layout);
+    } else {
+      PetscCall(NodeSquares(march, term->field, PETSC_TRUE, &squares));
+      sums[2] += h * squares;
     }
     sums[1] += h * squares;
   }

@@ -135,34 +135,30 @@ PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmP
 }
 
 /* Sets the fields to the exact solution at the start; a staggered field starts half a step earlier. */
-static PetscErrorCode FillExact(const MpmScene *scene, const MpmGrid *grid, PetscReal amplitude,
-                                MpmParticles *particles)
+static PetscErrorCode FillExact(const MpmScene *scene, PetscReal amplitude, MpmParticles *particles)
 {
-  const MpmProfile profile = MpmSceneProfile(scene, amplitude);
-  const PetscInt  *cell;
-  const PetscReal *xi;
+  const MpmProfile  profile = MpmSceneProfile(scene, amplitude);
+  const PetscInt64 *id;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   for (PetscInt f = 0; particles->table->fields[f]; f++) {
-    const PetscReal t = scene->stagger && f == scene->scheme.formulation->staggered ? -scene->dt / 2 : 0;
-    PetscReal      *q;
+    PetscReal *q;
 
     PetscCall(MpmParticlesGet(particles, particles->table->fields[f], &q));
     for (PetscInt p = 0; p < particles->count; p++) {
-      const PetscReal X = scene->cell_width * MpmParticlesLagrangian(particles, grid, cell[p], xi[p]);
+      PetscReal X[MPM_MAX_DIM];
 
-      q[p] = scene->scheme.formulation->wave->value(&profile, f, X, t);
+      MpmParticlesLagrangian(particles, id[p], scene->cell_width, X);
+      q[p] = MpmSceneExact(scene, &profile, f, X, 0);
     }
     PetscCall(MpmParticlesRestore(particles, particles->table->fields[f], &q));
   }
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles)
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles)
 {
   const PetscReal amplitude = scalbn(scene->amplitude, -(int)exponent);
 
@@ -170,7 +166,7 @@ PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, Pets
   if (scene->initial == MPM_INITIAL_RANDOM)
     PetscCall(MpmParticlesFillRandom(particles->layout->seed, amplitude, particles));
   else if (scene->initial != MPM_INITIAL_EIGENMODE)
-    PetscCall(FillExact(scene, grid, amplitude, particles));
+    PetscCall(FillExact(scene, amplitude, particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

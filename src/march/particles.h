@@ -54,7 +54,7 @@ PetscErrorCode MpmParticlesDestroy(MpmParticles **particles);
    Not collective. Sets the fields to a scene's initial data, divided by 2^exponent. With initial data eigenmode they
    stay 0, and the caller sets them (MpmModeFileFill).
 */
-PetscErrorCode MpmParticlesFill(const MpmScene *scene, const MpmGrid *grid, PetscInt exponent, MpmParticles *particles);
+PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles);
 
 /* Not collective. Sets every field to random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
 PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles);
@@ -82,14 +82,12 @@ PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt axis, P
 PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array);
 PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array);
 
-/* Not collective. The Lagrangian coordinate X / h in [0, cells) of a particle at (cell, xi) of the swarm's fields. */
-static inline PetscReal MpmParticlesLagrangian(const MpmParticles *particles, const MpmGrid *grid, PetscInt cell,
-                                               PetscReal xi)
+/* Not collective. The Lagrangian coordinates X = x - U0 t of a particle, in the unit of the cell's width. */
+static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscInt64 id, PetscReal cell_width,
+                                          PetscReal X[])
 {
-  PetscInt64 home = (grid->axis[0].first + cell - particles->rebased[0]) % grid->axis[0].cells;
-
-  if (home < 0) home += grid->axis[0].cells;
-  return home + xi;
+  MpmLayoutRest(particles->layout, id, X);
+  for (PetscInt a = 0; a < particles->layout->dim; a++) X[a] *= cell_width;
 }
 
 /* Not collective. Places the particles of this rank, in more than one dimension. MpmParticlesCreate calls it. */

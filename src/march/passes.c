@@ -242,12 +242,17 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
 }
 
 /* The maximum norm of an operation whose number a is 1. */
-static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt ppc, PetscReal least_mass)
+static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, PetscInt ppc, PetscReal least_mass)
 {
+  PetscReal cells = 1; /* in which a node has particles: as many as a particle has nodes */
+
+  for (PetscInt a = 0; a < dim; a++) cells *= MpmMapReach(basis);
   switch (kind) {
-  case MPM_DIV: /* a node has particles in as many cells as a particle has nodes */
-    return basis->slope_sum * ppc * MpmMapReach(basis) / least_mass;
+  case MPM_DIV:
+  case MPM_DIV_MLS:
+    return basis->slope_sum * ppc * cells / least_mass;
   case MPM_GRAD:
+  case MPM_GRAD_MLS:
   case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
     return basis->slope_sum;
   case MPM_LAP:
@@ -273,7 +278,7 @@ PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal c
     if (traits.dst == MPM_NOWHERE) continue;
     dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
     from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
-    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, ppc, least_mass);
+    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, t->dim, ppc, least_mass);
     if (traits.weight == MPM_STIFFNESS) from *= stiffness;
     if (op->kind == MPM_WALL)
       *dst = PetscMax(*dst, from);

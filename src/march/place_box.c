@@ -67,7 +67,7 @@ static PetscInt Visit(const MpmLayout *layout, const MpmGrid *grid, const Sides 
 
 PetscErrorCode MpmParticlesPlaceBox(const MpmGrid *grid, MpmParticles *particles)
 {
-  Sides       sides[MPM_MAX_DIM];
+  Sides       sides[MPM_MAX_DIM] = {{0}};
   PetscInt64 *id;
   PetscInt   *cell[MPM_MAX_DIM];
   PetscReal  *xi[MPM_MAX_DIM];

@@ -6,7 +6,8 @@
 #define LINE (MPM_BLOCK + 2 * MARGIN)
 
 /*
-   The places of a row, before DRIFT or after it. The block is relative to the cell of the row's first particle.
+   The places of a row, before DRIFT or after it. The block is relative to the cell of the row's first particle
+   and the whole cells of drift.
 
    begin, n - the particles that the block is of
    lo, hi   - the nodes of the line that have weights
@@ -73,14 +74,15 @@ static void Move(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscIn
 /* Finds the places of a row along x. */
 static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
 {
-  const MpmMarch *march = a->march;
-  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK];
+  const MpmMarch *march  = a->march;
+  const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
+  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK] = {0};
 
   if (IsAlike(a, begin, n, placed)) {
     placed->begin = begin;
     return;
   }
-  for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - a->cell[0][begin];
+  for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
   Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], &placed->block);
   placed->begin = begin;
@@ -117,8 +119,8 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
   for (PetscInt r = 0; r < placed->rows; r++) {
     const PetscInt y = r % n, z = r / n;
 
-    placed->offset[r] =
-        a->cell[0][begin] + (first[1] + y) * grid->axis[1].stride + (first[2] + z) * grid->axis[2].stride;
+    placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
+                        (first[2] + z) * grid->axis[2].stride;
     for (PetscInt k = 0; k < MPM_OP_KINDS; k++) {
       if (!a->plan->needs[k]) continue;
       placed->weight[1][k][r] = along[1][k][y] * along[2][MPM_P2G][z];

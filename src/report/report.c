@@ -21,7 +21,10 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   PetscFunctionBegin;
   PetscCall(MpmReportScene(s, run->request, run->ranks));
   MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
-  if (s->initial == MPM_INITIAL_MODE) MpmPrint(" %" PetscInt_FMT, s->mode[0]);
+  for (PetscInt a = 0; a < s->layout.dim && s->initial == MPM_INITIAL_MODE; a++)
+    MpmPrint("%s%" PetscInt_FMT, a ? "," : " ", s->mode[a]);
+  if (s->initial == MPM_INITIAL_MODE && MpmSceneHasPoisson(s))
+    MpmPrint(", polarisation %s", MpmPolarisationNames[s->polarisation]);
   if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode[0], run->request->mode_file);
   MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
            s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
@@ -60,10 +63,12 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
 
 static PetscErrorCode PrintErrors(const MpmRun *run)
 {
+  const MpmWave *wave = run->scene->scheme.formulation->wave;
+
   PetscFunctionBegin;
   if (run->has_errors) {
     MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
-             run->scene->scheme.formulation->wave->equations, "field", "l1", "l2", "linf");
+             run->scene->layout.dim == 1 ? wave->equations : wave->equations_nd, "field", "l1", "l2", "linf");
     for (PetscInt f = 0; run->scene->scheme.table->fields[f]; f++) {
       MpmPrint("  %-5s", run->scene->scheme.table->fields[f]);
       PetscCall(PrintNumber(run->error[f].l1));

@@ -28,6 +28,11 @@ static const char *InitialWord(PetscInt i)
   return MpmInitialNames[i];
 }
 
+static const char *PolarisationWord(PetscInt i)
+{
+  return MpmPolarisationNames[i];
+}
+
 static const char *VerdictWord(PetscInt i)
 {
   return MpmVerdictNames[i];
@@ -105,6 +110,11 @@ static const char *BoundaryOf(const MpmScene *scene)
   return scene->boundary;
 }
 
+static const char *PolarisationOf(const MpmScene *scene)
+{
+  return MpmPolarisationNames[scene->polarisation];
+}
+
 static const char *InitialOf(const MpmScene *scene)
 {
   return MpmInitialNames[scene->initial];
@@ -146,6 +156,12 @@ static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
   return MpmSceneHasPoisson(scene);
+}
+
+static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneHasPoisson(scene) && scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasOffset(const MpmScene *scene, MpmRecord record)
@@ -264,8 +280,10 @@ const MpmField MpmOptions[] = {
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
    .word = InitialWord, .tasks = "run", TEXT(InitialOf), IN(6, 0, 23, 0)},
-  {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; number in mode_file, with eigenmode",
-   BETWEEN(1, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), IN(13, 0, 24, 0)},
+  {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; of several directions as 1,-1, and one number is along x; number in mode_file, with eigenmode",
+   BETWEEN(-2147483646, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
+  {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
+   .word = PolarisationWord, .tasks = "run", TEXT(PolarisationOf), IN(35, 0, 30, 0), .shown = HasPolarisation},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run"},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",

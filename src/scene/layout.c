@@ -110,6 +110,15 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
   }
 }
 
+/* Jitter may cross the end of a periodic domain. */
+void MpmLayoutRest(const MpmLayout *layout, PetscInt64 id, PetscReal x[])
+{
+  PetscInt cell[MPM_MAX_DIM];
+
+  MpmLayoutPlace(layout, id, cell, x);
+  for (PetscInt a = 0; a < layout->dim; a++) x[a] += (cell[a] + layout->grid[a].cells) % layout->grid[a].cells;
+}
+
 void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscInt64 id, PetscInt64 step,
                       PetscInt cell[], PetscReal xi[])
 {

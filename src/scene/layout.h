@@ -26,6 +26,9 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 */
 void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
+/* Not collective. The resting place of particle id in each direction, in cells from the left end of the domain. */
+void MpmLayoutRest(const MpmLayout *layout, PetscInt64 id, PetscReal x[]);
+
 /*
    MpmLayoutPlaceAt - finds the place of particle id after a number of steps with a drift, in each direction. It leaves
    out the whole cells of drift: they move all particles alike and do not change the map from particles to particles.

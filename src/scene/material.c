@@ -25,13 +25,10 @@ static PetscReal Share(const MpmLayout *layout, const PetscReal x[])
 
 static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
 {
-  PetscInt  cell[MPM_MAX_DIM];
   PetscReal x[MPM_MAX_DIM];
 
   if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
-  MpmLayoutPlace(layout, id, cell, x);
-  for (PetscInt a = 0; a < layout->dim; a++) /* jitter may cross the end of a periodic domain */
-    x[a] += (cell[a] + layout->grid[a].cells) % layout->grid[a].cells;
+  MpmLayoutRest(layout, id, x);
   return pow(ratio, Share(layout, x));
 }
 

@@ -88,13 +88,14 @@ static const char *const spans[] = {"map_courant", "map_drift",   "map_offset",
 static const char *const replaced[][2] = {{"courant", "dt"}, {"drift", "velocity"},  {"offset", "offset"},
                                           {"ppc", "ppc"},    {"poisson", "poisson"}, {NULL, NULL}};
 
-static PetscErrorCode RefuseReplaced(const MpmSettings *settings, PetscInt kind)
+/* In more dimensions than one the scene's drift still says along which axes the map's goes. */
+static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
   char why[128];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = 0; i < 2 && replaced[kind][i]; i++)
+  for (int i = kind == MPM_AXIS_DRIFT && scene->layout.dim > 1 ? 1 : 0; i < 2 && replaced[kind][i]; i++)
     if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -149,7 +150,7 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
 
-    PetscCall(RefuseReplaced(settings, kinds[a]));
+    PetscCall(RefuseReplaced(settings, scene, kinds[a]));
     axis->kind = (MpmAxisKind)kinds[a];
     PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
     axis->from   = span[0];

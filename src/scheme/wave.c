@@ -1,5 +1,5 @@
 /*
-   Exact solutions, with X = x - U0 t.
+   Exact solutions, with X = x - U0 t. A mode is in any dimension; a pulse and a step are in one.
 
    First order, u_t = c r_x and r_t = c u_x:
 
@@ -7,13 +7,22 @@
      pulse    u = A f(X - ct),                   r = -A f(X - ct)
      step     u = 0,                             r = -A                          at time 0
 
-   Field 2 is h u_x.
-
    Second order, u_t = v and v_t = c^2 u_xx, written with w = v h / c:
 
      mode     u = (A/omega) sin(omega t) sin(KX + phase),    v = A cos(omega t) sin(KX + phase),    omega = K c
      pulse    u = A f(X - ct),                               v = -c A f'(X - ct)
      step     u = -(A/c) X,                                  v = 0               at time 0
+
+   With more dimensions KX is K.X, and a mode is the sum of plane waves of wave vector K = abs(K) n and weight m:
+
+     gas         u = m A d sin(K.X + phase) cos(omega t),    r = m A (d.n) cos(K.X + phase) sin(omega t),    d = n
+     momentum    v as u,    s = (c/speed) (lambda (d.n) I + mu (d n^T + n d^T)) m A cos(K.X + phase) sin(omega t)
+
+   with omega = abs(K) speed. P waves have d = n and speed c, S waves have d across n and speed c sqrt(mu). A Poisson
+   ratio of 1/2 makes lambda 1 and mu 0. Then s is r, and in one dimension the stress of a bar. The scalars u and w are
+   as in one dimension.
+
+   Field MPM_NONE is h times the gradient of u.
 
    By d'Alembert u - r travels to the right, and u + r to the left. f is a Gaussian of standard deviation L/20 around
    L/4. It is repeated with period L, or between ends with its mirror images. Those beyond a fixed end have velocities
@@ -26,7 +35,8 @@
 #include <mpmstab/wave.h>
 #include <math.h>
 
-const char *const MpmInitialNames[] = {"mode", "random", "pulse", "eigenmode", "step", NULL};
+const char *const MpmInitialNames[]      = {"mode", "random", "pulse", "eigenmode", "step", NULL};
+const char *const MpmPolarisationNames[] = {"p", "s", NULL};
 
 static PetscReal PulseWidth(const MpmProfile *p)
 {
@@ -76,28 +86,78 @@ static PetscReal StepVelocity(const MpmProfile *p, PetscReal X, PetscReal ct)
   return (StepStress(p, X + ct) - StepStress(p, X - ct)) / 2;
 }
 
+static PetscReal Angle(const MpmProfile *p, const MpmPlaneWave *wave, const PetscReal X[])
+{
+  PetscReal along = 0;
+
+  for (PetscInt a = 0; a < p->dim; a++) along += wave->normal[a] * X[a];
+  return p->wavenumber * along + p->phase;
+}
+
+/* omega t */
+static PetscReal Turn(const MpmProfile *p, PetscReal t)
+{
+  return p->wavenumber * (p->speed * t);
+}
+
+/* The stress ab of a plane wave, relative to A. Components of a stress have the order 00 01 02 11 12 22. */
+static PetscReal Stress(const MpmProfile *p, const MpmPlaneWave *wave, PetscInt component)
+{
+  const PetscReal lambda = p->poisson / (1 - p->poisson), mu = (1 - 2 * p->poisson) / (2 * (1 - p->poisson));
+  PetscReal       along = 0;
+  PetscInt        a = 0, b = component;
+
+  for (; b >= p->dim; a++) b -= p->dim - a - 1;
+  for (PetscInt c = 0; c < p->dim; c++) along += wave->direction[c] * wave->normal[c];
+  return p->wave_speed / p->speed *
+         ((a == b ? lambda * along : 0) +
+          mu * (wave->direction[a] * wave->normal[b] + wave->direction[b] * wave->normal[a]));
+}
+
+static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt component, const PetscReal X[],
+                                PetscReal t)
+{
+  PetscReal sum = 0;
+
+  for (PetscInt w = 0; w < p->nwaves; w++) {
+    const MpmPlaneWave *wave  = &p->wave[w];
+    const PetscReal     angle = Angle(p, wave, X);
+
+    if (field == 0)
+      sum += wave->weight * wave->direction[component] * sin(angle);
+    else if (field == 1)
+      sum += wave->weight * Stress(p, wave, component) * cos(angle);
+    else
+      sum += wave->weight * wave->direction[component / p->dim] * wave->normal[component % p->dim] * cos(angle);
+  }
+  if (field == MPM_NONE) return p->amplitude * p->wavenumber * p->cell_width * sum * cos(Turn(p, t));
+  return p->amplitude * (sum * (field ? sin(Turn(p, t)) : cos(Turn(p, t))));
+}
+
 static PetscReal FirstOrderPulse(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
 {
-  if (field == 2) return p->cell_width * (Travelling(p, X, ct, PETSC_TRUE) - Returning(p, X, ct, PETSC_TRUE));
+  if (field == MPM_NONE) return p->cell_width * (Travelling(p, X, ct, PETSC_TRUE) - Returning(p, X, ct, PETSC_TRUE));
   return (field ? -1 : 1) * Travelling(p, X, ct, PETSC_FALSE) + Returning(p, X, ct, PETSC_FALSE);
 }
 
-static PetscReal FirstOrderValue(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal t)
+static PetscReal FirstOrderStep(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
 {
-  const PetscReal K = p->wavenumber, ct = p->wave_speed * t, angle = K * X + p->phase;
+  if (field == MPM_NONE) return 0;
+  return field ? (StepStress(p, X + ct) + StepStress(p, X - ct)) / 2 : StepVelocity(p, X, ct);
+}
 
-  if (p->initial == MPM_INITIAL_PULSE) return FirstOrderPulse(p, field, X, ct);
-  if (p->initial == MPM_INITIAL_STEP) {
-    if (field == 2) return 0;
-    return field ? (StepStress(p, X + ct) + StepStress(p, X - ct)) / 2 : StepVelocity(p, X, ct);
-  }
-  if (field == 2) return p->amplitude * K * p->cell_width * cos(angle) * cos(K * ct);
-  return p->amplitude * (field ? cos(angle) * sin(K * ct) : sin(angle) * cos(K * ct));
+static PetscReal FirstOrderValue(const MpmProfile *p, PetscInt field, PetscInt component, const PetscReal X[],
+                                 PetscReal t)
+{
+  if (p->initial == MPM_INITIAL_PULSE) return FirstOrderPulse(p, field, X[0], p->wave_speed * t);
+  if (p->initial == MPM_INITIAL_STEP) return FirstOrderStep(p, field, X[0], p->wave_speed * t);
+  return FirstOrderMode(p, field, component, X, t);
 }
 
 static PetscReal FirstOrderAmplitude(const MpmProfile *p, PetscInt field)
 {
-  if (field < 2 || p->initial == MPM_INITIAL_STEP) return p->amplitude;
+  if (field == 0 || p->initial == MPM_INITIAL_STEP) return p->amplitude;
+  if (field == 1) return p->initial == MPM_INITIAL_PULSE ? p->amplitude : p->amplitude * (p->speed / p->wave_speed);
   return p->amplitude * p->cell_width *
          (p->initial == MPM_INITIAL_PULSE ? 1 / (PulseWidth(p) * sqrt(M_E)) : p->wavenumber);
 }
@@ -108,22 +168,34 @@ static PetscReal FirstOrderVelocityUnit(const MpmProfile *p)
   return 1;
 }
 
+static PetscReal SecondOrderMode(const MpmProfile *p, PetscInt field, const PetscReal X[], PetscReal t)
+{
+  PetscReal sum = 0;
+
+  for (PetscInt w = 0; w < p->nwaves; w++) sum += p->wave[w].weight * sin(Angle(p, &p->wave[w], X));
+  if (field) return p->amplitude * p->cell_width / p->wave_speed * cos(Turn(p, t)) * sum;
+  return p->amplitude / (p->wavenumber * p->wave_speed) * sin(Turn(p, t)) * sum;
+}
+
 static PetscReal SecondOrderPulse(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
 {
   if (field) return -p->cell_width * (Travelling(p, X, ct, PETSC_TRUE) + Returning(p, X, ct, PETSC_TRUE));
   return Travelling(p, X, ct, PETSC_FALSE) + Returning(p, X, ct, PETSC_FALSE);
 }
 
-static PetscReal SecondOrderValue(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal t)
+static PetscReal SecondOrderStep(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)
 {
-  const PetscReal K = p->wavenumber, ct = p->wave_speed * t, angle = K * X + p->phase;
+  if (field) return p->cell_width / p->wave_speed * StepVelocity(p, X, ct);
+  return (StepDisplacement(p, X + ct) + StepDisplacement(p, X - ct)) / 2;
+}
 
-  if (p->initial == MPM_INITIAL_PULSE) return SecondOrderPulse(p, field, X, ct);
-  if (p->initial == MPM_INITIAL_STEP)
-    return field ? p->cell_width / p->wave_speed * StepVelocity(p, X, ct)
-                 : (StepDisplacement(p, X + ct) + StepDisplacement(p, X - ct)) / 2;
-  if (field) return p->amplitude * p->cell_width / p->wave_speed * cos(K * ct) * sin(angle);
-  return p->amplitude / (K * p->wave_speed) * sin(K * ct) * sin(angle);
+static PetscReal SecondOrderValue(const MpmProfile *p, PetscInt field, PetscInt component, const PetscReal X[],
+                                  PetscReal t)
+{
+  (void)component; /* u and w are numbers */
+  if (p->initial == MPM_INITIAL_PULSE) return SecondOrderPulse(p, field, X[0], p->wave_speed * t);
+  if (p->initial == MPM_INITIAL_STEP) return SecondOrderStep(p, field, X[0], p->wave_speed * t);
+  return SecondOrderMode(p, field, X, t);
 }
 
 static PetscReal SecondOrderAmplitude(const MpmProfile *p, PetscInt field)
@@ -140,14 +212,17 @@ static PetscReal SecondOrderVelocityUnit(const MpmProfile *p)
 }
 
 const MpmWave MpmWaveFirstOrder  = {.equations     = "u_t = c r_x, r_t = c u_x",
+                                    .equations_nd  = "u_t = c grad r, r_t = c div u",
                                     .value         = FirstOrderValue,
                                     .amplitude     = FirstOrderAmplitude,
                                     .velocity_unit = FirstOrderVelocityUnit};
 const MpmWave MpmWaveMomentum    = {.equations     = "v_t = c s_x, s_t = c v_x",
+                                    .equations_nd  = "v_t = c div s, s_t = c (lambda div v I + mu (grad v + grad v^T))",
                                     .value         = FirstOrderValue,
                                     .amplitude     = FirstOrderAmplitude,
                                     .velocity_unit = FirstOrderVelocityUnit};
 const MpmWave MpmWaveSecondOrder = {.equations     = "u_t = (c/h) w, w_t = h c u_xx",
+                                    .equations_nd  = "u_t = (c/h) w, w_t = h c div grad u",
                                     .value         = SecondOrderValue,
                                     .amplitude     = SecondOrderAmplitude,
                                     .velocity_unit = SecondOrderVelocityUnit};

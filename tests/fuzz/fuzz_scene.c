@@ -80,13 +80,14 @@ static void CheckScene(const MpmScene *s, const MpmRequest *r)
              "places");
     FuzzNeed(s->step.drift[a].value == 0 || l->grid[a].ends[0] == MPM_PERIODIC, "drift into a wall");
     FuzzNeed(fabs(s->length[a] - s->cell_width * l->grid[a].cells) <= 1e-9 * s->length[a], "width");
+    FuzzNeed(r->phases[a] >= 1, "phases");
     taken *= l->row[a];
   }
   FuzzNeed(l->particles == taken && l->sites <= PETSC_MAX_INT / 2, "particles in all");
   FuzzNeed(isnormal(s->cell_width) && isnormal(s->dt) && isnormal(s->step.courant), "a size that is no number");
   FuzzNeed(s->dt > 0 && s->step.courant > 0 && r->steps >= 1 && r->output_every >= 1, "time");
   FuzzNeed(s->layout.jitter >= 0 && s->layout.jitter <= 1 && r->tolerance > 0 && s->amplitude > 0, "a range");
-  FuzzNeed(r->phases[0] >= 1 && r->modes >= 0 && s->mode[0] >= 1 && s->scheme.table->nops > 0, "a count");
+  FuzzNeed(r->modes >= 0 && (s->mode[0] || s->mode[1] || s->mode[2]) && s->scheme.table->nops > 0, "a count");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -21,7 +21,7 @@ DRIFT = 1 / 7
 OPTIONS = (f"run -formulation gas2 -cells {CELLS} -ppc {PPC} -steps {STEPS} -courant {COURANT} -drift 1/7 "
            f"-length {LENGTH} -wave_speed 2 -output_every {EVERY}").split()
 
-TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
+TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "gradient", "dim", "cells", "ppc", "particles", "courant",
        "drift",
        "ranks", "wall_s", "verdict", "growth", "predicted", "run"}
 RUN = {"steps", "time", "loop_s", "ns_per_particle_step", "bytes_per_particle_step", "error", "growth_measured", "growth_kind", "energy",

@@ -33,6 +33,7 @@ static const char *const other[][2] = {
     {"drift", "-drift 1/7"},
     {"initial", "-initial pulse"},
     {"mode", "-mode 2"},
+    {"polarisation", "-dim 2 -polarisation s"},
     {"amplitude", "-amplitude 2"},
     {"stagger", "-stagger"},
 };
