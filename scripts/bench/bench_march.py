@@ -79,6 +79,29 @@ def show(row, triad):
           f"{row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
 
 
+def measure_box(dim, repeats):
+    """Prints and returns a row for usl on quadratics in more dimensions, at rest, beside a plain C loop of the same."""
+    steps = 20
+    programs = {"plain": lambda: bench_runs.run_plain_box(dim, steps),
+                "1": lambda: bench_runs.run_box(dim, steps, 1), "2": lambda: bench_runs.run_box(dim, steps, 2)}
+    times = {name: [] for name in programs}
+    for _ in range(repeats):
+        for name, run in programs.items():
+            ns, energy = run()
+            times[name].append(ns)
+            if name == "plain":
+                expected = energy
+            elif abs(energy - expected) > SAME * expected:
+                sys.exit(f"bench: {name} does not do what plain C does in {dim} dimensions: {energy} and {expected}")
+    row = {"dim": dim, "cells": bench_runs.BOXES[dim], "best": {name: min(values) for name, values in times.items()},
+           "median": {name: statistics.median(values) for name, values in times.items()}}
+    row["ratio"] = row["best"]["1"] / row["best"]["plain"]
+    cells = " ".join(f"{row['best'][name]:6.1f} ({row['median'][name]:5.1f})" for name in programs)
+    print(f"usl quadratic, dim {dim}, {row['cells']} cells and {bench_runs.PPC} particles in each direction: "
+          f"plain C, 1 rank, 2 ranks {cells}; 1/plain {row['ratio']:.2f}", flush=True)
+    return row
+
+
 def memory(ranks):
     """Measures bytes per particle, in all and beyond a march of few particles. Both marches migrate."""
     many, few = ({"scheme": "gas2", "basis": "linear", "particles": n, "drift": "0.3", "steps": MIGRATES}
@@ -110,6 +133,7 @@ def main():
         show(row, result["triad_gb_per_s"][0])
         result["rows"].append(row)
     print()
+    result["boxes"] = [measure_box(dim, args.repeats) for dim in bench_runs.BOXES]
     if not args.no_memory:
         result["memory"] = [memory(ranks) for ranks in (1, 2)]
     bench_runs.keep(result, args)

@@ -19,6 +19,7 @@ SOURCES = os.path.join(program.ROOT, "scripts", "bench")
 FLAGS = ["-O3", "-march=native"]
 SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl"), ("linear", "quadratic")
 PPC = 2
+BOXES = {2: 200, 3: 24}  # cells along each direction, by dimension
 HISTORY = os.path.join(SOURCES, "history.jsonl")
 
 
@@ -126,6 +127,8 @@ def compile_all():
         for basis in BASES:
             defines = ["-DQUADRATIC"] if basis == "quadratic" else []
             compile_one(f"{scheme}-{basis}", ["plain.c", f"plain_{scheme}.c"], defines)
+    for dim in BOXES:
+        compile_one(f"usl-{dim}d", ["plain_nd.c"], [f"-DDIM={dim}"])
 
 
 def numba_python():
@@ -147,6 +150,19 @@ def options(row):
     cells = row["particles"] // PPC
     return {"formulation": row["scheme"], "basis": row["basis"], "ppc": PPC, "offset": 0.51, "courant": 0.01,
             "cells": cells, "mode": cells // 32, "steps": row["steps"], "drift": row["drift"]}
+
+
+def run_box(dim, steps, ranks):
+    """Returns ns per particle and step, and the energy at the end, of usl on quadratics in dim dimensions."""
+    box = {"dim": dim, "cells": BOXES[dim], "formulation": "usl", "basis": "quadratic", "poisson": 0.3, "ppc": PPC,
+           "offset": 0.51, "courant": 0.01, "mode": 1, "steps": steps}
+    run = result_of_run("run", box, ranks)["run"]
+    return run["ns_per_particle_step"], run["energy"]["final"]
+
+
+def run_plain_box(dim, steps):
+    out = json.loads(said([os.path.join(FOLDER, f"usl-{dim}d"), str(BOXES[dim]), str(steps)]))
+    return out["ns_per_particle_step"], out["energy"]
 
 
 def run_mpmstab(row, ranks):

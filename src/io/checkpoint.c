@@ -49,12 +49,17 @@ static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *run, const char csv[])
 {
   const MpmSeries *series    = &run->series;
-  const PetscInt64 where[]   = {march->step, march->particles->step, march->particles->rebased[0], march->exponent,
-                                run->blew_up_at_step};
+  const PetscInt   dim       = march->layout->dim;
   const PetscReal  numbers[] = {run->energy_initial, run->energy_final, run->energy_ratio, run->log_energy_first};
 
+  PetscInt64 where[MPM_WHERE_OF(MPM_MAX_DIM)] = {[MPM_AT_STEP]     = march->step,
+                                                 [MPM_AT_PLACES]   = march->particles->step,
+                                                 [MPM_AT_EXPONENT] = march->exponent,
+                                                 [MPM_AT_BLEW_UP]  = run->blew_up_at_step};
+
   PetscFunctionBegin;
-  PetscCall(FromFirst(s, "where", H5T_NATIVE_INT64, PETSC_STATIC_ARRAY_LENGTH(where), where));
+  for (PetscInt a = 0; a < dim; a++) where[MpmAtRebased(a)] = march->particles->rebased[a];
+  PetscCall(FromFirst(s, "where", H5T_NATIVE_INT64, MPM_WHERE_OF(dim), where));
   PetscCall(FromFirst(s, "numbers", H5T_NATIVE_DOUBLE, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers));
   PetscCall(FromFirst(s, "series_step", H5T_NATIVE_INT64, series->n, series->step));
   PetscCall(FromFirst(s, "series_state", H5T_NATIVE_DOUBLE, series->n, series->log_state));
@@ -64,19 +69,19 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
 }
 
 /* Writes cells as those of the whole grid, since local ones mean nothing on another number of ranks. */
-static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march)
+static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march, PetscInt a)
 {
   const PetscInt  n = march->particles->count;
   const PetscInt *cell;
   PetscInt64     *global;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
   PetscCall(PetscMalloc1(n, &global));
-  for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->axis[0].first + cell[p];
-  PetscCall(MpmHdf5Write(s, MpmFieldCell[0], H5T_NATIVE_INT64, n, 1, global));
+  for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->axis[a].first + cell[p];
+  PetscCall(MpmHdf5Write(s, MpmFieldCell[a], H5T_NATIVE_INT64, n, 1, global));
   PetscCall(PetscFree(global));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,8 +122,10 @@ static PetscErrorCode WriteState(MpmHdf5 *s, const MpmMarch *march)
   PetscCall(MpmHdf5Write(s, "rank_particles", H5T_NATIVE_INT64, 1, 1, &count));
   PetscCall(MpmHdf5Write(s, "rank_nodes", H5T_NATIVE_INT64, 1, 1, &nodes));
   PetscCall(WriteField(s, march->particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  PetscCall(WriteField(s, march->particles, MpmFieldXi[0], H5T_NATIVE_DOUBLE));
-  PetscCall(WriteCells(s, march));
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    PetscCall(WriteField(s, march->particles, MpmFieldXi[a], H5T_NATIVE_DOUBLE));
+    PetscCall(WriteCells(s, march, a));
+  }
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(WriteField(s, march->particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
   PetscCall(WriteNode(s, "inverse_mass", march->inverse_mass));
@@ -198,7 +205,7 @@ static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadRun(MpmHdf5 *s, MpmCheckpoint *f)
+static PetscErrorCode ReadRun(MpmHdf5 *s, PetscInt dim, MpmCheckpoint *f)
 {
   const hid_t integer = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
 
@@ -206,8 +213,8 @@ static PetscErrorCode ReadRun(MpmHdf5 *s, MpmCheckpoint *f)
   f->scene_length = f->csv_length = f->samples = f->ranks = ANY;
   PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
   PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
-  PetscCall(Require(s, f->path, "where", integer, MPM_WHERE));
-  PetscCall(MpmHdf5Read(s, "where", integer, 0, MPM_WHERE, f->where));
+  PetscCall(Require(s, f->path, "where", integer, MPM_WHERE_OF(dim)));
+  PetscCall(MpmHdf5Read(s, "where", integer, 0, MPM_WHERE_OF(dim), f->where));
   PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
   PetscCall(MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
   PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
@@ -247,12 +254,14 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
   const char *path = file->path;
 
   PetscFunctionBegin;
-  PetscCall(ReadRun(s, file));
+  PetscCall(ReadRun(s, scene->layout.dim, file));
   PetscCall(CheckRead(s, path));
   PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
-  PetscCall(Require(s, path, MpmFieldCell[0], H5T_NATIVE_INT64, scene->layout.particles));
-  PetscCall(Require(s, path, MpmFieldXi[0], H5T_NATIVE_DOUBLE, scene->layout.particles));
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    PetscCall(Require(s, path, MpmFieldCell[a], H5T_NATIVE_INT64, scene->layout.particles));
+    PetscCall(Require(s, path, MpmFieldXi[a], H5T_NATIVE_DOUBLE, scene->layout.particles));
+  }
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++)
     PetscCall(Require(s, path, scene->scheme.table->fields[f], H5T_NATIVE_DOUBLE, scene->layout.particles));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -281,15 +290,15 @@ PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, Pets
 static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 {
   PetscFunctionBegin;
-  march->step                  = file->where[MPM_AT_STEP];
-  march->particles->step       = file->where[MPM_AT_PLACES];
-  march->particles->rebased[0] = file->where[MPM_AT_REBASED];
-  march->exponent              = (PetscInt)file->where[MPM_AT_EXPONENT];
-  run->blew_up_at_step         = file->where[MPM_AT_BLEW_UP];
-  run->energy_initial          = file->numbers[MPM_ENERGY_FIRST];
-  run->energy_final            = file->numbers[MPM_ENERGY_LAST];
-  run->energy_ratio            = file->numbers[MPM_ENERGY_RATIO];
-  run->log_energy_first        = file->numbers[MPM_LOG_ENERGY_FIRST];
+  march->step            = file->where[MPM_AT_STEP];
+  march->particles->step = file->where[MPM_AT_PLACES];
+  march->exponent        = (PetscInt)file->where[MPM_AT_EXPONENT];
+  run->blew_up_at_step   = file->where[MPM_AT_BLEW_UP];
+  run->energy_initial    = file->numbers[MPM_ENERGY_FIRST];
+  run->energy_final      = file->numbers[MPM_ENERGY_LAST];
+  run->energy_ratio      = file->numbers[MPM_ENERGY_RATIO];
+  run->log_energy_first  = file->numbers[MPM_LOG_ENERGY_FIRST];
+  for (PetscInt a = 0; a < march->layout->dim; a++) march->particles->rebased[a] = file->where[MpmAtRebased(a)];
   for (PetscInt64 i = 0; i < file->samples; i++)
     PetscCall(MpmSeriesAppend(&run->series, file->sample_step[i], file->log_state[i], file->log_grid[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -340,18 +349,18 @@ static PetscErrorCode ReadField(MpmHdf5 *s, const Share *share, const MpmParticl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *march)
+static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *march, PetscInt a)
 {
   PetscInt   *cell;
   PetscInt64 *global;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(share->n, &global));
-  PetscCall(MpmHdf5Read(s, MpmFieldCell[0], H5T_NATIVE_INT64, share->begin, share->n, global));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
+  PetscCall(MpmHdf5Read(s, MpmFieldCell[a], H5T_NATIVE_INT64, share->begin, share->n, global));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
   for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off and is refused later */
-    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->axis[0].cells) - march->grid->axis[0].first;
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->axis[a].cells) - march->grid->axis[a].first;
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
   PetscCall(PetscFree(global));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -364,8 +373,10 @@ static PetscErrorCode ReadParticles(MpmHdf5 *s, const Share *share, MpmMarch *ma
   particles->count = (PetscInt)share->n;
   PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
   PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  PetscCall(ReadField(s, share, particles, MpmFieldXi[0], H5T_NATIVE_DOUBLE));
-  PetscCall(ReadCells(s, share, march));
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    PetscCall(ReadField(s, share, particles, MpmFieldXi[a], H5T_NATIVE_DOUBLE));
+    PetscCall(ReadCells(s, share, march, a));
+  }
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(ReadField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
   PetscFunctionReturn(PETSC_SUCCESS);

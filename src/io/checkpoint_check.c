@@ -79,15 +79,19 @@ static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const M
 static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *file)
 {
   const PetscInt64 *where = file->where, step = where[MPM_AT_STEP];
-  const PetscInt64  slack = MpmSceneDrifts(scene) ? scene->layout.grid[0].cells : 0;
-  const PetscInt64  most  = PetscMin(MOST_EXPONENT * (step + 1), PETSC_MAX_INT / 2);
-  PetscInt64        cells;
-  PetscReal         part;
+  const PetscInt64  most = PetscMin(MOST_EXPONENT * (step + 1), PETSC_MAX_INT / 2);
 
   PetscFunctionBegin;
-  MpmFractionMultiple(&scene->step.drift[0], where[MPM_AT_PLACES], &cells, &part);
-  Allow(where[MPM_AT_REBASED] >= cells - slack && where[MPM_AT_REBASED] <= cells + slack, file->path,
-        "its particles have not drifted as the scene's have");
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    const PetscInt64 slack = scene->step.drift[a].value != 0 ? scene->layout.grid[a].cells : 0;
+    const PetscInt64 has   = where[MpmAtRebased(a)];
+    PetscInt64       cells;
+    PetscReal        part;
+
+    MpmFractionMultiple(&scene->step.drift[a], where[MPM_AT_PLACES], &cells, &part);
+    Allow(has >= cells - slack && has <= cells + slack, file->path,
+          "its particles have not drifted as the scene's have");
+  }
   Allow(where[MPM_AT_EXPONENT] >= -most && where[MPM_AT_EXPONENT] <= most, file->path,
         "its exponent is none that so many steps lead to");
   Allow(where[MPM_AT_BLEW_UP] >= MPM_NEVER && where[MPM_AT_BLEW_UP] <= step, file->path,
@@ -154,13 +158,15 @@ static PetscErrorCode CheckSlack(const MpmMarch *march, const char path[])
   PetscReal part;
 
   PetscFunctionBegin;
-  for (int i = 0; i < 2; i++)
-    PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step + i, &whole[i], &part));
-  if (march->slack)
-    Allow(PetscMax(PetscAbsInt(whole[0]), PetscAbsInt(whole[1])) < march->slack, path,
-          "its particles have drifted too far from their cells");
-  else
-    Allow(!MpmMarchDrifts(march) || whole[0] == 0, path, "its particles have drifted from their cells");
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    for (int i = 0; i < 2; i++)
+      PetscCall(MpmParticlesWhere(march->particles, a, march->particles->step + i, &whole[i], &part));
+    if (march->slack)
+      Allow(PetscMax(PetscAbsInt(whole[0]), PetscAbsInt(whole[1])) < march->slack, path,
+            "its particles have drifted too far from their cells");
+    else
+      Allow(!MpmMarchDrifts(march) || whole[0] == 0, path, "its particles have drifted from their cells");
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,34 +200,48 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 }
 
 /*
-   Checks each particle's place. It must be within its cell. The cell must be in this rank's part of the grid, or in the
-   grid if another rank wrote it. Drift may have moved the particle away from its cell by less than slack. A cell of -1
-   belongs to a particle that drift had already moved into cell 0. Particles must be in the order of their cells, since
-   passes rely on it.
+   Counts the particles that are where none can be along an axis. A particle must be within its cell. The cell must be in
+   this rank's part of the grid, or in the grid if another rank wrote it. Drift may have moved the particle away from its
+   cell by less than slack. A cell of -1 belongs to a particle that drift had already moved into cell 0. In one dimension
+   particles must be in the order of their cells, since passes rely on it.
 */
-static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
+static PetscErrorCode CountMisplaced(const MpmMarch *march, PetscBool same, PetscInt a, PetscInt64 *bad)
 {
-  const MpmGrid   *grid  = march->grid;
-  const PetscInt   least = (MpmMarchDrifts(march) ? -1 : 0) - (same ? 0 : grid->axis[0].first);
-  const PetscInt   most  = same ? grid->axis[0].count - 1 : grid->axis[0].cells - 1 - grid->axis[0].first;
-  PetscInt64       bad   = 0;
-  PetscInt         whole, now;
-  PetscReal        part, place;
-  const PetscInt  *cell;
-  const PetscReal *xi;
+  const MpmGridAxis *axis    = &march->grid->axis[a];
+  const PetscBool    drifts  = march->particles->drift[a].value != 0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    ordered = same && march->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt     least   = (drifts ? -1 : 0) - (same ? 0 : axis->first);
+  const PetscInt     most    = same ? axis->count - 1 : axis->cells - 1 - axis->first;
+  PetscInt           whole;
+  PetscReal          part, place;
+  const PetscInt    *cell;
+  const PetscReal   *xi;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &xi));
+  PetscCall(MpmParticlesWhere(march->particles, a, march->particles->step, &whole, &part));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi));
   for (PetscInt p = 0; p < march->particles->count; p++) {
-    bad += cell[p] < least || cell[p] > most || !(xi[p] >= 0 && xi[p] < 1);
-    MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
-    bad += same && (now < -march->slack || now >= grid->axis[0].count + march->slack || (p && cell[p] < cell[p - 1]));
+    PetscInt now = cell[p];
+
+    *bad += cell[p] < least || cell[p] > most || !(xi[p] >= 0 && xi[p] < 1);
+    if (drifts) MpmPlaceBlock(1, &cell[p], &xi[p], whole, part, &now, &place);
+    *bad += same && (now < -march->slack || now >= axis->count + march->slack);
+    *bad += ordered && p && cell[p] < cell[p - 1];
   }
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &cell));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)grid->da)));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckPlaces(const MpmMarch *march, PetscBool same, const char path[])
+{
+  PetscInt64 bad = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < march->layout->dim; a++) PetscCall(CountMisplaced(march, same, a, &bad));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPIU_INT64, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
   Allow(!bad, path, "its particles are where none can be");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,6 +8,13 @@
 */
 enum { MPM_AT_STEP, MPM_AT_PLACES, MPM_AT_REBASED, MPM_AT_EXPONENT, MPM_AT_BLEW_UP, MPM_WHERE };
 
+/* The whole cells of drift are those along x. Where there are further directions, theirs follow at the end. */
+#define MPM_WHERE_OF(dim) (MPM_WHERE + (dim)-1)
+static inline PetscInt MpmAtRebased(PetscInt axis)
+{
+  return axis == 0 ? MPM_AT_REBASED : MPM_WHERE + axis - 1;
+}
+
 /* The entries of the array 'numbers'. */
 enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
 
@@ -19,7 +26,7 @@ enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST
 S*/
 typedef struct {
   const char *path;
-  PetscInt64  where[MPM_WHERE], scene_length, csv_length, samples, ranks;
+  PetscInt64  where[MPM_WHERE_OF(MPM_MAX_DIM)], scene_length, csv_length, samples, ranks;
   PetscInt64 *sample_step, *rank_particles, *rank_nodes;
   PetscReal   numbers[MPM_NUMBERS], *log_state, *log_grid;
   char       *scene, *csv;

@@ -7,7 +7,12 @@
 /* With more phases than this in a direction the maximum has the same digits, but for the last in more dimensions. */
 static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 
-#define AGREE 1e-6    /* closed form and symbol, relative to growth: a defective pair has an error of 1e-8 */
+/*
+   Closed form and symbol agree to this, relative to growth. A defective pair has an error of 1e-8. In more dimensions a
+   gas may have a defective triple at 1, with an error of 1e-5: where m.m is 0 and m is not (THEORY.md, section 4).
+*/
+#define AGREE 1e-6
+#define AGREE_IN_SPACE 1e-4
 #define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
@@ -240,6 +245,29 @@ static PetscErrorCode LargestOfAll(const MpmPredictor *p, PetscReal courant, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The corrected formula for the problem whose nodal velocity is nearest to the velocity of the scene's mode. */
+static PetscReal CorrectedMode(const MpmPredictor *p, const MpmScene *scene, const PetscReal beta[])
+{
+  const MpmProfile profile = MpmSceneProfile(scene, 1);
+  MpmCellSymbols   cell[MPM_MAX_DIM];
+  PetscReal        most    = -1;
+  PetscInt         nearest = 0;
+
+  if (p->why_not_corrected || !MpmSceneHasPoisson(scene)) return MpmPredictorCorrected(p, scene->step.courant, beta);
+  (void)MpmPredictorSymbols(p, beta, cell);
+  for (PetscInt i = 0; i < p->problems; i++) {
+    double complex vector[MPM_MAX_DIM], along = 0;
+
+    MpmPredictorPolarisation(p, beta, i, vector);
+    for (PetscInt a = 0; a < scene->layout.dim; a++) along += profile.wave[0].direction[a] * vector[a];
+    if (cabs(along) > most) {
+      most    = cabs(along);
+      nearest = i;
+    }
+  }
+  return scene->scheme.formulation->corrected(&cell[nearest], scene->step.courant);
+}
+
 PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 {
   const MpmLayout *layout = &scene->layout;
@@ -257,7 +285,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
   if (!predictor.why_not_corrected) PetscCall(LargestOfAll(&predictor, scene->step.courant, &predictions->corrected));
   for (PetscInt a = 0; a < layout->dim; a++) beta[a] = MpmSymbolPhase(scene->mode[a], layout->grid[a].cells);
   if (scene->initial == MPM_INITIAL_MODE && MpmSceneIsPeriodic(scene))
-    predictions->corrected_mode = MpmPredictorCorrected(&predictor, scene->step.courant, beta);
+    predictions->corrected_mode = CorrectedMode(&predictor, scene, beta);
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -295,12 +323,13 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   PetscCall(PetscFree(all));
   *comparison = (MpmComparison){.published      = mine[0].distance < 0 ? NAN : mine[0].distance,
                                 .published_beta = mine[0].beta[0],
-                                .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance};
+                                .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance,
+                                .allowed        = s->layout->dim > 1 ? AGREE_IN_SPACE : AGREE};
   PetscCall(PetscArraycpy(comparison->corrected_beta, mine[1].beta, MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmPredictDisagrees(const MpmComparison *comparison, PetscReal growth)
 {
-  return comparison->corrected > AGREE * PetscMax(1, growth) ? PETSC_TRUE : PETSC_FALSE;
+  return comparison->corrected > comparison->allowed * PetscMax(1, growth) ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -81,7 +81,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant
    MpmPredictions - growth per step by the closed forms: the largest over the phases of the scene's grid. NaN where a
    formula does not cover the scene (see MpmPredictor), or the slides leave out its Courant number.
 
-   corrected_mode is the corrected formula at the one phase of initial mode.
+   corrected_mode is the corrected formula at the one phase of initial mode, for its P or its S wave.
 */
 typedef struct {
   PetscReal published, corrected, corrected_mode;
@@ -93,10 +93,10 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
 /*S
    MpmComparison - the largest distance over the phases between abs(G) by a formula and the growth by the symbol without
    the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare. The slides have one
-   dimension.
+   dimension. allowed: the largest distance that may come from rounding, relative to growth.
 */
 typedef struct {
-  PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM];
+  PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM], allowed;
 } MpmComparison;
 
 /*

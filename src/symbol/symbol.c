@@ -213,22 +213,33 @@ const char *MpmSymbolWhyNot(const MpmLayout *layout)
   return NULL;
 }
 
-/* Sets the number of phases. Refuses output that does not fit: curves and factors all pass through the first rank. */
-static PetscErrorCode CountPhases(MPI_Comm comm, MpmSymbol *s)
+/* The numbers of an option with one for each direction, for a message. */
+static PetscErrorCode EachText(PetscInt dim, const PetscInt each[], size_t room, char text[])
 {
-  const PetscInt dim                    = s->layout->dim;
-  PetscReal      all                    = 1, numbers, bytes;
-  char           text[MPM_MAX_DIM * 16] = "";
-
   PetscFunctionBegin;
+  text[0] = 0;
   for (PetscInt a = 0; a < dim; a++) {
     char part[16];
 
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", each[a]));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets the number of phases. Refuses output that does not fit: curves and factors all pass through the first rank. */
+static PetscErrorCode CountPhases(MPI_Comm comm, MpmSymbol *s)
+{
+  const PetscInt dim = s->layout->dim;
+  PetscReal      all = 1, numbers, bytes;
+  char           text[MPM_MAX_DIM * 16];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) {
     s->phases[a] = s->wish.phases[a];
     all *= s->phases[a];
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", s->phases[a]));
-    PetscCall(PetscStrlcat(text, part, sizeof text));
   }
+  PetscCall(EachText(dim, s->phases, sizeof text, text));
   numbers = (s->wish.keep ? 2.0 * s->size : 1) * all;
   bytes   = numbers * sizeof(PetscReal) + (dim > 1 ? all * sizeof(PetscInt) : 0);
   MpmCheckInput(numbers <= PETSC_MAX_INT,
@@ -250,6 +261,8 @@ static const MpmEnd *WallsOf(const MpmLayout *layout)
 
 PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
 {
+  char ppc[MPM_MAX_DIM * 16];
+
   PetscFunctionBegin;
   MpmCheckInput(MpmLayoutIsPeriodic(layout),
                 "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
@@ -266,9 +279,10 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
                 "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
                 "takes any layout)",
                 layout->jitter);
+  PetscCall(EachText(layout->dim, layout->ppc, sizeof ppc, ppc));
   MpmCheckInput(!MpmSymbolWhyNot(layout),
-                "ppc %" PetscInt_FMT ": the symbol's blocks would be too large; allowed: at most %" PetscInt_FMT "%s",
-                MpmLayoutPpc(layout), MostPpc(layout->dim), layout->dim > 1 ? " in a cell" : "");
+                "ppc %s: the symbol's blocks would be too large; allowed: at most %" PetscInt_FMT "%s", ppc,
+                MostPpc(layout->dim), layout->dim > 1 ? " in a cell, over all directions" : "");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

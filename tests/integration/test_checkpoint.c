@@ -10,10 +10,11 @@
 /* Compares all particle data that the next step uses, in the order in which this rank holds them. */
 static PetscErrorCode SameBits(const MpmMarch *a, const MpmMarch *b, const char options[])
 {
-  const char *names[MPM_MAX_FIELDS + 3] = {MpmFieldXi[0], DMSwarmField_pid};
-  PetscInt    n                         = 2;
+  const char *names[MPM_MAX_FIELDS + MPM_MAX_DIM + 1] = {DMSwarmField_pid};
+  PetscInt    n                                       = 1;
 
   PetscFunctionBegin;
+  for (PetscInt d = 0; d < a->layout->dim; d++) names[n++] = MpmFieldXi[d];
   for (PetscInt f = 0; a->scene->scheme.table->fields[f]; f++) names[n++] = a->scene->scheme.table->fields[f];
   CHECK(a->step == b->step && a->exponent == b->exponent, "%s: steps or exponents", options);
   CHECK(a->particles->count == b->particles->count, "%s: particles here", options);
@@ -112,6 +113,8 @@ static PetscErrorCode Test(int argc, char **argv)
       "-formulation usl -transfer apic -boundary fixed,free -courant 0.4 -counts 1,3,0,2",
       "-formulation usf -material two -density_ratio 3 -stiffness_ratio 0.2 -drift 5/7 -courant 0.2 -jitter 0.9",
       "-formulation elastic -drift 3.3 -cells 12 -courant 0.5",
+      "-formulation usl -transfer apic -dim 2 -cells 16,12 -drift 1/3,-1/4 -courant 0.1 -basis quadratic",
+      "-formulation musl -dim 3 -cells 12,3,4 -ppc 1 -drift 2/3,0,0 -courant 0.1 -boundary periodic,symmetry,fixed",
   };
   PetscMPIInt rank;
   MPI_Comm    first;

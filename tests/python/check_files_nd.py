@@ -148,7 +148,44 @@ def check_vtk(name, cells, ppc):
     check(vector.GetNumberOfComponents() == 3, "components of the vector read")
 
 
+def mpmstab_json(command, name):
+    done = subprocess.run([*command, "-json", name], capture_output=True, text=True, check=False)
+    check(done.returncode == 0, f"{' '.join(command)}: {done.stderr}")
+    with open(name, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def check_modes(mpiexec, mpmstab):
+    """A mode that spectrum writes grows at its own rate in a run, on any number of ranks."""
+    scene = "-dim 2 -formulation usl -cells 6,5 -ppc 2 -courant 0.9".split()
+    mpmstab_json([mpmstab, "spectrum", *scene, "-measure", "false", "-output", "modes_nd.h5"], "modes_nd.json")
+    with h5py.File("modes_nd.h5", "r") as file:
+        x = file["modes/coordinates"][:]
+        check(x.shape == (120, 2) and abs(x - homes((6, 5), (2, 2)) / 6).max() < 1e-14, f"coordinates of modes {x.shape}")
+        growth = float(file["modes/0001"].attrs["growth"])
+        check({f"{f}_{part}" for f in ("v_x", "v_y", "s_xx", "s_xy", "s_yy") for part in ("re", "im")}
+              <= set(file["modes/0001"].keys()), "fields of modes")
+    check(growth > 1.01, f"growth {growth}")
+    for ranks in (1, 2):
+        run_of = mpmstab_json([mpiexec, "-n", str(ranks), mpmstab, "run", *scene, *("-initial eigenmode -mode 1 -mode_file "
+                              "modes_nd.h5 -steps 100").split()], "modes_nd.json")
+        check(math.isclose(run_of["run"]["growth_measured"], growth, rel_tol=1e-6), f"{run_of['run']} for {growth}")
+
+
+def check_predictions(mpmstab):
+    """Of waves along an axis the P wave is predicted as in one dimension, the S wave as there at k sqrt(mu)."""
+    def predicted(courant, *options):
+        done = subprocess.run([mpmstab, "run", "-formulation", "usl", "-transfer", "pic", "-mode", "3", "-courant",
+                               str(courant), "-cells", "16", "-steps", "4", *options], capture_output=True, text=True, check=True)
+        return float(next(line.split()[2] for line in done.stdout.splitlines() if "this mode" in line))
+    plane = ("-dim", "2", "-poisson", "0.25")
+    for courant, options, same in ((0.6, (), 0.6), (0.6, ("-polarisation", "s"), 0.6 / math.sqrt(3))):
+        check(math.isclose(predicted(courant, *plane, *options), predicted(same), rel_tol=1e-8), f"prediction of {options}")
+
+
 def main(mpiexec, mpmstab):
+    check_modes(mpiexec, mpmstab)
+    check_predictions(mpmstab)
     for case, options, cells, ppc, drift, periodic, waves, polarisation in CASES:
         first_fields = first_error = None
         for ranks in (1, 2, 3):

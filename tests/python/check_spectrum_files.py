@@ -18,8 +18,7 @@ from checks import check
 CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
-       "drift",
-       "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted", "offset"}
+       "drift", "gradient", "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "predicted", "offset"}
 PREDICTED = {"published", "corrected", "symbol", "corrected_off_by"}
 SPECTRUM = {"unknowns", "nonzeros", "period_steps", "assemble_s", "solve_s", "solver", "converged", "listed",
             "spectral_radius", "growth", "max_residual", "step_mismatch", "symbol_mismatch", "condition", "at_one",
@@ -147,6 +146,45 @@ def check_symbol(name, phases):
     check(numpy.allclose([float(r["growth"]) for r in rows], growth[: phases // 2 + 1]), "growth of the CSV")
 
 
+def plane_growth(beta, courant, poisson):
+    """Returns the growth of usl with hats and a centred particle a cell, from the stiffness K at each phase."""
+    alpha, kappa, mu = numpy.cos(beta / 2) ** 2, 4 * numpy.sin(beta / 2) ** 2, 1j * numpy.sin(beta)
+    first, second = poisson / (1 - poisson), (1 - 2 * poisson) / (2 - 2 * poisson)
+    largest = []
+    for a, k, m in zip(alpha, kappa, mu):
+        form = numpy.array([[k[0] * a[1], m[0].conj() * m[1]], [m[1].conj() * m[0], k[1] * a[0]]])
+        stiffness = first * form + second * (form.trace() * numpy.eye(2) + form.conj())
+        steps = courant**2 * numpy.linalg.eigvalsh(stiffness)
+        largest.append(max(abs(numpy.roots([1, s - 2, 1 + (a[0] * a[1] - 1) * s])).max() for s in steps))
+    return numpy.array(largest)
+
+
+def check_plane(mpiexec, mpmstab, ranks):
+    """Two dimensions: the files have all phases, x fastest, and JSON lists of two."""
+    command = [mpiexec, "-n", str(ranks), mpmstab, "symbol", *"-dim 2 -formulation usl -ppc 1 -courant 0.8 -poisson".split(),
+               "0.2", *"-cells 6,4 -output plane.h5 -json plane.json -csv plane.csv".split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
+    with h5py.File("plane.h5", "r") as file:
+        beta, growth, factors = (file[f"symbol/{key}"][:] for key in ("beta", "growth", "factors"))
+        corrected = file["symbol/corrected"][:]
+    phases = [[2 * math.pi * x / 6, 2 * math.pi * y / 4] for y in range(4) for x in range(6)]
+    check(beta.shape == (24, 2) and numpy.allclose(beta, phases), "beta of the plane")
+    check(numpy.allclose(abs(factors[:, ::2] + 1j * factors[:, 1::2]).max(axis=1), growth), "factors of the plane")
+    check(numpy.allclose(corrected, plane_growth(beta, 0.8, 0.2), atol=1e-7), "corrected of the plane")
+    check(numpy.allclose(numpy.maximum(corrected, 1), growth, atol=1e-7), "growth of the plane")
+    with open("plane.csv") as file:
+        rows = list(csv.DictReader(file))
+    check(len(rows) == 24 and {"beta_x", "beta_y", "growth", "corrected"} < set(rows[0]), f"CSV: {rows[0]}")
+    check(numpy.allclose([[float(r["beta_x"]), float(r["beta_y"])] for r in rows], beta), "phases of the CSV")
+    check(numpy.allclose([float(r["growth"]) for r in rows], growth), "growth of the CSV of the plane")
+    with open("plane.json") as file:
+        symbol = json.load(file)["symbol"]
+    worst = beta[growth >= growth.max() - 1e-12][0]
+    check(symbol["phases"] == [6, 4] and numpy.allclose(symbol["beta_at_max"], worst), f"symbol {symbol}")
+    check(math.isclose(symbol["growth"], growth.max(), rel_tol=1e-14), "growth of the JSON")
+
+
 def check_turned(mpmstab):
     """Multiplies an eigenvector by i, which keeps it one. A run must then start from its imaginary part."""
     scene = "-formulation gas2 -cells 8 -courant 2.05".split()
@@ -271,6 +309,7 @@ def main(mpiexec, mpmstab):
         check(math.isclose(result["growth"], first["growth"], rel_tol=1e-12), f"growth on {ranks} ranks differs")
     for ranks in (1, 3):
         check_symbol(run(mpiexec, mpmstab, ranks, "symbol", "-phases", "60"), 60)
+        check_plane(mpiexec, mpmstab, ranks)
     check_tampered(mpmstab)
     check_turned(mpmstab)
     check_balanced(mpmstab)
