@@ -94,21 +94,23 @@ static PetscErrorCode ListCodes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* on_request: 'list' alone leaves it out, since it is longer than all others together */
 static const struct {
   const char *name, *title;
   PetscErrorCode (*list)(void);
+  PetscBool on_request;
 } lists[] = {
-    {"formulation", "formulations", ListFormulations},
-    {"basis", "bases", ListBases},
-    {"transfer", "transfers", ListTransfers},
-    {"boundary", "ends of the domain", ListBoundaries},
-    {"layout", "layouts", ListLayouts},
-    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions},
-    {"versions", "versions", ListVersions},
+    {"formulation", "formulations", ListFormulations, PETSC_FALSE},
+    {"basis", "bases", ListBases, PETSC_FALSE},
+    {"transfer", "transfers", ListTransfers, PETSC_FALSE},
+    {"boundary", "ends of the domain", ListBoundaries, PETSC_FALSE},
+    {"layout", "layouts", ListLayouts, PETSC_FALSE},
+    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions, PETSC_FALSE},
+    {"versions", "versions", ListVersions, PETSC_FALSE},
     {"codes",
      "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
      "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it",
-     ListCodes}};
+     ListCodes, PETSC_TRUE}};
 
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
 {
@@ -125,10 +127,12 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
     if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
+    if (argc == 0 && lists[i].on_request) continue;
     found = PETSC_TRUE;
     MpmPrint("%s\n", lists[i].title);
     PetscCall(lists[i].list());
   }
+  if (argc == 0) MpmPrint("public codes: mpmstab list codes\n");
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
     MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions or codes%s%s%s",
