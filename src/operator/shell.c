@@ -13,11 +13,15 @@
 
 #define NORM_VECTORS 4
 
-/* work: for the results of maps, on particles and on nodes. shells: how many matrices hold this. */
+/*
+   work: for the results of maps, on particles and on nodes. shells: how many matrices hold this. nonzeros: of all maps,
+   on all ranks.
+*/
 typedef struct {
   MpmRegisters sizes;
   PetscInt     first, steps, shells;
   MpmStepMaps *maps;
+  PetscReal    nonzeros;
   Vec          particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], work[2];
 } Shell;
 
@@ -164,6 +168,18 @@ static PetscErrorCode Norm(Mat shell, NormType type, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Says how many numbers the maps have; nothing else is known. */
+static PetscErrorCode GetInfo(Mat shell, MatInfoType type, MatInfo *info)
+{
+  Shell *s;
+
+  PetscFunctionBegin;
+  PetscCheck(type == MAT_GLOBAL_SUM, PETSC_COMM_SELF, PETSC_ERR_SUP, "of an operator without a matrix, no such counts");
+  PetscCall(MatShellGetContext(shell, &s));
+  *info = (MatInfo){.nz_used = s->nonzeros};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Destroy(Mat shell)
 {
   Shell *s;
@@ -192,6 +208,7 @@ static PetscErrorCode Wrap(Shell *s, Mat *shell)
   PetscCall(MatShellSetOperation(*shell, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(*shell, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
   PetscCall(MatShellSetOperation(*shell, MATOP_NORM, (void (*)(void))Norm));
+  PetscCall(MatShellSetOperation(*shell, MATOP_GETINFO, (void (*)(void))GetInfo));
   PetscCall(MatShellSetOperation(*shell, MATOP_DESTROY, (void (*)(void))Destroy));
   s->shells++;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -208,12 +225,11 @@ PetscErrorCode MpmShellCopy(Mat shell, Mat *copy)
 }
 
 /* Makes the maps of all steps, and counts their numbers. */
-static PetscErrorCode MakeMaps(Shell *s, PetscReal *nonzeros)
+static PetscErrorCode MakeMaps(Shell *s)
 {
   const MpmTable *table = s->sizes.scheme->table;
 
   PetscFunctionBegin;
-  *nonzeros = 0;
   for (PetscInt k = 0; k < s->steps; k++) {
     for (PetscInt o = 0; o < table->nops; o++) {
       const MpmOp *op = &table->ops[o];
@@ -228,7 +244,7 @@ static PetscErrorCode MakeMaps(Shell *s, PetscReal *nonzeros)
 
       if (!map) continue;
       PetscCall(MatGetInfo(map, MAT_GLOBAL_SUM, &info));
-      *nonzeros += info.nz_used;
+      s->nonzeros += info.nz_used;
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -244,7 +260,7 @@ static PetscErrorCode Vector(const MpmRegisters *r, PetscInt n, Vec *vector)
 }
 
 PetscErrorCode MpmShellCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                              PetscInt first, PetscInt steps, Mat *shell, PetscReal *nonzeros)
+                              PetscInt first, PetscInt steps, Mat *shell)
 {
   Shell *s;
 
@@ -259,7 +275,7 @@ PetscErrorCode MpmShellCreate(MPI_Comm comm, const MpmLayout *layout, const MpmS
   for (PetscInt n = 0; n < scheme->table->nnodes; n++) PetscCall(Vector(&s->sizes, s->sizes.nodes, &s->node[n]));
   PetscCall(Vector(&s->sizes, s->sizes.particles, &s->work[0]));
   PetscCall(Vector(&s->sizes, s->sizes.nodes, &s->work[1]));
-  PetscCall(MakeMaps(s, nonzeros));
+  PetscCall(MakeMaps(s));
   PetscCall(Wrap(s, shell));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,12 +7,12 @@
    be transposed, and MatDiagonalScale scales it.
 
    Collective. The rows are those of MpmRegistersGather. layout and scheme must outlive it. It holds the maps of every
-   step: nonzeros counts their numbers.
+   step, and MatGetInfo counts their numbers.
 
    Its infinity norm is a lower bound: the largest number that it makes of a few vectors of ones with random signs.
 */
 PetscErrorCode MpmShellCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                              PetscInt first, PetscInt steps, Mat *shell, PetscReal *nonzeros);
+                              PetscInt first, PetscInt steps, Mat *shell);
 
 /* Collective. A second shell with the same maps, which may be scaled by itself. */
 PetscErrorCode MpmShellCopy(Mat shell, Mat *copy);
