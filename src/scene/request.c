@@ -244,7 +244,8 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     expect->kind = (MpmGrowthKind)i;
   }
   if (expect->has_error && !MpmSceneHasExact(scene)) {
-    if (!MpmSettingsOverruled(settings, "expect_error", "initial"))
+    if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
+        !MpmSettingsOverruled(settings, "expect_error", "boundary"))
       PetscCall(
           MpmSettingsRefuse(settings, "expect_error",
                             "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));

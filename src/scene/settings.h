@@ -99,3 +99,9 @@ PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
+
+/*
+   Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
+   become random where they have no exact solution.
+*/
+PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *scene);

@@ -1,0 +1,148 @@
+/* The initial data of a scene: which wave it starts from, and whether that wave exists between its ends. */
+#include "scene/settings.h"
+#include <string.h>
+
+/* asked: the initial data that the settings name. Where there is no such solution scene->initial has others. */
+static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmInitial asked, MpmScene *scene)
+{
+  const PetscBool lost =
+      asked != scene->initial && MpmSettingsOverruled(settings, "stagger", "boundary") ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (scene->stagger && scene->scheme.formulation->staggered == MPM_NONE) {
+    scene->stagger = PETSC_FALSE;
+    if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
+      PetscCall(MpmSettingsRefuse(settings, "stagger",
+                                  "no field of this formulation lags half a step; allowed: with those where one does"));
+  }
+  if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE) {
+    scene->stagger = PETSC_FALSE;
+    if (!lost && !MpmSettingsOverruled(settings, "stagger", "initial"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "stagger", "these data have no half step; allowed: with initial mode or pulse"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In one dimension, and of an eigenvector, a number; else the waves in each direction, where one number is along x. */
+static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char positive[] = "allowed: a whole number from 1 to 2147483646";
+  const MpmLayout  *l          = &scene->layout;
+  const char       *text = MpmSettingsText(settings, "mode"), *end = text + strspn(text, "+0123456789");
+  const PetscBool   list   = strchr(text, ',') ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   number = l->dim == 1 || scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
+  PetscInt64        mode[MPM_MAX_DIM] = {0};
+  PetscBool         fits = PETSC_TRUE, none = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  if (number && *end) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+  if (number || !list)
+    PetscCall(MpmSettingsInteger(settings, "mode", mode));
+  else
+    PetscCall(MpmSettingsEachInteger(settings, "mode", l->dim, mode));
+  if (number && mode[0] < 1) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscBool  ends = l->grid[a].ends[0] != MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+    const PetscInt64 most = PetscMax(1, ends ? l->grid[a].cells : l->grid[a].cells / 2);
+
+    scene->mode[a] = (PetscInt)mode[a];
+    if (mode[a] > most || mode[a] < (ends ? 0 : -most)) fits = PETSC_FALSE;
+    if (mode[a]) none = PETSC_FALSE;
+  }
+  if (none && scene->initial != MPM_INITIAL_MODE) scene->mode[0] = 1; /* a scene's mode that is not read any more */
+  if (scene->initial != MPM_INITIAL_MODE || (fits && !none)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (l->dim > 1)
+    PetscCall(MpmSettingsRefuse(settings, "mode",
+                                "allowed: one whole number for each direction, not all 0; from -cells / 2 to cells / 2 "
+                                "in a periodic direction, from 0 to cells between ends"));
+  PetscCall(MpmSettingsRefuse(settings, "mode",
+                              MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
+                                                        : "allowed: a whole number from 1 to cells"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadPolarisation(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "polarisation", &i));
+  scene->polarisation = (MpmPolarisation)i;
+  if (MpmSettingsSource(settings, "polarisation") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmSceneHasPoisson(scene)) {
+    scene->polarisation = MPM_P_WAVE;
+    if (!MpmSettingsOverruled(settings, "polarisation", "dim") &&
+        !MpmSettingsOverruled(settings, "polarisation", "formulation"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "polarisation",
+                            "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  }
+  if (scene->initial != MPM_INITIAL_MODE) {
+    scene->polarisation = MPM_P_WAVE;
+    if (!MpmSettingsOverruled(settings, "polarisation", "initial"))
+      PetscCall(MpmSettingsRefuse(settings, "polarisation", "allowed: only with initial mode"));
+  }
+  if (scene->polarisation == MPM_S_WAVE && MpmSpaceIsFluid(&scene->scheme.space)) {
+    scene->polarisation = MPM_P_WAVE;
+    if (!MpmSettingsOverruled(settings, "polarisation", "poisson"))
+      PetscCall(
+          MpmSettingsRefuse(settings, "polarisation", "a fluid has no S waves; allowed: p, or poisson below 0.5"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Data that were asked for and do not exist are refused. Otherwise runs start from random data: also when a scene asks
+   for them, and the command line has another value of the option by.
+*/
+static PetscErrorCode FallBack(const MpmSettings *settings, MpmScene *scene, const char by[], const char why[])
+{
+  static const char *const options[] = {"initial", "mode", "polarisation"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(options); i++)
+    if (MpmSettingsSource(settings, options[i]) != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, options[i], by))
+      PetscCall(MpmSettingsRefuse(settings, options[i], why));
+  scene->initial = MPM_INITIAL_RANDOM;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses data without an exact solution to start from. */
+static PetscErrorCode CheckExact(const MpmSettings *settings, MpmScene *scene)
+{
+  const PetscBool mode = scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!MpmInitialHasExact(scene->initial)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->scheme.formulation->wave)
+    PetscCall(FallBack(settings, scene, "formulation",
+                       "the formulation has no exact solution to start from; allowed: random or eigenmode"));
+  else if (mode && !MpmSceneProfile(scene, 1).nwaves)
+    PetscCall(FallBack(settings, scene, "boundary",
+                       "no such wave stands between these ends; allowed: another mode, boundary periodic or symmetry, "
+                       "or initial random"));
+  else if (!mode && scene->layout.dim > 1)
+    PetscCall(FallBack(settings, scene, "dim",
+                       "its exact solution is of one dimension; allowed: with dim 1, or mode, random or eigenmode"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *scene)
+{
+  const MpmInitial asked = scene->initial;
+
+  PetscFunctionBegin;
+  PetscCall(ReadMode(settings, scene));
+  PetscCall(ReadPolarisation(settings, scene));
+  PetscCall(CheckExact(settings, scene));
+  if (scene->initial == MPM_INITIAL_STEP &&
+      (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE))
+    PetscCall(
+        MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
+  if (asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE &&
+      MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, "mode", "initial"))
+    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode or eigenmode"));
+  PetscCall(ReadStagger(settings, asked, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
