@@ -58,23 +58,29 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
 }
 
 /*
-   Finds the mode that grows first, its phase beta and its share in the null space of P2G. beta is computed on the first
-   rank and sent to all.
+   Finds the mode that grows first, its phases beta, its type and its share in the null space of P2G. The first rank
+   computes phases and type and sends them to all.
 */
 static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 {
   MpmOperator *op;
   MpmEigen    *eigen;
   MpmModes     modes;
+  PetscReal    found[MPM_MAX_DIM + 1];
 
   PetscFunctionBegin;
   PetscCall(Assemble(p, c->unstable_at, &op));
   PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
-  eigen->n = PetscMin(eigen->n, 1); /* keeps the leading one */
-  PetscCall(MpmModesCreate(op, eigen, &modes));
-  c->beta[0]    = eigen->n ? modes.beta[0] : NAN; /* the solver may find no vector even if it finds the growth */
-  c->null_share = eigen->n ? modes.null_share[0] : NAN;
-  PetscCallMPI(MPI_Bcast(c->beta, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCall(MpmModesCreateLeading(op, eigen, PetscMin(eigen->n, 1), &modes));
+  for (PetscInt a = 0; a <= MPM_MAX_DIM; a++) found[a] = NAN;
+  if (modes.n) { /* the solver may find no vector even if it finds the growth */
+    PetscCall(PetscArraycpy(found, modes.beta, modes.dim));
+    found[MPM_MAX_DIM] = modes.p_share[0];
+    c->null_share      = modes.null_share[0];
+  }
+  PetscCallMPI(MPI_Bcast(found, MPM_MAX_DIM + 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  for (PetscInt a = 0; a < modes.dim; a++) c->beta[a] = found[a] > PETSC_PI ? found[a] - 2 * PETSC_PI : found[a];
+  if (!isnan(found[MPM_MAX_DIM])) c->wave = MpmCriticalWaveOf(found[MPM_MAX_DIM], found[MPM_MAX_DIM]);
   PetscCall(MpmModesDestroy(&modes));
   PetscCall(MpmEigenDestroy(&eigen));
   PetscCall(MpmOperatorDestroy(&op));
@@ -113,8 +119,9 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Growth(p, courant, &asked->growth));
-  asked->uncertainty = p->rounding;
-  asked->verdict     = MpmVerdictOf(asked);
+  asked->uncertainty     = p->rounding;
+  asked->defective_error = p->rounding;
+  asked->verdict         = MpmVerdictOf(asked);
   PetscCall(PetscStrncpy(asked->evidence, "all eigenvalues", sizeof asked->evidence));
   grows = asked->growth <= 1 + p->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
   if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));

@@ -70,6 +70,12 @@ PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmFraction drift[]);
 
+/* Not collective. The type of modes whose shares along beta are from least to most. */
+static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)
+{
+  return least >= MPM_WAVE_SHARE ? MPM_WAVE_P : most <= 1 - MPM_WAVE_SHARE ? MPM_WAVE_S : MPM_WAVE_MIXED;
+}
+
 /*
    MpmCriticalGrowthAt - finds growth and verdict at the case's Courant number, over all phases. beta: the phase that
    grows most.

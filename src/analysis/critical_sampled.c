@@ -369,8 +369,7 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
     least = PetscMin(least, share);
     most  = PetscMax(most, share);
   }
-  if (excess > 0 && most >= least)
-    *wave = least >= MPM_WAVE_SHARE ? MPM_WAVE_P : most <= 1 - MPM_WAVE_SHARE ? MPM_WAVE_S : MPM_WAVE_MIXED;
+  if (excess > 0 && most >= least) *wave = MpmCriticalWaveOf(least, most);
   PetscCall(SamplesDestroy(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

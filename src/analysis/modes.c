@@ -276,25 +276,55 @@ static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register. */
+static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscInt n, Mat *map)
+{
+  const MpmTable *table                 = registers->scheme->table;
+  PetscInt        rows                  = 0;
+  Mat             block[MPM_MAX_FIELDS] = {NULL}, nest;
+  PetscInt        row_of[MPM_MAX_FIELDS];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) row_of[i] = MPM_NONE;
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp      *op     = &table->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || op->src < first || op->src >= first + n)
+      continue;
+    if (row_of[op->dst] == MPM_NONE) row_of[op->dst] = rows++;
+    PetscCheck(rows * n <= MPM_MAX_FIELDS, registers->comm, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+    if (block[row_of[op->dst] * n + op->src - first]) continue; /* a later sum of the same */
+    PetscCall(MpmRegistersMap(registers, op->kind, op->axis, table->parity[op->dst], 0,
+                              &block[row_of[op->dst] * n + op->src - first]));
+  }
+  PetscCall(MatCreateNest(registers->comm, rows, NULL, n, NULL, block, &nest));
+  PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, map));
+  PetscCall(MatDestroy(&nest));
+  for (PetscInt i = 0; i < rows * n; i++) PetscCall(MatDestroy(&block[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 {
   const MpmTable *table = op->scheme->table;
   MpmRegisters    registers;
-  PetscInt        unseen = 0;
-  Mat             map;
 
   PetscFunctionBegin;
   *nullity = 0;
   PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
-  for (PetscInt f = 0; f < table->nstate; f++) {
-    const MpmOp *seen = MpmTableSeenBy(table, f);
+  for (PetscInt f = 0, n; f < table->nstate; f += n) {
+    PetscInt unseen = 0;
+    Mat      map;
 
+    n = 1;
+    while (f + n < table->nstate && table->field[f] != MPM_NONE && table->field[f + n] == table->field[f]) n++;
     if (table->filtered[f]) continue;
-    if (!seen) { /* no node feels any of this field */
-      *nullity += (PetscInt)op->layout->particles;
+    if (!MpmTableSeenBy(table, f)) { /* no node feels any of this field */
+      *nullity += n * (PetscInt)op->layout->particles;
       continue;
     }
-    PetscCall(MpmRegistersMap(&registers, seen->kind, seen->axis, table->parity[seen->dst], 0, &map));
+    PetscCall(MapOfField(&registers, f, n, &map));
     PetscCall(Nullity(map, &unseen));
     PetscCall(MatDestroy(&map));
     *nullity += unseen;

@@ -261,6 +261,19 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses options of the solvers before the work: SLEPc reads them when it solves. */
+static PetscErrorCode TryOptions(const MpmScene *scene, const MpmRequest *request)
+{
+  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
+
+  PetscFunctionBegin;
+  PetscCall(MpmEigenTryOptions(MpmEigenChoose((PetscInt)PetscMin(order, PETSC_MAX_INT),
+                                              MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE)));
+  if (request->powers) PetscCall(MpmTransientTryOptions());
+  PetscCall(MpmEigenRefuseUnread());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                  MpmSpectrum **spectrum)
 {
@@ -278,6 +291,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
   PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
+  PetscCall(TryOptions(scene, request));
   PetscCall(PeakMemory(comm, &before));
   if (request->pseudospectrum)
     PetscCall(MpmPseudospectrumCheck(scene)); /* first come the checks that refuse what is too large */

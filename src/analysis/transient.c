@@ -141,6 +141,33 @@ static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode CreateSolver(PetscInt order, SVD *svd)
+{
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(SVDCreate(PETSC_COMM_WORLD, svd));
+  PetscCall(SVDSetImplicitTranspose(*svd, PETSC_TRUE));
+  PetscCall(SVDSetType(*svd, SVDTRLANCZOS));
+  PetscCall(SVDSetDimensions(*svd, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
+  PetscCall(SVDSetTolerances(*svd, TOLERANCE, RESTARTS));
+  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  error = SVDSetFromOptions(*svd);
+  PetscCall(PetscPopErrorHandler());
+  MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTransientTryOptions(void)
+{
+  SVD svd;
+
+  PetscFunctionBegin;
+  PetscCall(CreateSolver(1, &svd));
+  PetscCall(SVDDestroy(&svd));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the largest singular value, or NaN when the solver does not converge. */
 static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order, PetscReal *sigma)
 {
@@ -149,17 +176,9 @@ static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  PetscCall(SVDCreate(PetscObjectComm((PetscObject)matrix), &svd));
+  PetscCall(CreateSolver(order, &svd));
   PetscCall(SVDSetOperators(svd, matrix, NULL));
-  PetscCall(SVDSetImplicitTranspose(svd, PETSC_TRUE));
-  PetscCall(SVDSetType(svd, SVDTRLANCZOS));
-  PetscCall(SVDSetDimensions(svd, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
-  PetscCall(SVDSetTolerances(svd, TOLERANCE, RESTARTS));
   PetscCall(SVDSetInitialSpaces(svd, 1, &start, 0, NULL));
-  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = SVDSetFromOptions(svd);
-  PetscCall(PetscPopErrorHandler());
-  MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
   PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* overrides the options */
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = SVDSolve(svd);

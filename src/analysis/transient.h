@@ -27,3 +27,6 @@ typedef struct {
 */
 PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient);
 PetscErrorCode MpmTransientDestroy(MpmTransient **transient);
+
+/* Collective. Refuses options -svd_* that SLEPc refuses, before the work. */
+PetscErrorCode MpmTransientTryOptions(void);

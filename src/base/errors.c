@@ -62,8 +62,8 @@ static PetscBool Explain(PetscErrorCode code, const char function[], const char 
 {
   char given[512] = "";
 
-  /* PetscMallocAlign gives a message with the name of its caller, and in some versions another code */
-  if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign")) {
+  /* these two give a message with the name of their caller, and in some versions another code */
+  if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign")) {
     (void)snprintf(why, room, "memory ends; allowed: fewer cells or particles, more ranks or more memory");
     return PETSC_TRUE;
   }

@@ -1,12 +1,16 @@
 /* Prepares the process before MPI and PETSc start. */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "base/launch.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#define START_BYTES 209715200 /* bytes: Open MPI maps up to 180 MB when it starts */
 
 void MpmLaunchAlone(void)
 {
@@ -35,24 +39,49 @@ static int IsFirst(void)
   return 1;
 }
 
+/* A launcher ends the other ranks when the first rank ends. */
+static void RefuseOnce(const char what[], const char why[])
+{
+  if (IsFirst())
+    fprintf(stderr, "mpmstab: %s: %s\n", what, why);
+  else
+    (void)sleep(1);
+}
+
+int MpmLaunchMemory(void)
+{
+  void *space = mmap(NULL, START_BYTES, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+
+  if (space != MAP_FAILED) {
+    (void)munmap(space, START_BYTES);
+    return 1;
+  }
+  RefuseOnce("memory", "the shell grants too little to start with (ulimit -v); allowed: 0.4 GB more");
+  return 0;
+}
+
+int MpmLaunchOptionFile(int i, size_t room, char name[])
+{
+  static const char *const here[] = {"petscrc", ".petscrc"};
+  const char *const        home   = getenv("HOME");
+
+  if (i > 2 || (i == 2 && !home)) return 0;
+  (void)snprintf(name, room, "%s%s", i < 2 ? here[i] : home, i < 2 ? "" : "/.petscrc");
+  return 1;
+}
+
 int MpmLaunchOptionFiles(int argc, char **argv)
 {
-  const char *home           = getenv("HOME");
-  char        names[3][4096] = {"", ".petscrc", "petscrc"};
+  char name[4096];
 
   for (int i = 1; i < argc; i++)
     if (!strcmp(argv[i], "-skip_petscrc")) return 1;
-  if (home) (void)snprintf(names[0], sizeof names[0], "%s/.petscrc", home);
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; MpmLaunchOptionFile(i, sizeof name, name); i++) {
     struct stat is;
 
-    if (!names[i][0] || stat(names[i], &is) || S_ISREG(is.st_mode)) continue;
-    if (IsFirst())
-      fprintf(stderr,
-              "mpmstab: %s: PETSc looks for options there, and it is not a regular file; allowed: a text file, "
-              "or -skip_petscrc\n",
-              names[i]);
-    if (!IsFirst()) (void)sleep(1); /* a launcher ends the other ranks when the first rank ends */
+    if (stat(name, &is) || S_ISREG(is.st_mode)) continue;
+    RefuseOnce(name, "PETSc looks for options there, and it is not a regular file; allowed: a text file, or "
+                     "-skip_petscrc");
     return 0;
   }
   return 1;

@@ -1,5 +1,6 @@
 /* Launch: what is set for the process before MPI starts. */
 #pragma once
+#include <stddef.h>
 
 /*
    MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open MPI
@@ -18,6 +19,22 @@ void MpmLaunchAlone(void);
    the end (MpmErrorsReportLost).
 */
 void MpmLaunchStandardFiles(void);
+
+/*
+   MpmLaunchMemory - returns whether the shell grants the address space (ulimit -v) that MPI and LAPACK start with.
+   Otherwise the first rank says so. Without it Open MPI prints several lines of its own, or ends without any.
+
+   Not collective; call it before MPI_Init.
+*/
+int MpmLaunchMemory(void);
+
+/*
+   MpmLaunchOptionFile - gives the names of the files in which PETSc looks for options, the one that overrules the others
+   first. Returns 0 when there is no i-th.
+
+   Not collective.
+*/
+int MpmLaunchOptionFile(int i, size_t room, char name[]);
 
 /*
    MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options can be read without waiting.

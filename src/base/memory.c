@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #define PLENTY 1e8 /* bytes: less is not worth asking the machine for */
 #define GB 1073741824.0
@@ -25,15 +26,18 @@ static PetscReal Number(const char path[], const char format[], PetscReal unit)
   return unit * value;
 }
 
-/* The least of three: memory that the machine has left, that a container may use, and that the shell grants. */
+/* The least of three: memory that the machine has left, that a container may use, and what of the shell's is left. */
 static PetscReal Available(PetscReal ranks)
 {
   PetscReal     available = Number("/proc/meminfo", "MemAvailable: %lf", 1024);
   struct rlimit limit;
 
   available = PetscMin(available, Number("/sys/fs/cgroup/memory.max", "%lf", 1));
-  if (!getrlimit(RLIMIT_AS, &limit) && limit.rlim_cur != RLIM_INFINITY)
-    available = PetscMin(available, ranks * (PetscReal)limit.rlim_cur);
+  if (!getrlimit(RLIMIT_AS, &limit) && limit.rlim_cur != RLIM_INFINITY) {
+    const PetscReal used = Number("/proc/self/statm", "%lf", (PetscReal)sysconf(_SC_PAGESIZE));
+
+    available = PetscMin(available, ranks * PetscMax(0, (PetscReal)limit.rlim_cur - (isinf(used) ? 0 : used)));
+  }
   return available;
 }
 

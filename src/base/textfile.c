@@ -12,6 +12,9 @@
 #include <unistd.h>
 
 #define NOT_A_FILE -1 /* a value that errno never has */
+#define MOST 8        /* text files that are open at the same time */
+
+static FILE *streams[MOST]; /* those that are open, on the first rank */
 
 static const char *Reason(int error)
 {
@@ -85,6 +88,32 @@ PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Closes a stream. Returns an errno. */
+static int CloseStream(FILE *stream)
+{
+  for (int i = 0; i < MOST; i++)
+    if (streams[i] == stream) streams[i] = NULL;
+  return fclose(stream) ? errno : 0;
+}
+
+static int OpenStream(MpmTextFile *file)
+{
+  int i = 0, own;
+
+  while (i < MOST && streams[i]) i++;
+  if (i == MOST) return EMFILE;
+  own = dup(MpmUnfinishedDescriptor(file->part));
+  if (own < 0) return errno;
+  file->stream = streams[i] = fdopen(own, "w+");
+  return file->stream ? 0 : errno;
+}
+
+void MpmTextFileAbandon(void)
+{
+  for (int i = 0; i < MOST; i++)
+    if (streams[i]) (void)CloseStream(streams[i]);
+}
+
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
 {
   int error;
@@ -93,12 +122,7 @@ PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
   PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
   PetscCall(MpmFileCreate(PETSC_COMM_WORLD, path, file->part, &error));
   file->stream = NULL;
-  if (!error && IsFirst()) {
-    const int own = dup(MpmUnfinishedDescriptor(file->part));
-
-    file->stream = own < 0 ? NULL : fdopen(own, "w+");
-    if (!file->stream) error = errno;
-  }
+  if (!error && IsFirst()) error = OpenStream(file);
   PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", path, strerror(error));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -145,7 +169,7 @@ PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
 void MpmTextFileDrop(MpmTextFile *file)
 {
   if (!file->stream) return;
-  fclose(file->stream);
+  (void)CloseStream(file->stream);
   file->stream = NULL;
   MpmUnfinishedDrop(file->part);
 }
@@ -157,7 +181,10 @@ PetscErrorCode MpmTextFileClose(MpmTextFile *file)
   PetscFunctionBegin;
   if (file->stream) {
     if (fflush(file->stream) || ferror(file->stream)) error = errno ? errno : EIO;
-    if (fclose(file->stream) && !error) error = errno;
+    if (error)
+      (void)CloseStream(file->stream);
+    else
+      error = CloseStream(file->stream);
     file->stream = NULL;
     if (error)
       MpmUnfinishedDrop(file->part);

@@ -44,3 +44,11 @@ PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text);
 
 /* Not collective. Removes an unfinished file that is not to be kept. */
 void MpmTextFileDrop(MpmTextFile *file);
+
+/*
+   MpmTextFileAbandon - closes all text files without a word, when the program ends by an error. PETSc flushes them at
+   its end and would complain of a full disk once more.
+
+   Not collective. Part of MpmFinalize.
+*/
+void MpmTextFileAbandon(void);

@@ -51,6 +51,74 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode CreateSolver(Mat T, const char prefix[], MpmEigenMethod method, EPS *eps)
+{
+  PetscInt order;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(T, &order, NULL));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)T), eps));
+  PetscCall(EPSSetOperators(*eps, T, NULL));
+  PetscCall(EPSSetOptionsPrefix(*eps, prefix));
+  PetscCall(SetMethod(*eps, method, order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The smallest matrix that every rank has rows of. */
+static PetscErrorCode CreateIdentity(Mat *identity)
+{
+  PetscInt first, end;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, 2, 2, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, identity));
+  PetscCall(MatGetOwnershipRange(*identity, &first, &end));
+  for (PetscInt i = first; i < end; i++) PetscCall(MatSetValue(*identity, i, i, 1, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(*identity, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*identity, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenTryOptions(MpmEigenMethod method)
+{
+  Mat identity;
+  EPS eps;
+
+  PetscFunctionBegin;
+  PetscCall(CreateIdentity(&identity));
+  PetscCall(CreateSolver(identity, NULL, method, &eps));
+  PetscCall(EPSDestroy(&eps));
+  PetscCall(MatDestroy(&identity));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What is read only while a solver solves, or by solvers inside it. */
+static PetscBool IsReadLater(const char name[])
+{
+  static const char *const parts[] = {"_view", "_monitor", "_reason", "_error", "mat_", "ksp_", "pc_", "sub_"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(parts); i++)
+    if (strstr(name, parts[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscErrorCode MpmEigenRefuseUnread(void)
+{
+  static const char *const families[] = {"eps_", "st_", "bv_", "ds_", "svd_"};
+
+  PetscInt n;
+  char   **names, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt i = 0; i < n; i++)
+    for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(families); f++)
+      MpmCheckInput(strncmp(names[i], families[f], strlen(families[f])) || IsReadLater(names[i]),
+                    "unknown option -%.200s; no solver of this task reads it; allowed: see SLEPc's manual pages",
+                    names[i]);
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Writes which LU is used, such as " (LU: band)", or nothing where there is none. */
 static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
 {
@@ -315,10 +383,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   PetscCall(MatGetSize(A, &e->order, NULL));
   PetscCall(NormOf(A, &e->norm));
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
-  PetscCall(EPSCreate(PetscObjectComm((PetscObject)A), &e->eps));
-  PetscCall(EPSSetOperators(e->eps, T, NULL));
-  PetscCall(EPSSetOptionsPrefix(e->eps, prefix));
-  PetscCall(SetMethod(e->eps, method, e->order));
+  PetscCall(CreateSolver(T, prefix, method, &e->eps));
   if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
   PetscCall(dense ? SolveDense(e, &found) : SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));

@@ -68,6 +68,16 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 */
 PetscErrorCode MpmEigenRitz(Mat A, PetscInt given, Vec vectors[], MpmEigen **eigen);
 
+/*
+   MpmEigenTryOptions - sets up a solver of this method with its options for a matrix of a few unknowns, so that what
+   SLEPc refuses is refused before the work. MpmEigenRefuseUnread then refuses options of SLEPc's solvers that none of
+   those set up by then has read.
+
+   Collective on PETSC_COMM_WORLD. Options that are read only while a solver solves, as views are, are let through.
+*/
+PetscErrorCode MpmEigenTryOptions(MpmEigenMethod method);
+PetscErrorCode MpmEigenRefuseUnread(void);
+
 /* Collective. Gives the eigenvector of a listed eigenvalue; re and im together have norm 1. */
 PetscErrorCode MpmEigenVector(const MpmEigen *eigen, PetscInt j, Vec re, Vec im);
 

@@ -61,8 +61,8 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *c)
 {
   const MpmTable *table                    = march->scheme->table;
   const PetscInt  field                    = march->scheme->formulation->conserved;
-  PetscReal       sums[MPM_MAX_DIM + 1][2] = {{0}};
-  MPI_Comm        comm                     = PetscObjectComm((PetscObject)march->grid->da);
+  PetscReal       sums[MPM_MAX_DIM + 1][2] = {{0}}, affine[2] = {0, 0};
+  MPI_Comm        comm = PetscObjectComm((PetscObject)march->grid->da);
 
   PetscFunctionBegin;
   *c = (MpmConserved){.particles = march->particles->count, .exponent = march->exponent};
@@ -70,10 +70,13 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *c)
   for (PetscInt r = 0; r < table->nstate; r++) {
     const PetscInt component = table->component[r];
 
+    if (r >= table->affine_part && table->affine != MPM_NONE) /* nodes get it too, and its sum over them is 0 */
+      PetscCall(SumParticles(march, r, affine));
     if (field == MPM_NONE || table->field[r] != field || IsStopped(march->layout, component)) continue;
     c->has_momentum = PETSC_TRUE;
     PetscCall(SumParticles(march, r, sums[component]));
   }
+  sums[0][1] += affine[1];
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &c->particles, 1, MPIU_INT64, MPI_SUM, comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2 * (MPM_MAX_DIM + 1), MPIU_REAL, MPI_SUM, comm));
   c->mass = sums[MPM_MAX_DIM][0];

@@ -11,7 +11,7 @@
    mass         - the sum of the nodal masses, in particles of the first material
    momentum     - the sum of m v over the particles, for each component of the field that the formulation conserves,
                   in units of 2^exponent; 0 for components that a wall stops
-   size         - the sum of m abs(v) over these components, in units of 2^exponent
+   size         - the sum of m abs(v) over these components and of that of the affine part, in units of 2^exponent
    has_momentum - scheme and ends conserve a component of the momentum
 S*/
 typedef struct {

@@ -58,6 +58,14 @@ static MpmRowMap MapOf(const Group *g, const Entry *entry)
                      .weight   = entry->op->weight};
 }
 
+/* Notes that a line has the weights of a kind across it. */
+static void NeedKind(MpmRowPlan *plan, MpmOpKind kind)
+{
+  for (PetscInt k = 0; k < plan->nkinds; k++)
+    if (plan->kind[k] == kind) return;
+  plan->kind[plan->nkinds++] = kind;
+}
+
 /* Makes a step of the maps of a group, and then of its samples. */
 static void Close(Group *g)
 {
@@ -71,7 +79,7 @@ static void Close(Group *g)
     if (i == 0 || !SameLine(e, &g->entry[i - 1]))
       plan->line[plan->nlines++] =
           (MpmRowLine){.node = e->node, .axis = e->axis, .across = e->across, .begin = plan->nmaps};
-    plan->needs[e->across]           = PETSC_TRUE;
+    NeedKind(plan, e->across);
     plan->map[plan->nmaps++]         = MapOf(g, e);
     plan->line[plan->nlines - 1].end = plan->nmaps;
     while (last > plan->line[plan->nlines - 1].begin && plan->map[last - 1].kernel == plan->map[plan->nmaps - 1].kernel)
@@ -116,7 +124,7 @@ void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *p
 {
   Group group = {.basis = basis, .plan = plan};
 
-  *plan = (MpmRowPlan){.nsteps = 0};
+  *plan = (MpmRowPlan){.nkinds = 1, .kind = {MPM_P2G}};
   for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
     if (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS)
       AddMap(&group, op);

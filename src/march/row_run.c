@@ -76,12 +76,13 @@ static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscI
 {
   const MpmMarch *march  = a->march;
   const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
-  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK] = {0};
+  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK];
 
   if (IsAlike(a, begin, n, placed)) {
     placed->begin = begin;
     return;
   }
+  moved[0] = 0; /* a row is never empty, but the compiler cannot know it */
   for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
   Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], &placed->block);
@@ -102,8 +103,8 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
   const MpmBasis *basis = march->scheme->basis;
   const MpmGrid  *grid  = march->grid;
   const PetscInt  n = basis->nodes, dim = grid->dim;
-  PetscInt        first[MPM_MAX_DIM]                               = {0, 0, 0};
-  PetscReal       along[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_NODES] = {{{1}}};
+  PetscInt        first[MPM_MAX_DIM] = {0, 0, 0};
+  PetscReal       along[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_NODES];
 
   along[2][MPM_P2G][0] = 1; /* of a direction that is not there */
   for (PetscInt d = 1; d < dim; d++) {
@@ -111,9 +112,8 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
     PetscReal xi;
 
     Move(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
-    for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-      if (a->plan->needs[k] || k == MPM_P2G)
-        first[d] = cell + MpmLineWeights(basis, (MpmOpKind)k, xi, march->layout->half_width[d], along[d][k]);
+    for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
+      first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], along[d][*k]);
   }
   placed->rows = dim == 2 ? n : n * n;
   for (PetscInt r = 0; r < placed->rows; r++) {
@@ -121,10 +121,9 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
 
     placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
                         (first[2] + z) * grid->axis[2].stride;
-    for (PetscInt k = 0; k < MPM_OP_KINDS; k++) {
-      if (!a->plan->needs[k]) continue;
-      placed->weight[1][k][r] = along[1][k][y] * along[2][MPM_P2G][z];
-      placed->weight[2][k][r] = along[1][MPM_P2G][y] * along[2][k][z];
+    for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++) {
+      placed->weight[1][*k][r] = along[1][*k][y] * along[2][MPM_P2G][z];
+      if (dim > 2) placed->weight[2][*k][r] = along[1][MPM_P2G][y] * along[2][*k][z];
     }
     placed->weight[0][MPM_P2G][r] = along[1][MPM_P2G][y] * along[2][MPM_P2G][z];
   }

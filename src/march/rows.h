@@ -38,14 +38,15 @@ typedef struct {
 } MpmRowStep;
 
 /*S
-   MpmRowPlan - a pass compiled for rows. needs[kind] says that some line has the weights of kind across it.
+   MpmRowPlan - a pass compiled for rows. Lines have the weights of kind[0] to kind[nkinds - 1] across them; the first is
+   MPM_P2G.
 S*/
 struct MpmRowPlan_ {
-  PetscInt   nsteps, nlines, nmaps;
+  PetscInt   nsteps, nlines, nmaps, nkinds;
   MpmRowStep step[2 * MPM_MAX_PASS_OPS];
   MpmRowLine line[2 * MPM_MAX_PASS_OPS];
   MpmRowMap  map[2 * MPM_MAX_PASS_OPS];
-  PetscBool  needs[MPM_OP_KINDS];
+  MpmOpKind  kind[MPM_OP_KINDS];
 };
 
 /* Not collective. Compiles a pass. */

@@ -18,6 +18,11 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *r
   PetscFunctionBegin;
   *diagnostics = NULL;
   if (!request->weights && !request->source_term && !request->ringing) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(scene->layout.dim == 1,
+                "%s true: C1, C2 and ringing are of the two sides of a node on a line; allowed: only with dim 1",
+                request->weights       ? "weights"
+                : request->source_term ? "source_term"
+                                       : "ringing");
   MpmCheckInput(
       !request->source_term || !MpmSceneDrifts(scene) || march->slack,
       "source_term true: with drift %.6g particles leave what a rank with so few cells knows of its neighbours "

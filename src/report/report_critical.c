@@ -112,10 +112,7 @@ static PetscErrorCode PrintWave(PetscInt dim, const MpmCritical *c)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) length += PetscSqr(c->beta[a]);
   length = PetscSqrtReal(length);
-  if (c->assembled)
-    MpmPrint("a mode with waves");
-  else
-    MpmPrint("%s", said[c->wave]);
+  MpmPrint("%s%s", c->assembled ? "a mode with " : "", said[c->wave]);
   MpmPrint(" of %.4g cells ", 2 * PETSC_PI / length);
   PetscCall(PrintDirection(dim, c->beta, length));
   MpmPrint(", beta = (");

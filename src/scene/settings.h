@@ -1,13 +1,14 @@
 /*
-   Settings: what the user said, as text, with where it was said. The command line overrides the scene file, and the
-   scene file overrides the defaults. Readers for each kind of value refuse what is not allowed, with one message that
-   names the option, its value and what is allowed.
+   Settings: what the user said, as text, with where it was said. The command line overrides what PETSc finds elsewhere
+   (settings_place.h), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
+   value refuse what is not allowed, with one message that names the option, its value and what is allowed.
 */
 #pragma once
 #include "scene/fields.h"
 #include <mpmstab/errors.h>
 
-typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_COMMAND_LINE } MpmSource;
+/* Outside: PETSC_OPTIONS, or a file in which PETSc looks for options. */
+typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_OUTSIDE, MPM_FROM_COMMAND_LINE } MpmSource;
 
 typedef struct {
   char     *text[MPM_MAX_OPTIONS]; /* NULL: not given and no default */
@@ -33,6 +34,14 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
+
+/*
+   MpmSettingsCheckOutside - prints a line for each place other than command line and scene that gives options, such as
+   'from PETSC_OPTIONS: -courant 0.3', also those that the task does not read.
+
+   Collective. Refuses options that do not exist, with their place, before anything runs.
+*/
+PetscErrorCode MpmSettingsCheckOutside(const char task[]);
 
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);

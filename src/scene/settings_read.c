@@ -1,6 +1,7 @@
 /* Readers for each kind of value. A value is checked once, here, and refused with what is allowed. */
 #include "scene/settings.h"
 #include "base/suggest.h"
+#include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -30,14 +31,16 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
 {
-  const PetscInt    i    = MpmOptionIndex(name);
-  const char *const dots = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
+  const PetscInt    i                     = MpmOptionIndex(name);
+  const char *const dots                  = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
+  char              place[MPM_PLACE_TEXT] = "";
 
   PetscFunctionBegin;
   if (settings->source[i] == MPM_FROM_SCENE)
     MpmRefuse("%s:%d: %s: %.*s%s: %s", settings->scene, settings->line[i], name, MOST_SHOWN, settings->text[i], dots,
               why);
-  MpmRefuse("-%s %.*s%s: %s", name, MOST_SHOWN, settings->text[i], dots, why);
+  if (settings->source[i] == MPM_FROM_OUTSIDE) PetscCall(MpmSettingsPlace(name, settings->text[i], place));
+  MpmRefuse("-%s %.*s%s%s: %s", name, MOST_SHOWN, settings->text[i], dots, place, why);
 }
 
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])

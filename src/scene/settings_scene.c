@@ -5,11 +5,32 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <yaml.h>
 
 #define LARGEST_SCENE (1 << 14) /* bytes; libyaml's time goes with the square of the brackets that stay open */
 #define PATIENCE 2000           /* ms for someone to open the other end of a pipe */
+
+static PetscBool IsSameFile(int file, int other)
+{
+  struct stat a, b;
+
+  return !fstat(file, &a) && !fstat(other, &b) && a.st_ino == b.st_ino && a.st_dev == b.st_dev ? PETSC_TRUE
+                                                                                               : PETSC_FALSE;
+}
+
+/*
+   Whether a file is the pipe or terminal that takes this program's report or messages, and nothing else: nothing would
+   ever come from it.
+*/
+static PetscBool IsOwnOutput(int file)
+{
+  struct stat is;
+
+  if (fstat(file, &is) || !(S_ISFIFO(is.st_mode) || isatty(file)) || IsSameFile(file, STDIN_FILENO)) return PETSC_FALSE;
+  return IsSameFile(file, STDOUT_FILENO) || IsSameFile(file, STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /*
    To open a pipe waits for the program that writes it. This function finds the pipe empty when no such program comes.
@@ -19,6 +40,11 @@ static FILE *Open(const char path[])
   struct pollfd file = {.fd = open(path, O_RDONLY | O_NONBLOCK), .events = POLLIN};
 
   if (file.fd < 0) return NULL;
+  if (IsOwnOutput(file.fd)) {
+    (void)close(file.fd);
+    errno = EDEADLK;
+    return NULL;
+  }
   (void)poll(&file, 1, PATIENCE);
   if (fcntl(file.fd, F_SETFL, 0)) {
     (void)close(file.fd);

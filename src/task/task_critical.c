@@ -1,4 +1,5 @@
 /* The task critical: mpmstab critical [SCENE.yaml] [-option value]... */
+#include "linalg/eigen.h"
 #include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
@@ -23,6 +24,8 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
+  if (MpmSymbolWhyNot(&scene->layout)) PetscCall(MpmEigenTryOptions(MPM_EIGEN_DENSE));
+  PetscCall(MpmEigenRefuseUnread());
   *missed = 0;
   if (request->survey)
     PetscCall(MpmCriticalPrintSurvey(scene, request));

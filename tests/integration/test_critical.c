@@ -84,9 +84,9 @@ static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t,
   PetscCall(Find(options, &c));
   CHECK(isnan(c.closed) == !t->filter_symbol, "%s: closed form %g", options, c.closed);
   if (isnan(c.closed)) PetscFunctionReturn(PETSC_SUCCESS);
-  CHECK(c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) &&
-            c.stable_at >= c.closed * (1 - 1e-9),
-        "%s: %.9g, closed form %.9g at %g, stable at %.9g", options, c.courant, c.closed, c.closed_beta[0], c.stable_at);
+  CHECK(
+      c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) && c.stable_at >= c.closed * (1 - 1e-9),
+      "%s: %.9g, closed form %.9g at %g, stable at %.9g", options, c.courant, c.closed, c.closed_beta[0], c.stable_at);
   /* gas with a filter loses stability first at the longest waves, by less than the tolerance */
   CHECK(c.stable_at <= c.closed * (1 + 1e-5) || c.stable_at - c.closed < (t->filter ? 0.04 : 2e-3),
         "%s: stable at %.9g, closed form %.9g", options, c.stable_at, c.closed);

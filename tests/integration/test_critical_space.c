@@ -164,6 +164,25 @@ static PetscErrorCode CheckBound(const char formulation[], const char rest[], in
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A lone particle attains the bound wherever it is; of gimp the least D is on a node, 1 / (4 ppc). */
+static PetscErrorCode CheckLone(void)
+{
+  static const char *const lone[] = {"usl -basis quadratic -cells 4 -ppc 1 -fill 1,2 -offset 0.2,0.4",
+                                     "usf -basis quadratic -cells 4 -ppc 1 -fill 1,2 -boundary free -offset 0.2,0.4",
+                                     "usl -basis gimp -cells 5 -ppc 2 -fill 2,2.5 -offset 0"};
+  char                     options[256];
+  MpmCritical              c;
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lone); i++) {
+    PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -transfer apic -gradient mls -formulation %s", lone[i]));
+    PetscCall(Find(options, PETSC_TRUE, &c));
+    CHECK_NEAR(c.bound, i == 2 ? sqrt(0.35) : sqrt(0.7), 1e-12);
+    CHECK(c.assembled && fabs(c.courant / c.bound - 1) < 2e-6, "%s: %.9g, bound %.9g", options, c.courant, c.bound);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CheckBounds(void)
 {
   static const char *const none[] = {"-dim 2 -formulation usl -transfer apic -gradient mls",
@@ -182,8 +201,29 @@ static PetscErrorCode CheckBounds(void)
     PetscCall(Find(none[i], PETSC_TRUE, &c));
     CHECK(c.bound == 0, "%s: bound %g", none[i], c.bound);
   }
+  PetscCall(Find("-formulation gas1 -transfer xpic -dim 2", PETSC_TRUE, &c)); /* long waves: 0 */
+  CHECK(c.courant == 0 && c.closed == 0 && c.bound == 0, "gas1 xpic: %g", c.courant);
   PetscCall(Find("-formulation usl -transfer apic -gradient mls -basis cubic", PETSC_TRUE, &c));
   CHECK_NEAR(c.bound, 2 / sqrt(3), 1e-12);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   By all eigenvalues. A layout of jitter next to 0 has the waves of the grid, of which those of two cells limit. Between
+   walls across x the motions that are the same at all y are those of a bar.
+*/
+static PetscErrorCode CheckAssembled(void)
+{
+  MpmCritical c, bar;
+
+  PetscFunctionBegin;
+  PetscCall(Find("-dim 2 -cells 4 -formulation usl -jitter 1e-9", PETSC_TRUE, &c));
+  CHECK(c.assembled && fabs(c.courant * sqrt(1.75) - 1) < 1e-5, "jitter 1e-9: %.9g", c.courant);
+  CHECK(c.wave == MPM_WAVE_P && fabs(c.beta[0] + c.beta[1] - PETSC_PI) < 1e-9, "jitter 1e-9: %g, %g, type %s",
+        c.beta[0], c.beta[1], MpmWaveTypeNames[c.wave]);
+  PetscCall(Find("-dim 2 -cells 4,2 -formulation usl -boundary fixed-free,periodic", PETSC_TRUE, &c));
+  PetscCall(Find("-cells 4 -formulation usl -boundary fixed,free", PETSC_TRUE, &bar));
+  CHECK(c.courant <= bar.courant * (1 + 1e-6) && c.courant > 0.75, "walls: %.9g, a bar %.9g", c.courant, bar.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -216,6 +256,8 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckKnown());
   for (int n = 0; n < 20; n++) PetscCall(CheckRandom(n));
   PetscCall(CheckBounds());
+  PetscCall(CheckLone());
+  PetscCall(CheckAssembled());
   PetscCall(CheckDrift());
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);

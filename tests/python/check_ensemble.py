@@ -18,7 +18,7 @@ SCENE = (f"-formulation elastic -cells {CELLS} -ppc {PPC} -courant {COURANT} -ji
          f"-layouts {LAYOUTS}").split()
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "dim", "cells", "ppc", "particles", "courant",
        "drift", "ranks", "wall_s", "verdict", "growth", "tolerance", "uncertainty", "evidence", "ensemble",
-       "jitter", "seed"}
+       "jitter", "seed", "gradient"}
 ENSEMBLE = {"layouts", "unstable", "undecided", "share", "interval", "growth_min", "growth_median", "growth_max",
             "worst_seed", "tolerance", "seconds"}
 WORD = 2**64 - 1

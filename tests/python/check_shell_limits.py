@@ -30,11 +30,44 @@ def check_memory():
                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
         check(done.returncode in (0, 2) and "PETSC ERROR" not in done.stderr,
               f"{megabytes} MB: status {done.returncode}: {done.stderr}")
+    for megabytes in range(500, 560, 10):  # the particles' arrays do not fit, or not when PETSc enlarges them
+        size = megabytes << 20
+        done = run("run -cells 3000000 -steps 1".split(),
+                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+        check(done.returncode in (0, 2) and done.stderr.count("\n") == (done.returncode == 2),
+              f"{megabytes} MB for particles: status {done.returncode}: {done.stderr}")
     size = 600 << 20
     done = run("spectrum -cells 1000 -measure false".split(),
                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
     check(done.returncode in (0, 2) and "PETSC ERROR" not in done.stderr,
           f"memory that ends within a task: status {done.returncode}: {done.stderr}")
+
+
+def check_start():
+    """Less than MPI or LAPACK starts with is refused in our own words, on one rank of those that a launcher starts too."""
+    for megabytes in (165, 180, 220, 260, 300, 330):
+        size = megabytes * 1000 << 10
+        for words in ("list", "symbol -cells 64", "critical"):
+            done = run(words.split(), preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+            if done.returncode == 127:  # the system cannot load the program
+                continue
+            check(done.returncode == 2 and not done.stdout and done.stderr.count("\n") == 1 and done.stderr.startswith(
+                "mpmstab: memory: the shell grants too little to start with (ulimit -v); allowed: 0."),
+                f"{words} with {megabytes} MB: status {done.returncode}: {done.stderr}")
+    size = 300 << 20
+    done = run(["list"], 2, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+    check(done.returncode == 2 and done.stderr.count("mpmstab: memory: ") == 1, f"two ranks: {done.stderr}")
+
+
+def check_own_output():
+    """The pipe or terminal that takes the report is no scene; standard input is one."""
+    for ranks in (1, 2):
+        for name in ("/dev/stdout", "/dev/stderr"):
+            done = run(["run", name], ranks)
+            check(done.returncode == 2 and done.stderr.count(f"mpmstab: scene {name}: Resource deadlock avoided") == 1,
+                  f"the scene {name} on {ranks} ranks: status {done.returncode}: {done.stderr}")
+    done = run(["run", "/dev/stdin", "-steps", "2"], input="cells: 4\n")
+    check(done.returncode == 0 and "4 cells" in done.stdout, f"a scene from standard input: {done.stderr}")
 
 
 def check_option_files():
@@ -58,6 +91,6 @@ def check_closed_output():
 
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
-    for part in (check_memory, check_option_files, check_closed_output):
+    for part in (check_memory, check_start, check_own_output, check_option_files, check_closed_output):
         part()
     os.chdir("/")

@@ -1,0 +1,161 @@
+/*
+   Refuses options that do not exist and options that the task does not read, and says which options stand neither on the
+   command line nor in the scene.
+*/
+#include "base/suggest.h"
+#include "scene/settings.h"
+#include "scene/settings_place.h"
+#include <string.h>
+
+/*
+   Whether an option is one of PETSc's or SLEPc's. These libraries read their options while the task runs, so beforehand
+   only the families are known, and which tasks call SLEPc.
+*/
+static PetscErrorCode CheckLibrary(const char task[], const char name[], const char place[], PetscBool *is_theirs)
+{
+  static const char *const any[]   = {"log_",          "malloc",  "objects_",    "options_", "on_error_", "info",
+                                      "dm_",           "da_",     "vec_",        "mat_",     "sf_",       "viewer_",
+                                      "mpi_",          "memory_", "fp_trap",     "debugger", "start_in",  "saws",
+                                      "check_pointer", "nodal_",  "skip_petscrc"};
+  static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
+
+  PetscFunctionBegin;
+  *is_theirs = PETSC_FALSE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
+    if (!strncmp(name, any[i], strlen(any[i]))) *is_theirs = PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(slepc); i++) {
+    if (strncmp(name, slepc[i], strlen(slepc[i]))) continue;
+    MpmCheckInput(!strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
+                  "-%.200s%s: task %s does not read it; allowed: with task %s or %s", name, place, task, eigen[0],
+                  eigen[1]);
+    *is_theirs = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* place: where it stands, as MpmSettingsPlace says it; more: what the user has to know besides. */
+static PetscErrorCode RefuseUnknown(const char name[], const char place[], const char more[])
+{
+  const char *names[MPM_MAX_OPTIONS], *near;
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  while (MpmOptions[n].name) {
+    names[n] = MpmOptions[n].name;
+    n++;
+  }
+  near = MpmSuggest(name, n, names);
+  if (near) MpmRefuse("unknown option -%.200s%s; did you mean -%s?%s", name, place, near, more);
+  MpmRefuse("unknown option -%.200s%s; 'mpmstab list options' shows those there are%s", name, place, more);
+}
+
+static PetscBool IsKey(const char word[])
+{
+  return word[0] == '-' && (word[1] == '-' || (word[1] | 32) >= 'a') ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* A scene file may hold options that other tasks read; on the command line such an option is a mistake. */
+static PetscErrorCode CheckTask(const char task[], const MpmField *option)
+{
+  PetscFunctionBegin;
+  MpmCheckInput(!option->tasks || strstr(option->tasks, task), "-%s: task %s does not read it; allowed: with task %s",
+                option->name, task, option->tasks);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first)
+{
+  PetscBool is_theirs;
+
+  PetscFunctionBegin;
+  for (int i = first; i < argc; i++) {
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%.200s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    for (int j = first; j < i; j++)
+      MpmCheckInput(MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION || strcmp(argv[i], argv[j]),
+                    "%s is given a second time; allowed: once", argv[i]);
+    if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION)
+      PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
+    else {
+      PetscCall(CheckLibrary(task, argv[i] + 1, "", &is_theirs));
+      if (!is_theirs) PetscCall(RefuseUnknown(argv[i] + 1, "", ""));
+    }
+    if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* PETSc reads these when it ends. */
+static PetscBool IsReadLast(const char name[])
+{
+  return !strncmp(name, "options_", 8) || !strncmp(name, "objects_", 8) || !strncmp(name, "malloc", 6) ? PETSC_TRUE
+                                                                                                       : PETSC_FALSE;
+}
+
+#define MOST_PLACES 5 /* the variable and four files */
+
+/* A line for each place that gives options. */
+typedef struct {
+  char text[MOST_PLACES][1024];
+} Lines;
+
+/* Adds an option to the line of its place, which is of the form 'from PETSC_OPTIONS'. */
+static PetscErrorCode Say(const char task[], const char name[], const char value[], const char place[], Lines *lines)
+{
+  const PetscInt option = MpmOptionIndex(name);
+  const char    *tasks  = option == MPM_NOT_AN_OPTION ? NULL : MpmOptions[option].tasks;
+  const size_t   room = sizeof lines->text[0], length = strlen(place);
+  int            i = 0;
+
+  PetscFunctionBegin;
+  while (i < MOST_PLACES - 1 && lines->text[i][0] &&
+         (strncmp(lines->text[i], place, length) || lines->text[i][length] != ':'))
+    i++;
+  if (!lines->text[i][0]) PetscCall(PetscSNPrintf(lines->text[i], room, "%s:", place));
+  PetscCall(PetscStrlcat(lines->text[i], " -", room));
+  PetscCall(PetscStrlcat(lines->text[i], name, room));
+  if (value && value[0]) PetscCall(PetscStrlcat(lines->text[i], " ", room));
+  if (value) PetscCall(PetscStrlcat(lines->text[i], value, room));
+  if (tasks && !strstr(tasks, task)) PetscCall(PetscStrlcat(lines->text[i], " (not read by this task)", room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckOutside(const char task[])
+{
+  Lines     lines = {{""}};
+  char      place[MPM_PLACE_TEXT], **names, **values;
+  PetscBool is_theirs;
+  PetscInt  n;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt i = 0; i < n; i++) {
+    if (IsReadLast(names[i])) continue;
+    PetscCall(MpmSettingsPlace(names[i], values[i], place));
+    if (!place[0]) continue;
+    if (MpmOptionIndex(names[i]) == MPM_NOT_AN_OPTION) {
+      PetscCall(CheckLibrary(task, names[i], place, &is_theirs));
+      if (!is_theirs) PetscCall(RefuseUnknown(names[i], place, ""));
+    }
+    PetscCall(Say(task, names[i], values[i], place + strlen(", "), &lines));
+  }
+  for (int i = 0; i < MOST_PLACES && lines.text[i][0]; i++) MpmPrint("%s\n", lines.text[i]);
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckUnused(void)
+{
+  char     place[MPM_PLACE_TEXT];
+  PetscInt n;
+  char   **names, **values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsLeftGet(NULL, &n, &names, &values));
+  for (PetscInt i = 0; i < n; i++) {
+    if (IsReadLast(names[i])) continue;
+    PetscCall(MpmSettingsPlace(names[i], values[i], place));
+    PetscCall(RefuseUnknown(names[i], place, "; nothing has read it, but the work is done and its files are written"));
+  }
+  PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
