@@ -134,6 +134,9 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckGrows("-cells 16 -courant 0.1 -drift 1/8", 1));
   PetscCall(CheckGrows("-cells 16 -courant 0.1 -drift 1/8", 5));
   PetscCall(CheckGrows("-cells 24 -courant 0.5 -jitter 0.4", 3));
+  PetscCall(CheckGrows("-dim 2 -cells 6,8 -formulation usl -courant 0.9", 1));
+  PetscCall(CheckGrows("-dim 2 -cells 19,20 -formulation usl -courant 0.9", 1)); /* of an operator without a matrix */
+  PetscCall(CheckGrows("-dim 3 -cells 4,3,4 -ppc 1 -formulation usl -courant 1.1", 1));
   if (rank == 0) (void)remove(FILE_NAME);
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
