@@ -293,7 +293,7 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
   PetscCall(PetscFree(p->places));
   p->places  = places;
   p->nplaces = p->room = all / width;
-  qsort(places, (size_t)p->nplaces, sizeof(*places), ByPhase);
+  if (all > 0) qsort(places, (size_t)p->nplaces, sizeof(*places), ByPhase);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

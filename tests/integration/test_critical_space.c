@@ -131,6 +131,31 @@ static PetscErrorCode CheckRandom(int n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A reflection of y takes the offset to 1 - offset. The limits are the same, and the phase of y has the other sign. */
+static PetscErrorCode CheckReflected(int n)
+{
+  static const char *const schemes[] = {"usl -basis quadratic -ppc 1 -poisson 0.4",
+                                        "musl -basis cubic -ppc 1 -poisson 0.2",
+                                        "usf -transfer pic -basis gimp -ppc 2,1 -poisson 0.1",
+                                        "usl -transfer apic -gradient mls -basis quadratic -ppc 1 -poisson 0.45"};
+  const PetscReal          offset[2] = {0.1 + 0.3 * MpmHash(41, n), 0.1 + 0.3 * MpmHash(42, n)};
+  const char *const        scheme    = schemes[n % 4];
+  char                     options[256];
+  MpmCritical              c, reflected;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -formulation %s -offset %.15f,%.15f", scheme, offset[0],
+                          offset[1]));
+  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -formulation %s -offset %.15f,%.15f", scheme, offset[0],
+                          1 - offset[1]));
+  PetscCall(Find(options, PETSC_TRUE, &reflected));
+  CHECK(fabs(c.courant / reflected.courant - 1) < 1e-9, "%s: %.12g, reflected %.12g", options, c.courant,
+        reflected.courant);
+  CHECK(!c.disputed && !reflected.disputed, "%s: disputed", options);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Jittered layouts between free ends or without ends do not grow up to the bound of MLS-MPM. Of usl on quadratic
    splines with nu = 0.3 it is k = sqrt(0.7).
@@ -236,6 +261,11 @@ static PetscErrorCode CheckDrift(void)
   PetscCall(Find("-formulation usl -drift 1/2", PETSC_TRUE, &along));
   PetscCall(Find("-dim 2 -formulation usl -drift 1/2,0", PETSC_TRUE, &c));
   CHECK(c.courant <= along.courant * (1 + 1e-9), "usl: %.9g, along x %.9g", c.courant, along.courant);
+  /* the wave along y has the limit of the one along x */
+  PetscCall(Find("-dim 2 -formulation musl -basis quadratic -ppc 1 -drift 0,1/8", PETSC_TRUE, &c));
+  PetscCall(Find("-formulation musl -basis quadratic -ppc 1 -drift 1/8", PETSC_TRUE, &along));
+  CHECK(fabs(c.courant / along.courant - 1) < 1e-5 && c.beta[0] == 0 && c.beta[1] != 0,
+        "musl: %.9g at %g, %g, 1-D %.9g", c.courant, c.beta[0], c.beta[1], along.courant);
   /* theory: ppc 1, (1/2, 1/2), k = 0.6: 1.371 against 1.117 in one dimension */
   PetscCall(Find("-dim 2 -formulation usl -transfer apic -ppc 1 -drift 1/2 -courant 0.6", PETSC_FALSE, &c));
   CHECK(fabs(c.asked.growth - 1.371) < 1e-3 && c.asked.verdict == MPM_UNSTABLE, "apic: growth %.9g", c.asked.growth);
@@ -255,6 +285,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(OracleCriticalSpace(argv[1], 36, CheckRow));
   PetscCall(CheckKnown());
   for (int n = 0; n < 20; n++) PetscCall(CheckRandom(n));
+  for (int n = 0; n < 8; n++) PetscCall(CheckReflected(n));
   PetscCall(CheckBounds());
   PetscCall(CheckLone());
   PetscCall(CheckAssembled());

@@ -78,8 +78,27 @@ def check_letters(mpmstab):
             check(letter == expected, f"{letter} for {row}")
 
 
+def check_plane(mpmstab):
+    """Checks that a map in two dimensions has a phase in each direction, in the CSV and in the HDF5 file."""
+    subprocess.run([mpmstab, "map", "-dim", "2", "-formulation", "usl", "-cells", "4", "-map_axes", "courant,poisson",
+                    "-map_points", "3,2", "-csv", "plane.csv", "-output", "plane.h5", "-json", "plane.json"],
+                   stdout=subprocess.DEVNULL, check=True)
+    with open("plane.csv") as file:
+        rows = list(csv.DictReader(file))
+    with open("plane.json") as file:
+        found = json.load(file)["map"]
+    check(list(rows[0]) == ["courant", "poisson", "growth", "beta_x", "beta_y", "verdict"], f"columns {list(rows[0])}")
+    check(found["axes"] == ["courant", "poisson"] and found["poisson"] == [0, 0.49] and found["phases"] == 16,
+          f"axes {found}")
+    with h5py.File("plane.h5") as file:
+        for name in ("beta_x", "beta_y"):
+            check([float(row[name]) for row in rows] == list(numpy.ravel(file["map"][name])), f"{name} in the two files")
+    check(all(abs(limit - 1.75**-0.5) < 1e-9 for limit in found["corrected_limit"]), f"{found['corrected_limit']}")
+
+
 def main(mpiexec, mpmstab):
     check_letters(mpmstab)
+    check_plane(mpmstab)
     result, text, data, table = run(mpiexec, mpmstab, 1)
     found, rows = result["map"], list(csv.DictReader(text.splitlines()))
     check(found["axes"] == ["courant", "drift"] and found["shape"] == [4, 5], f"axes {found}")

@@ -289,6 +289,18 @@ def check_critical(mpmstab):
     with open("usl.csv") as file:
         rows = list(csv.DictReader(file))
     check(len(rows) == 1 and math.isclose(float(rows[0]["critical_courant"]), limit, rel_tol=3e-6), f"usl: {rows}")
+    ask("-dim", "2", "-formulation", "usl", "-transfer", "apic", "-gradient", "mls", "-basis", "quadratic", "-json",
+        "mls.json", "-csv", "mls.csv")
+    with open("mls.json") as file:
+        found = json.load(file)["critical"]
+    more = {"bound", "limited_by_wave", "phases", "growth_when_drifting_diagonally"}
+    check(set(found) == keys | more, f"keys of critical in two dimensions {set(found) ^ (keys | more)}")
+    check(found["limited_by_wave"] == "P" and math.isclose(max(found["limited_by_beta"]), math.pi) and
+          len(found["limited_by_beta"]) == 2 and math.isclose(found["bound"], math.sqrt(0.7)), f"mls: {found}")
+    with open("mls.csv") as file:
+        row = next(csv.DictReader(file))
+    check(row["ppc"] == "2,2" and row["boundary"] == "periodic,periodic" and row["limited_by_wave"] == "P" and
+          float(row["limited_by_beta_x"]) == found["limited_by_beta"][0], f"mls: {row}")
     ask("-formulation", "usf", "-cells", "8", "-ppc", "1", "-fill", "3,4", "-json", "lone.json")
     with open("lone.json") as file:
         check("critical_courant" not in json.load(file)["critical"], "a lone particle has no limit with usf")
