@@ -85,15 +85,15 @@ static PetscErrorCode CheckOperators(void)
 {
   PetscFunctionBegin;
   PetscCall(CheckOperator("-dim 2 -cells 6,4 -formulation usl -drift 1/3,1/2"));
-  PetscCall(CheckOperator("-dim 2 -cells 5,4 -formulation usavg -transfer apic -basis cubic -gradient mls -ppc 1,2"));
+  PetscCall(CheckOperator("-dim 2 -cells 6,4 -formulation usavg -transfer apic -basis cubic -gradient mls -ppc 1,2"));
   PetscCall(CheckOperator("-dim 2 -cells 5,6 -formulation gas2 -jitter 0.5 -transfer xpic -basis quadratic"));
   PetscCall(CheckOperator("-dim 2 -cells 5,6 -formulation elastic -transfer nullspace -drift 1/2,0 -offset 0"));
-  PetscCall(CheckOperator("-dim 2 -cells 4,5 -formulation musl -basis gimp -boundary fixed_reaction-free,symmetry"));
+  PetscCall(CheckOperator("-dim 2 -cells 4,6 -formulation musl -basis gimp -boundary fixed_reaction-free,symmetry"));
   PetscCall(
-      CheckOperator("-dim 2 -cells 4,5 -formulation usf -boundary fixed,periodic -material two -density_ratio 8"));
-  PetscCall(CheckOperator("-dim 3 -cells 3,3,4 -ppc 1 -formulation gas1 -basis quadratic -transfer pic"));
+      CheckOperator("-dim 2 -cells 4,6 -formulation usf -boundary fixed,periodic -material two -density_ratio 8"));
+  PetscCall(CheckOperator("-dim 3 -cells 3,3,6 -ppc 1 -formulation gas1 -basis quadratic -transfer pic"));
   PetscCall(
-      CheckOperator("-dim 3 -cells 2,3,3 -ppc 1 -formulation musl -boundary free-fixed_reaction,symmetry,periodic"));
+      CheckOperator("-dim 3 -cells 2,3,6 -ppc 1 -formulation musl -boundary free-fixed_reaction,symmetry,periodic"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,10 +246,10 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(CheckOperators());
-  PetscCall(CheckSets("-dim 2 -cells 4,5 -ppc 2,1 -formulation usl -courant 0.7 -basis quadratic"));
-  PetscCall(CheckSets("-dim 2 -cells 4,3 -formulation musl -transfer apic -drift 1/4,1/2"));
-  PetscCall(CheckSets("-dim 3 -cells 3,2,4 -ppc 1 -formulation usf -courant 0.6 -poisson 0.5 -transfer pic"));
-  PetscCall(CheckSets("-dim 3 -cells 3,2,4 -ppc 1 -formulation gas2 -transfer blend -drift 1/3,0,1/3"));
+  PetscCall(CheckSets("-dim 2 -cells 4,6 -ppc 2,1 -formulation usl -courant 0.7 -basis quadratic"));
+  PetscCall(CheckSets("-dim 2 -cells 4,6 -ppc 2,1 -formulation musl -transfer apic -drift 1/4,1/2"));
+  PetscCall(CheckSets("-dim 3 -cells 3,2,6 -ppc 1 -formulation usf -courant 0.6 -poisson 0.5 -transfer pic"));
+  PetscCall(CheckSets("-dim 3 -cells 3,2,6 -ppc 1 -formulation gas2 -transfer blend -drift 1/3,0,1/3"));
   PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.9", MPM_UNSTABLE));
   PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.7", MPM_STABLE));
   PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation musl -basis quadratic -drift 1/8,1/8", MPM_UNSTABLE));
