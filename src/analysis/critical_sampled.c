@@ -26,6 +26,7 @@
 #define ROUNDS 20       /* of bisection at the phases that grow most, and of the search for these */
 #define SAME 1e-6       /* relative distance within which limits are those of axis waves */
 #define NEARLY 0.9      /* modes whose growth is at least this part of the largest count as equally fast */
+#define STILL 1e-9      /* a mode whose nodal vector is smaller than this part of it does not move the nodes */
 
 /* How a search goes on from the grid, by dimension: from so many places, and its first and last step at one wave. */
 static const PetscInt  starts[] = {0, 0, 6, 3};
@@ -321,29 +322,51 @@ static PetscInt VectorOf(const MpmScheme *scheme)
   return MPM_NONE;
 }
 
-/* The share along beta of a mode's nodal vector, P2G of the particles'. */
-static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], PetscInt vector, const PetscReal beta[])
+/* What an operation sends of a mode to its node. */
+static double complex Sent(const MpmBloch *b, const MpmOp *op, const double complex mode[])
 {
-  const PetscInt dim               = b->layout->dim;
-  double complex node[MPM_MAX_DIM] = {0}, along = 0;
-  PetscReal      all = 0, length = 0;
+  double complex sum = 0;
 
   for (PetscInt j = 0; j < b->ppc; j++) {
     double complex tie  = 1;
     PetscInt       rest = j;
 
-    for (PetscInt a = 0; a < dim; a++) {
-      tie *= MpmTie(&b->ties[a], 0, MPM_P2G, rest % b->ties[a].n, b->wave[a]);
+    for (PetscInt a = 0; a < b->layout->dim; a++) {
+      tie *= MpmTie(&b->ties[a], 0, a == op->axis ? op->kind : MPM_P2G, rest % b->ties[a].n, b->wave[a]);
       rest /= b->ties[a].n;
     }
-    for (PetscInt a = 0; a < dim; a++) node[a] += conj(tie) * mode[b->fields * j + vector + a];
+    sum += conj(tie) * mode[b->fields * j + op->src];
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    along += beta[a] * node[a];
-    all += PetscSqr(cabs(node[a]));
+  return sum;
+}
+
+/* A component of a mode's nodal vector: P2G of the particles', with that of the affine part. */
+static double complex NodalComponent(const MpmBloch *b, PetscInt particle, const double complex mode[])
+{
+  const MpmTable *table = b->scheme->table;
+  const MpmOp    *first = MpmTableSeenBy(table, particle);
+  double complex  sum   = Sent(b, first, mode);
+
+  for (const MpmOp *op = first + 1; op < table->ops + table->nops && op->kind == MPM_P2G_AFFINE; op++)
+    if (op->dst == first->dst) sum += Sent(b, op, mode);
+  return sum;
+}
+
+/* The share along beta of a mode's nodal vector; NaN for a mode that does not move the nodes. */
+static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], PetscInt vector, const PetscReal beta[])
+{
+  double complex along = 0;
+  PetscReal      all = 0, length = 0, size = 0;
+
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    const double complex node = NodalComponent(b, vector + a, mode);
+
+    along += beta[a] * node;
+    all += PetscSqr(cabs(node));
     length += PetscSqr(beta[a]);
   }
-  return PetscSqr(cabs(along)) / (all * length);
+  for (PetscInt i = 0; i < b->size; i++) size += PetscSqr(cabs(mode[i]));
+  return all > PetscSqr(STILL) * size ? PetscSqr(cabs(along)) / (all * length) : NAN;
 }
 
 PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
