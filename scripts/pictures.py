@@ -20,9 +20,10 @@ import warnings
 
 from picture_files import Refusal
 from picture_maps import growth_map, pseudospectrum, transient
+from picture_modes import modes
 from picture_process import run_apart
 from picture_runs import frames, growth, spacetime
-from picture_spectra import modes, spectrum, symbol
+from picture_spectra import spectrum, symbol
 from picture_style import names_of, save
 
 KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum")

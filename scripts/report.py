@@ -22,6 +22,7 @@ import sys
 import tempfile
 
 import picture_files
+import picture_scenes
 import report_html
 import report_page
 import report_runs
@@ -67,7 +68,7 @@ def attributes_of(asker, answers):
     for name, path in (("output", "output.h5"), ("spectrum", "spectrum.h5"), ("symbol", "symbol.h5")):
         if name in answers and answers[name].done:
             with picture_files.open_hdf5(asker.path(path)) as file:
-                return picture_files.attributes(file)
+                return picture_scenes.attributes(file)
     return {}
 
 

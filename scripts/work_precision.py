@@ -6,11 +6,13 @@ work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2
                   [--time T] [-o NAME]
 
 All combinations run to the same time, which is that of --time, or the end of the scene as it stands. The error is the
-largest l2 error over the fields at the end, against the exact solution and relative to its amplitude. The time is that
-of the loop, without start-up. Each of the --repeats rounds runs all combinations once, in an order of its own, so that
-a slow machine slows all of them alike. NAME.runs.jsonl keeps each run as soon as it is done: give the same command
-again to resume after an interruption, or a wider range to add to it. NAME.csv has a row for each combination, NAME.png
-and NAME.svg have the picture. The environment variable MPMSTAB names the program (by default build/mpmstab).
+largest l2 error over the fields at the end, against the exact solution and relative to its amplitude. In two and three
+dimensions --cells are those along x, and the other directions follow in the scene's proportion; --ppc are the particles
+of a cell in each direction. The time is that of the loop, without start-up. Each of the --repeats rounds runs all
+combinations once, in an order of its own, so that a slow machine slows all of them alike. NAME.runs.jsonl keeps each
+run as soon as it is done: give the same command again to resume after an interruption, or a wider range to add to it.
+NAME.csv has a row for each combination, NAME.png and NAME.svg have the picture. The environment variable MPMSTAB names
+the program (by default build/mpmstab).
 """
 # This import comes first, so that Ctrl-C during those below is one line too.
 from program import (PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_input, require_outputs,
@@ -19,6 +21,7 @@ import fcntl
 import hashlib
 import itertools
 import json
+import math
 import os
 import platform
 import random
@@ -29,6 +32,7 @@ import precision_picture
 from picture_style import save
 from precision_table import PARAMETERS, answer, csv_text, key, make_rows, remarks, table
 
+MOST_PHASES = {1: None, 2: 64, 3: 12}  # of the symbol in each direction, by dimension; None: as many as cells
 KINDS = {"cells": int, "courant": float, "ppc": int, "ranks": int, "formulation": str, "transfer": str, "basis": str}
 
 
@@ -76,6 +80,23 @@ def look_at(arguments):
     return base, end, made_from
 
 
+def as_option(base, cells):
+    """Returns the option -cells for so many cells along x, in the proportion of the scene's grid."""
+    own = base["cells"] if isinstance(base["cells"], list) else [base["cells"]]
+    part = own[0] // math.gcd(*own)
+    if cells % part:
+        refuse(f"--cells {cells}: no grid in the proportion of {' x '.join(map(str, own))} cells; "
+               f"allowed: multiples of {part}")
+    return ",".join(str(cells * count // own[0]) for count in own)
+
+
+def plain(value):
+    """Returns what a scene has for each direction as one value: it, when all are the same, else a text."""
+    if not isinstance(value, list):
+        return value
+    return value[0] if len(set(value)) == 1 else ",".join(f"{one:g}" for one in value)
+
+
 def lock(path):
     """Returns the file of runs, open and locked. When another script has locked it, this one is refused."""
     file = open(path, "a", encoding="utf-8")
@@ -117,20 +138,28 @@ def read_runs(path, made_from):
     return [record for record in records if record["status"] != "failed"]
 
 
-def measure(arguments, combination, end, first):
-    """Returns one run as a record. The first run of a combination also asks the symbol how all waves grow."""
+def options_of(arguments, combination, base):
+    """Returns the options of a combination: those that the arguments vary."""
     given = {name: combination[name] for name in KINDS if name != "ranks" and getattr(arguments, name)}
+    return {**given, "cells": as_option(base, given["cells"])} if "cells" in given else given
+
+
+def measure(arguments, combination, base, end, first):
+    """Returns one run as a record. The first run of a combination also asks the symbol how all waves grow."""
+    given = options_of(arguments, combination, base)
     status, found, said = launch("run", arguments.scene, {**given, "time": end}, combination["ranks"])
     if status not in (0, 3) or not found:
         return {**combination, "status": "refused" if status == 2 else "failed",
                 "note": said.removeprefix("mpmstab: ") or f"status {status}"}
     run = found["run"]
-    record = dict(combination, drift=found["drift"], particles=found["particles"], steps=run["steps"], time=run["time"],
-                  verdict=found["verdict"], growth=found.get("growth"), error=run["error"], loop_s=run["loop_s"],
-                  note=None)
+    record = dict(combination, dim=found["dim"], drift=plain(found["drift"]), particles=found["particles"],
+                  steps=run["steps"], time=run["time"], verdict=found["verdict"], growth=found.get("growth"),
+                  error=run["error"], loop_s=run["loop_s"], note=None)
     unstable = found["verdict"] == "unstable"
     if first:
-        _, symbol, _ = launch("symbol", arguments.scene, given)  # {} where the symbol does not cover the scene
+        most = MOST_PHASES[found["dim"]]
+        phases = {"phases": ",".join(str(min(most, count)) for count in found["cells"])} if most else {}
+        _, symbol, _ = launch("symbol", arguments.scene, {**given, **phases})  # {} where the symbol does not cover it
         record["growth_all_waves"] = symbol.get("growth")
         unstable = unstable or symbol.get("verdict") == "unstable"
     record["status"] = "unstable" if unstable else "ok"
@@ -144,7 +173,7 @@ def progress(done, total, begin, already):
         print(f"\rrun {done} of {total}, {left:.0f} s left   ", end=end, file=sys.stderr, flush=True)
 
 
-def run_all(arguments, combinations, end, records, path):
+def run_all(arguments, combinations, base, end, records, path):
     """Runs what is missing, round by round, and adds it to the records and to the file."""
     have = {(key(record), record["round"]) for record in records}
     over = {key(record) for record in records if record["status"] == "refused"}
@@ -158,7 +187,7 @@ def run_all(arguments, combinations, end, records, path):
             if (name, number) in have or name in over:
                 already += 1
             else:
-                record = {**measure(arguments, combination, end, number == 1), "round": number}
+                record = {**measure(arguments, combination, base, end, number == 1), "round": number}
                 add_line(path, record)
                 records.append(record)
                 if record["status"] in ("refused", "failed"):
@@ -183,7 +212,12 @@ def report(arguments, rows, base, end):
     print(f"error against run time: {arguments.scene} to time {end:g}"
           + ("" if arguments.time else f" (where the scene's {base['run']['steps']} steps end)"))
     print("error: largest l2 over fields (but apic's affine part) at the end / exact amplitude;\n"
-          "times: the loop alone; growth per step: of this run, and of all waves (symbol)\n")
+          "times: the loop alone; growth per step: of this run, and of all waves (symbol)")
+    if base["dim"] > 1:
+        print(f"{base['dim']} dimensions: cells are those along x, the others in proportion to "
+              f"{' x '.join(map(str, base['cells']))}; ppc is that of each direction;\n"
+              f"the symbol has at most {MOST_PHASES[base['dim']]} phases in each direction")
+    print()
     print(table(rows))
     print()
     for wanted in arguments.error:
@@ -200,7 +234,10 @@ def main():
     require_outputs([f"{arguments.output}.{ending}" for ending in ("csv", "png", "svg", "runs.jsonl")],
                     [arguments.scene, PROGRAM])
     base, end, made_from = look_at(arguments)
-    as_it_stands = {name: base[name] for name in PARAMETERS}
+    for cells in arguments.cells or []:
+        as_option(base, cells)
+    as_it_stands = {name: plain(base[name]) for name in PARAMETERS}
+    as_it_stands["cells"] = base["cells"][0] if base["dim"] > 1 else base["cells"]
     values = [getattr(arguments, name) or [as_it_stands[name]] for name in PARAMETERS]
     combinations = [dict(zip(PARAMETERS, choice)) for choice in itertools.product(*values)]
     path = f"{arguments.output}.runs.jsonl"
@@ -208,7 +245,7 @@ def main():
     with lock(path):
         records = read_runs(path, made_from)
         try:
-            run_all(arguments, combinations, end, records, path)
+            run_all(arguments, combinations, base, end, records, path)
         except KeyboardInterrupt:
             interrupted = True
         rows = make_rows([record for record in records if record["round"] <= arguments.repeats], combinations)

@@ -17,9 +17,10 @@ class Refusal(Exception):
 NUMBER, OPTIONAL = (int, float), (int, float, type(None))
 WORDS = {str: "a text", int: "a whole number", NUMBER: "a number", OPTIONAL: "a number or null", dict: "an object"}
 # The types of values in JSON.
-KINDS = {"task": str, "formulation": str, "basis": str, "transfer": str, "boundary": str, "cells": int, "ppc": NUMBER,
-         "particles": int, "courant": NUMBER, "drift": NUMBER, "growth": OPTIONAL, "predicted": dict, "run": dict,
-         "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}
+KINDS = {"task": str, "formulation": str, "basis": str, "transfer": str, "boundary": str, "dim": int, "cells": int,
+         "ppc": NUMBER, "particles": int, "courant": NUMBER, "drift": NUMBER, "growth": OPTIONAL, "predicted": dict,
+         "run": dict, "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}
+EACH = ("cells", "ppc", "drift")  # with more than one dimension these are lists, with a value for each direction
 SCENE = ("formulation", "basis", "transfer", "boundary", "cells", "ppc", "particles", "courant", "drift")
 
 
@@ -58,6 +59,13 @@ def array(file, name, made_by, columns=None):
     return values
 
 
+def is_of(value, kinds, dim):
+    """Says whether a value is of these types; with more than one dimension it must be a list, with one for each."""
+    if dim > 1:
+        return isinstance(value, list) and len(value) == dim and all(is_of(one, kinds, 1) for one in value)
+    return isinstance(value, kinds) and not isinstance(value, bool)
+
+
 def read_json(path):
     made = "a file that mpmstab has written with -json"
     require_file(path, made)
@@ -71,8 +79,9 @@ def read_json(path):
     if not isinstance(result, dict) or any(key not in result for key in (*SCENE, "task")):
         refuse(path, "is not a result of mpmstab", made)
     for key, kinds in KINDS.items():
-        if key in result and (not isinstance(result[key], kinds) or isinstance(result[key], bool)):
-            refuse(path, f"'{key}' is not {WORDS[kinds]}", made)
+        dim = result.get("dim", 1) if key in EACH else 1
+        if key in result and not is_of(result[key], kinds, dim):
+            refuse(path, f"'{key}' is not {f'a list of {dim}, each ' if dim > 1 else ''}{WORDS[kinds]}", made)
     return result
 
 
@@ -110,25 +119,9 @@ def read_words(path, column, made_by):
         return refuse(path, "is not CSV", f"a file that 'mpmstab {made_by}' has written")
 
 
-def attributes(file):
-    """Returns the scene that an HDF5 file holds in its attributes."""
-    scene = {}
-    for key, value in file.attrs.items():
-        scene[key] = value.decode() if isinstance(value, bytes) else value
-    missing = [key for key in SCENE if key not in scene]
-    if missing:
-        refuse(file.filename, f"no '{missing[0]}' in its attributes", "a file that mpmstab has written with -output")
-    return scene
-
-
 def complex_pairs(values):
     """Returns rows of re, im, re, im, ... as complex numbers."""
     return values[:, 0::2] + 1j * values[:, 1::2]
-
-
-def period(scene):
-    """Returns the number of steps after which drifting particles lie in their cells as before."""
-    return int(str(scene.get("drift_exact", "0/1")).rsplit("/", maxsplit=1)[-1])
 
 
 def steps_of(file):
@@ -142,81 +135,6 @@ def steps_of(file):
 def fields_of(group):
     """Returns the fields that both nodes and particles have, with displacement or velocity first."""
     return sorted((name for name in group["nodes"] if name in group["particles"]), key="uvrwsc".find)
-
-
-def drift_text(scene):
-    exact = str(scene.get("drift_exact", ""))
-    if exact.endswith("/1") or not exact:
-        return f"{float(scene['drift']):.6g}"
-    return exact
-
-
-def scene_parts(scene):
-    """Describes a scene, as texts by key. It comes from the attributes of an HDF5 file or from a JSON object."""
-    layout = [f"offset {float(scene.get('offset', 0.5)):.6g}"]
-    jitter = float(scene.get("jitter", 0))
-    if jitter:
-        layout.append(f"jitter {jitter:.6g} (seed {int(scene['seed'])})")
-    counts = scene.get("counts", "")
-    counts = counts if isinstance(counts, str) else ",".join(str(count) for count in counts)
-    if "," in counts:
-        layout.append(f"counts {counts}")
-    low, high = scene.get("cluster", (scene.get("cluster_from", 0), scene.get("cluster_to", 1)))
-    if high - low < 1:
-        layout.append(f"cluster {low:.6g},{high:.6g}")
-    material = scene.get("material", "uniform")
-    kind = material if isinstance(material, str) else material["kind"]
-    if kind != "uniform":
-        ratios = scene if isinstance(material, str) else material
-        layout.append(f"material {kind} (density ratio {ratios['density_ratio']:.6g}, "
-                      f"stiffness ratio {ratios['stiffness_ratio']:.6g})")
-    transfer = scene["transfer"]
-    for option in ("blend_ratio", "xpic_order"):
-        if option in scene:
-            transfer += f" ({option} {float(scene[option]):g})"
-    return {"formulation": scene["formulation"], "basis": f"{scene['basis']} basis", "transfer": transfer,
-            "courant": f"k = {float(scene['courant']):.6g}", "drift": f"drift {drift_text(scene)}",
-            "cells": f"{int(scene['cells'])} cells",
-            "ppc": f"{int(scene['ppc'])} particle{'s' if scene['ppc'] > 1 else ''} a cell",
-            "layout": ", ".join(layout), "boundary": f"ends {scene['boundary']}"}
-
-
-def compared(scene):
-    """Returns the parts of a scene that must agree in two files. Drift is a number here, as in JSON."""
-    material = scene.get("material", "uniform")
-    inclusion = material.get("inclusion", (0, 0)) if isinstance(material, dict) else (0, 0)
-    if material == "two":
-        inclusion = scene["inclusion_from"], scene["inclusion_to"]
-    return {**scene_parts(scene), "courant": f"k = {float(scene['courant']):.12g}",
-            "drift": f"drift {float(scene['drift']):.12g}", "particles": f"{int(scene['particles'])} particles",
-            "inclusion": f"inclusion {inclusion[0]:.12g},{inclusion[1]:.12g}"}
-
-
-def require_same(path, scene, other_path, other):
-    """Refuses two files that are of different scenes."""
-    ours, theirs = compared(scene), compared(other)
-    differs = [f"{ours[key]} and {theirs[key]}" for key in ours if ours[key] != theirs[key]]
-    if differs:
-        refuse(f"{path} and {other_path}", f"of different scenes: {differs[0]}", "files of one scene")
-
-
-def result_beside(path, scene, result_path, *tasks):
-    """Returns a JSON result, which must be of one of these tasks and of the scene of another file.
-
-    The scene is None when that file does not say it.
-    """
-    result = read_json(result_path)
-    if result["task"] not in tasks:
-        refuse(f"{path} and {result_path}", f"the second is of the task {result['task']}", " or ".join(tasks))
-    if scene:
-        require_same(path, scene, result_path, result)
-    return result
-
-
-def scene_text(scene):
-    parts = scene_parts(scene)
-    return (", ".join(parts[key] for key in ("formulation", "basis", "transfer", "courant")) + f", {parts['drift']} "
-            "(cells per step)\n" + ", ".join(parts[key] for key in ("cells", "ppc", "layout", "boundary")))
 
 
 def finite_range(values):

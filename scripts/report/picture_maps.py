@@ -4,7 +4,9 @@ from matplotlib import colors, patheffects
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
+import picture_boxes as boxes
 import picture_files as files
+import picture_scenes as scenes
 import picture_spectra as spectra
 import picture_style as style
 
@@ -19,7 +21,7 @@ def transient(path):
     found = files.part(result, "transient", path, "spectrum -powers N -json")
     steps, norm = numpy.array(found["steps"]), numpy.array(found["norm"], float)  # null is NaN: beyond doubles
     growth = files.part(result, "growth", path, "spectrum -json")
-    figure = style.new_figure(4.2, files.scene_text(result))
+    figure = style.new_figure(4.2, scenes.scene_text(result))
     axes = figure.add_subplot()
     axes.plot(steps, norm, "o-", color=style.COLOURS[1], markersize=3, label="norm of $A^n$ (largest singular value)",
               gid="norm")
@@ -50,16 +52,16 @@ def kreiss_on(real, imaginary, sigma):
 def pseudospectrum(path, result_path=None):
     """Draws contours of log10 of the smallest singular value of z - A, eigenvalues, unit circle and Kreiss point."""
     with files.open_hdf5(path) as file:
-        scene, values = files.attributes(file), spectra.eigenvalues_of(file)
+        scene, values = scenes.attributes(file), spectra.eigenvalues_of(file)
         real, imaginary, sigma = (files.array(file, f"pseudospectrum/{name}", "spectrum -pseudospectrum P -output")
                                   for name in ("re", "im", "sigma"))
     kreiss, at = kreiss_on(real, imaginary, sigma)
     if result_path:
-        result = files.result_beside(path, scene, result_path, "spectrum")
+        result = scenes.result_beside(path, scene, result_path, "spectrum")
         found = files.part(result, "pseudospectrum", result_path, "spectrum -pseudospectrum P -json")
         kreiss, at = found["kreiss"], complex(*found["kreiss_at"]) if found["kreiss_at"] else None
     floor = sigma[sigma > 0].min() if (sigma > 0).any() else 1e-16
-    figure = style.new_figure(5.8, files.scene_text(scene))
+    figure = style.new_figure(5.8, scenes.scene_text(scene))
     axes = figure.add_subplot()
     filled = axes.contourf(real, imaginary, numpy.log10(numpy.maximum(sigma, floor)), levels=12, cmap="cividis")
     lines = axes.contour(filled, colors="white", linewidths=0.6, linestyles="solid")
@@ -92,8 +94,8 @@ def growth_map(path, result_path=None, csv_path=None):
     The JSON of the same map adds the limits at rest and the number of unstable points, the CSV the undecided points.
     """
     with files.open_hdf5(path) as file:
-        scene = files.attributes(file)
-        result = files.result_beside(path, scene, result_path, "map") if result_path else None
+        scene = scenes.attributes(file)
+        result = scenes.result_beside(path, scene, result_path, "map") if result_path else None
         growth = files.array(file, "map/growth", "map -output")
         names = axes_of_map(file, growth.shape, result, result_path)
         first, second = (files.array(file, f"map/{name}", "map -output") for name in names)
@@ -115,15 +117,25 @@ def growth_map(path, result_path=None, csv_path=None):
     axes.set_title(f"unstable at {100 * found['unstable'] / growth.size:.1f}% of {growth.size} points "
                    f"(growth beyond 1 + {tolerance:g} per step)")
     for name, label in zip(names, (axes.set_xlabel, axes.set_ylabel)):
-        label(MAP_LABELS[name])
+        label(label_of(name, names, scene))
     if axes.get_legend_handles_labels()[0]:
         style.legend_below(axes, columns=1)
     return figure
 
 
+def label_of(name, names, scene):
+    """Names an axis. With more than one dimension a drift is along the axes that the scene's has, or along all."""
+    if name != "drift" or scenes.dimension(scene) == 1:
+        return MAP_LABELS[name]
+    if "drift_angle" in names:
+        return "size of the drift / cells per step"
+    own = [axis for axis, drift in zip(scenes.AXES, scenes.each(scene, "drift")) if drift]
+    return f"drift along {' and '.join(own or scenes.AXES[:scenes.dimension(scene)])} / cells per step"
+
+
 def draw_growth(figure, axes, places, growth, beyond):
     """Draws the colours and the border between unstable and stable points."""
-    x, y = (edges_of(values) for values in places)
+    x, y = (boxes.edges_of(values) for values in places)
     excess = numpy.ma.masked_where(~beyond, growth - 1)
     if excess.count():
         low, top = files.finite_range(numpy.asarray(excess.compressed()))
@@ -131,7 +143,7 @@ def draw_growth(figure, axes, places, growth, beyond):
         excess = numpy.ma.minimum(excess, 2 * top)  # infinite means beyond the range of doubles
         mesh = axes.pcolormesh(x, y, excess.T, cmap="viridis", rasterized=True, norm=colors.LogNorm(low, top))
         figure.colorbar(mesh, ax=axes, label="growth per step - 1 (grey: stable)")
-    axes.add_collection(LineCollection(outline(x, y, beyond), colors="black", linewidths=0.9))
+    axes.add_collection(LineCollection(boxes.outline(x, y, beyond), colors="black", linewidths=0.9))
     axes.set_xlim(x[[0, -1]])
     axes.set_ylim(y[[0, -1]])
 
@@ -155,22 +167,14 @@ def require_axis(path, values, other_path, name, others):
         files.refuse(f"{path} and {other_path}", f"of different maps: {name} has other values", "files of one map")
 
 
-def edges_of(values):
-    """Returns the middles between values, and an edge half a step beyond the first and the last."""
-    middles = (values[1:] + values[:-1]) / 2
-    return numpy.concatenate(([2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]))
-
-
-def outline(x, y, inside):
-    """Returns the sides that boxes inside share with boxes outside; x and y are the edges of the boxes."""
-    upright = [((x[i + 1], y[j]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[1:] != inside[:-1])]
-    level = [((x[i], y[j + 1]), (x[i + 1], y[j + 1])) for i, j in numpy.argwhere(inside[:, 1:] != inside[:, :-1])]
-    return upright + level
-
-
 def map_footer(scene, names):
     """Describes the scene without the two parameters that the axes sweep."""
-    parts = files.scene_parts(scene)
+    parts = scenes.scene_parts(scene)
+    if scenes.dimension(scene) > 1 and "ppc" in names:
+        parts["cells"] += ", ppc the same in all directions"
+    if "drift_angle" in names:
+        size = float(numpy.hypot.reduce(scenes.each(scene, "drift")))
+        parts["drift"] = f"drift of {size:.6g} cells per step, turned"
     shown = [text for key, text in parts.items()
              if key not in names and not (key == "layout" and "offset" in names)]
     return ", ".join(shown[:4]) + "\n" + ", ".join(shown[4:])

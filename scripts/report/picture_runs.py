@@ -9,6 +9,8 @@ from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 
 import picture_files as files
+import picture_plane as plane
+import picture_scenes as scenes
 import picture_style as style
 from program import require_outputs, write_whole
 
@@ -33,13 +35,13 @@ def predicted_of(result, spectra):
     for key in ("eigenmode", "corrected_mode", "corrected"):
         if result["predicted"].get(key) is not None:
             return result["predicted"][key]
-    same = [s for s in spectra if files.compared(s) == files.compared(result)]
+    same = [s for s in spectra if scenes.compared(s) == scenes.compared(result)]
     return same[0]["spectrum"].get("growth") if same else None
 
 
 def shared(results):
     """Returns the parts of the scenes that all have in common, and for each scene its other parts."""
-    parts = [files.scene_parts(result) for result in results]
+    parts = [scenes.scene_parts(result) for result in results]
     same = [text for key, text in parts[0].items() if all(part[key] == text for part in parts)]
     own = [[text for key, text in part.items() if any(other[key] != text for other in parts)] for part in parts]
     return same, [", ".join(texts) for texts in own]
@@ -130,7 +132,8 @@ def outgrows(sizes):
 def spacetime(path, field=None):
     """Draws one particle field over place and time, with the value of each particle around its place."""
     with files.open_hdf5(path) as file:
-        scene = files.attributes(file)
+        scene = scenes.attributes(file)
+        scenes.require_dimension(path, scene, (1,), "a field over place and time (frames shows it)")
         field, shown, steps, x, values = rows_of(file, field, float(scene["length"]))
     if len(steps) < 2:
         files.refuse(path, "only one step in it", "a run with -output_every")
@@ -148,7 +151,7 @@ def spacetime(path, field=None):
                                   ((left, low), (right, low), (right, high), (left, high))], axis=1))
     picture = PolyCollection(numpy.concatenate(boxes), array=values.ravel(), cmap="RdBu_r", linewidths=0,
                              antialiaseds=False, norm=colors.Normalize(-largest, largest), rasterized=True)
-    figure = style.new_figure(4.8, files.scene_text(scene))
+    figure = style.new_figure(4.8, scenes.scene_text(scene))
     axes = figure.add_subplot()
     axes.add_collection(picture)
     label = f"{field} / its largest value at that step" if own_scale else f"{field} of particles"
@@ -180,7 +183,7 @@ def frame(scene, step, group, fields, limits):
     length = float(scene["length"])
     x = places_of(group) / length
     order = numpy.argsort(x, kind="stable")
-    figure = style.new_figure(1.4 + 1.7 * len(fields), files.scene_text(scene))
+    figure = style.new_figure(1.4 + 1.7 * len(fields), scenes.scene_text(scene))
     rows = figure.subplots(len(fields), 1, sharex=True, squeeze=False)[:, 0]
     for axes, field in zip(rows, fields):
         nodes = files.array(group, f"nodes/{field}", OUTPUT)
@@ -200,20 +203,74 @@ def frame(scene, step, group, fields, limits):
     return figure
 
 
+def registers_of(group):
+    """Returns the particle fields at an output step by name, displacement or velocity first."""
+    names = sorted((name for name in group["particles"] if name != "coordinates"),
+                   key=lambda name: ("uvrwsc".find(name[0]), name))
+    return {name: files.array(group, f"particles/{name}", OUTPUT) for name in names}
+
+
+def sizes_of(registers, panels):
+    """Returns the largest absolute value of each panel."""
+    return [max(map(abs, files.finite_range(panel.values(registers)))) for panel in panels]
+
+
+def panel_limits(steps, panels):
+    """Returns the largest values of all panels over all steps; None where most steps would be invisible."""
+    sizes = numpy.array([sizes_of(registers_of(group), panels) for _, group in steps])
+    return None if outgrows(sizes.max(axis=1)) else plane.with_floor(sizes.max(axis=0))
+
+
+def plane_frame(scene, step, group, panels, limits):
+    """Draws particles in the plane, or in a layer of cells, at one output step: a picture for each panel."""
+    registers = registers_of(group)
+    cells = [int(count) for count in scenes.each(scene, "cells")]
+    x = files.array(group, "particles/coordinates", OUTPUT) * cells[0] / float(scenes.each(scene, "length")[0])
+    kept, where = plane.layer_of(scene, x)
+    down = cells[0] > 2 * cells[1]  # a long domain has its panels one below the other
+    rows, columns = (len(panels), 1) if down else (1, len(panels))
+    high = 0.7 + 5 * cells[1] / cells[0] if down else 1.1 + 2.6 * cells[1] / cells[0]
+    figure = style.new_figure(0.9 + rows * high, scenes.scene_text(scene), width=max(6.4, 0.4 + 3.2 * columns))
+    for axes, panel, largest in zip(figure.subplots(rows, columns, squeeze=False).ravel(), panels,
+                                    limits or plane.with_floor(sizes_of(registers, panels))):
+        discs = plane.draw_particles(axes, scene, x[kept], panel.values(registers)[kept],
+                                     plane.colours_of(largest, panel.signed), panel.label)
+        if panel.vector:
+            plane.draw_arrows(axes, scene, x[kept], [registers[name][kept] for name in panel.vector[:2]], largest,
+                              "arrows")
+        plane.frame_axes(axes, scene)
+        plane.add_bar(figure, discs, axes, f"{panel.label} / {plane.unit_of(registers)}",
+                      "right" if down else "bottom")
+    figure.suptitle(f"time step {step}, t = {float(group.attrs['time']):.4g}{where}", fontsize=10.5)
+    return style.settle(figure)
+
+
+def drawing_of(path, scene, steps):
+    """Returns a function that draws the frame of a step and its group, with scales that all frames share."""
+    if scenes.dimension(scene) == 1:
+        fields = files.fields_of(steps[0][1])
+        limits = frame_limits(steps, fields)
+        return lambda step, group: frame(scene, step, group, fields, limits)
+    panels = plane.panels_of(registers_of(steps[0][1]))
+    if not panels:
+        files.refuse(path, "no fields of particles in it", f"a file that 'mpmstab {OUTPUT}' has written")
+    limits = panel_limits(steps, panels)
+    return lambda step, group: plane_frame(scene, step, group, panels, limits)
+
+
 def frames(path, folder, per_second=12):
     """Writes a PNG for each output step and movie.gif to the folder. Returns their names."""
     with files.open_hdf5(path) as file:
-        scene, steps = files.attributes(file), files.steps_of(file)
+        scene, steps = scenes.attributes(file), files.steps_of(file)
         if len(steps) > MOST_FRAMES:
             files.refuse(path, f"{len(steps)} steps in it", f"up to {MOST_FRAMES}, by a larger -output_every")
-        fields = files.fields_of(steps[0][1])
-        limits = frame_limits(steps, fields)
+        draw = drawing_of(path, scene, steps)
         names = [os.path.join(folder, name) for name in (*(f"step_{step:010d}.png" for step, _ in steps), "movie.gif")]
         require_outputs(names, [path])
         os.makedirs(folder, exist_ok=True)
         movie = PillowWriter(fps=per_second)
         for name, (step, group) in zip(names, steps):
-            figure = frame(scene, step, group, fields, limits)
+            figure = draw(step, group)
             write_whole(name, style.encoded(figure, "png"))
             if name == names[0]:
                 movie.setup(figure, "movie.gif", dpi=100)
@@ -221,6 +278,13 @@ def frames(path, folder, per_second=12):
             movie.grab_frame()
     write_whole(names[-1], film(movie))
     return names
+
+
+def last_frame(path):
+    """Draws the last output step."""
+    with files.open_hdf5(path) as file:
+        scene, steps = scenes.attributes(file), files.steps_of(file)
+        return drawing_of(path, scene, steps)(*steps[-1])
 
 
 def film(movie):

@@ -1,8 +1,10 @@
-"""Draws eigenvalues, symbols and eigenmodes. spectrum, symbol and modes return the figure."""
+"""Draws eigenvalues and symbols. spectrum and symbol return the figure."""
 import numpy
 
 import picture_files as files
+import picture_scenes as scenes
 import picture_style as style
+from picture_zone import zone
 
 
 def published_factors(formulation, k, beta):
@@ -31,7 +33,7 @@ def eigenvalues_of(file):
 
 def growth_of(values, scene):
     """Returns the growth per step of eigenvalues of a period of steps."""
-    return abs(values) ** (1 / files.period(scene))
+    return abs(values) ** (1 / scenes.period(scene))
 
 
 def unit_circle(axes):
@@ -41,19 +43,22 @@ def unit_circle(axes):
 
 def of_what(scene, result):
     """Says of how many steps the eigenvalues are, and how fast the largest grows."""
-    steps = files.period(scene)
+    steps = scenes.period(scene)
     one = "of one step" if steps == 1 else f"of a period of {steps} steps"
     return f"eigenvalues {one}; growth {result:.9g} per step"
 
 
 def draw_symbol(figure, axes, file):
-    """Draws the factors of all phases, coloured by phase."""
+    """Draws the factors of all phases, coloured by phase; in more than one dimension by the length of its vector."""
     beta = files.array(file, "symbol/beta", "symbol -output")
     factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))
-    phase = numpy.repeat(numpy.minimum(beta, 2 * numpy.pi - beta), factors.shape[1])
-    points = axes.scatter(factors.real.ravel(), factors.imag.ravel(), c=phase, s=16, cmap="cividis", vmin=0,
-                          vmax=numpy.pi, zorder=3, label="symbol, over its phases")
-    bar = figure.colorbar(points, ax=axes, shrink=0.75, label="phase β of the symbol / radians per cell")
+    dim = 1 if beta.ndim == 1 else beta.shape[1]
+    phase = numpy.hypot.reduce(numpy.minimum(beta, 2 * numpy.pi - beta).reshape(-1, dim), axis=1)
+    points = axes.scatter(factors.real.ravel(), factors.imag.ravel(), c=numpy.repeat(phase, factors.shape[1]), s=16,
+                          cmap="cividis", vmin=0, vmax=numpy.pi * dim**0.5, zorder=3,
+                          label="symbol, over its phases")
+    what = "phase β of the symbol" if dim == 1 else "length of the phase vector β"
+    bar = figure.colorbar(points, ax=axes, shrink=0.75, label=f"{what} / radians per cell")
     bar.set_ticks([part * numpy.pi for part, _ in style.PHASES], labels=[text for _, text in style.PHASES])
 
 
@@ -79,12 +84,12 @@ def look_at(axes, values):
 def spectrum(path, result_path=None):
     """Draws eigenvalues with the unit circle, the symbol's factors and the published prediction."""
     with files.open_hdf5(path) as file:
-        scene, values = files.attributes(file), eigenvalues_of(file)
+        scene, values = scenes.attributes(file), eigenvalues_of(file)
         growth = growth_of(values, scene).max()
         if result_path:
-            result = files.result_beside(path, scene, result_path, "spectrum")
+            result = scenes.result_beside(path, scene, result_path, "spectrum")
             growth = files.part(result, "growth", result_path, "spectrum -json")
-        figure = style.new_figure(6, files.scene_text(scene))
+        figure = style.new_figure(6, scenes.scene_text(scene))
         axes = figure.add_subplot()
         unit_circle(axes)
         published = numpy.zeros(0)
@@ -102,23 +107,33 @@ def spectrum(path, result_path=None):
 
 
 def curves_of(path):
-    """Returns beta, the columns by name, and the scene (None for a CSV, which does not say it)."""
+    """Returns beta, the columns by name, and the scene (None for a CSV, which does not say it).
+
+    In one dimension beta goes from 0 to pi. In more it has a column for each direction, and all phases.
+    """
     if path.endswith(".csv"):
-        rows = files.read_csv(path, ["beta", "growth", "published", "corrected"], "symbol -csv")
-        columns = {key: numpy.array([row[key] for row in rows]) for key in rows[0]} if rows else {}
+        rows = files.read_csv(path, [], "symbol -csv")
         if not rows:
             files.refuse(path, "no rows in it", "a file that 'mpmstab symbol' has written")
+        columns = {key: numpy.array([row[key] for row in rows]) for key in rows[0]}
+        phases = [columns.pop(f"beta_{axis}") for axis in scenes.AXES if f"beta_{axis}" in columns]
+        wanted = [*([] if phases else ["beta"]), "growth", "published", "corrected"]
+        missing = [name for name in wanted if name not in columns]
+        if missing:
+            files.refuse(path, f"no column '{missing[0]}' in it", "a file that 'mpmstab symbol -csv' has written")
         columns["symbol"] = columns.pop("growth")
-        return columns.pop("beta"), columns, None
+        return numpy.transpose(phases) if phases else columns.pop("beta"), columns, None
     with files.open_hdf5(path) as file:
-        beta = files.array(file, "symbol/beta", "symbol -output")
-        half = slice(0, len(beta) // 2 + 1)
+        scene, beta = scenes.attributes(file), files.array(file, "symbol/beta", "symbol -output")
+        half = slice(0, len(beta) // 2 + 1 if scenes.dimension(scene) == 1 else None)
         names = {"symbol": "growth", "published": "published", "corrected": "corrected"}
         columns = {key: files.array(file, f"symbol/{name}", "symbol -output")[half] for key, name in names.items()}
         if "symbol/factors" in file:
             factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))[half]
-            columns["factors"] = abs(factors) ** (1 / files.period(files.attributes(file)))
-        return beta[half], columns, files.attributes(file)
+            columns["factors"] = abs(factors) ** (1 / scenes.period(scene))
+    if beta.shape[1:] != ((scenes.dimension(scene),) if scenes.dimension(scene) > 1 else ()):
+        files.refuse(path, f"/symbol/beta has the shape {beta.shape}", "a file that 'mpmstab symbol' has written")
+    return beta[half], columns, scene
 
 
 def phase_axis(axes):
@@ -129,13 +144,27 @@ def phase_axis(axes):
 
 
 def symbol(path, result_path=None, spectrum_path=None):
-    """Draws abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth."""
+    """Draws abs(G) per step over the phase: published, corrected, symbol, eigenvalues and measured growth.
+
+    In more than one dimension it is a coloured map over the phases.
+    """
     beta, columns, scene = curves_of(path)
-    result = files.result_beside(path, scene, result_path, "symbol", "spectrum", "run") if result_path else None
+    result = scenes.result_beside(path, scene, result_path, "symbol", "spectrum", "run") if result_path else None
     told = scene or result
     if not scene and result:
         require_curve(path, columns["symbol"], result_path, result)
-    figure = style.new_figure(4.4, files.scene_text(told) if told else "a CSV does not say of which scene")
+    footer = scenes.scene_text(told) if told else "a CSV does not say of which scene"
+    with_spectrum = spectrum_path or (None if path.endswith(".csv") else path)
+    eigenvalues = by_phase(with_spectrum, (path if told is scene else result_path, told),
+                           bool(spectrum_path)) if with_spectrum else None
+    measured = (result or {}).get("run", {}).get("growth_measured")
+    if beta.ndim == 2:
+        return zone(path, beta, columns, footer, float((scene or {}).get("tolerance", 1e-6)), eigenvalues, measured)
+    return curve(beta, columns, footer, eigenvalues, measured)
+
+
+def curve(beta, columns, footer, eigenvalues, measured):
+    figure = style.new_figure(4.4, footer)
     axes = figure.add_subplot()
     if "factors" in columns:
         axes.plot(beta, columns["factors"][:, 0], ".", color="#56B4E9", markersize=3, label="symbol, every factor")
@@ -147,10 +176,9 @@ def symbol(path, result_path=None, spectrum_path=None):
     if "growth_seen" in columns:
         axes.plot(beta, columns["growth_seen"], label="symbol, of what nodes see", color="#56B4E9",
                   linestyle=(0, (1, 1)))
-    with_spectrum = spectrum_path or (None if path.endswith(".csv") else path)
-    if with_spectrum:
-        draw_by_phase(axes, with_spectrum, (path if told is scene else result_path, told), bool(spectrum_path))
-    measured = (result or {}).get("run", {}).get("growth_measured")
+    if eigenvalues:
+        axes.plot(*eigenvalues, label="eigenvalues", zorder=4, gid="eigenvalues",
+                  **{**style.EIGENVALUES, "markersize": 4})
     if measured is not None:
         axes.axhline(measured, label=f"measured, {measured:.6f}", **style.COLUMNS["measured"])
     missing = [name for name in ("published", "corrected") if not numpy.isfinite(columns[name]).any()]
@@ -170,88 +198,18 @@ def require_curve(path, curve, result_path, result):
                      "files of one scene")
 
 
-def draw_by_phase(axes, path, told, required):
-    """Draws eigenvalues at the phase of their largest Fourier component on nodes.
+def by_phase(path, told, required):
+    """Returns the phases of eigenvalues, of their largest Fourier component on nodes, and their growth.
 
     Modes in the null space of P2G have no such component and are left out. told has the file that says the scene of
-    the picture, and this scene (None when no file says it).
+    the picture, and this scene (None when no file says it). None: the file has no spectrum, and none is required.
     """
     with files.open_hdf5(path) as file:
         if "spectrum" not in file and not required:
-            return
+            return None
+        scene = scenes.attributes(file)
         if told[1]:
-            files.require_same(*told, path, files.attributes(file))
+            scenes.require_same(*told, path, scene)
         beta, values = files.array(file, "spectrum/beta", "spectrum -output"), eigenvalues_of(file)
-        growth = growth_of(values, files.attributes(file))
-    seen = numpy.isfinite(beta)
-    axes.plot(beta[seen], growth[seen], label="eigenvalues", zorder=4, gid="eigenvalues",
-              **{**style.EIGENVALUES, "markersize": 4})
-
-
-def leading_modes(file, count):
-    """Returns the names of the first modes, with one of each conjugate pair."""
-    if "modes" not in file:
-        files.refuse(file.filename, "no /modes in it", "a file that 'mpmstab spectrum -output -modes n' has written")
-    chosen, pairs = [], []
-    for name in sorted(key for key in file["modes"] if key.isdigit()):
-        value = complex(file["modes"][name].attrs["re"], file["modes"][name].attrs["im"])
-        if value.imag and any(abs(value.conjugate() - other) <= 1e-9 * abs(value) for other in pairs):
-            continue
-        pairs.append(value)
-        chosen.append(name)
-    return chosen[:count]
-
-
-def title_of_mode(file, name):
-    """Returns growth, eigenvalue and wave of a mode, in words."""
-    group = file["modes"][name]
-    real, imaginary = float(group.attrs["re"]), float(group.attrs["im"])
-    value = f"{real:.4g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.4g}i" if abs(imaginary) > 1e-7 else "")
-    beta = files.array(file, "spectrum/beta", "spectrum -output")[int(name) - 1]
-    wave = "no node sees it" if numpy.isnan(beta) else f"β = {beta:.4g} radians per cell"
-    return f"mode {int(name)}\ngrowth {group.attrs['growth']:.9g}\neigenvalue {value}\n{wave}"
-
-
-def share_axes(grid):
-    """Gives all axes one scale, with numbers at the left and the lower edge only."""
-    for axes in grid.ravel()[1:]:
-        axes.sharex(grid[0, 0])
-        axes.sharey(grid[0, 0])
-    for axes in grid[:-1].ravel():
-        axes.tick_params(labelbottom=False)
-    for axes in grid[:, 1:].ravel():
-        axes.tick_params(labelleft=False)
-
-
-def modes(path, count=2):
-    """Draws the leading eigenmodes over x: a column for each, a row for each field, real and imaginary part."""
-    with files.open_hdf5(path) as file:
-        scene, names = files.attributes(file), leading_modes(file, count)
-        x = files.array(file, "modes/coordinates", "spectrum -output") / float(scene["length"])
-        order = numpy.argsort(x, kind="stable")
-        fields = sorted((key[:-3] for key in file["modes"][names[0]] if key.endswith("_re")), key="uvrwsc".find)
-        figure = style.new_figure(2.1 + 1.6 * len(fields), files.scene_text(scene), width=1 + 2.7 * max(2, len(names)))
-        rows = figure.add_gridspec(len(fields) + 1, len(names), height_ratios=[1] * len(fields) + [0.12])
-        grid = numpy.array([[figure.add_subplot(rows[row, column]) for column in range(len(names))]
-                            for row in range(len(fields))])
-        share_axes(grid)
-        for column, name in enumerate(names):
-            group = file["modes"][name]
-            grid[0, column].set_title(title_of_mode(file, name), fontsize=9.5)
-            for row, field in enumerate(fields):
-                for what, look in (("re", "o-"), ("im", "s--")):
-                    colour = style.COLOURS[1 if what == "re" else 0]
-                    values = files.array(group, f"{field}_{what}", "spectrum -output -modes n")[order]
-                    grid[row, column].plot(x[order], values, look, color=colour, linewidth=1, markersize=2.2,
-                                           gid=f"{name}/{field}_{what}",
-                                           label={"re": "real part", "im": "imaginary part"}[what])
-                grid[row, column].grid(True, alpha=0.3)
-                grid[row, column].set_xlim(0, 1)
-    for row, field in enumerate(fields):
-        grid[row, 0].set_ylabel(f"{field} / norm of mode")
-    for axes in grid[-1]:
-        axes.set_xlabel("x / L")
-    below = figure.add_subplot(rows[-1, :])
-    below.axis("off")
-    below.legend(*grid[0, 0].get_legend_handles_labels(), loc="center", ncol=2)
-    return figure
+    seen = numpy.isfinite(beta if beta.ndim == 1 else beta[:, 0])
+    return beta[seen], growth_of(values, scene)[seen]

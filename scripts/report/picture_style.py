@@ -35,6 +35,13 @@ def new_figure(height, footer, width=6.4):
     return figure
 
 
+def settle(figure):
+    """Lays out a figure of axes with a fixed shape, which needs more than one pass, or else titles may be cut off."""
+    for _ in range(4):
+        figure.get_layout_engine().execute(figure)
+    return figure
+
+
 def legend_below(axes, columns=2, **options):
     """Adds a legend half an inch under the axis, where it hides no data."""
     below = 0.75 / axes.figure.get_figheight()

@@ -11,7 +11,7 @@ import statistics
 
 PARAMETERS = ("formulation", "basis", "transfer", "ppc", "courant", "cells", "ranks")
 FAMILY = tuple(name for name in PARAMETERS if name != "cells")
-COLUMNS = (*PARAMETERS, "drift", "steps", "time", "particles", "status", "verdict", "growth", "growth_all_waves",
+COLUMNS = (*PARAMETERS, "dim", "drift", "steps", "time", "particles", "status", "verdict", "growth", "growth_all_waves",
            "error_l1", "error_l2", "error_linf", "field", "order", "best_s", "median_s", "repeats", "frontier", "note")
 SHORT = 1e-3  # seconds; a shorter loop is measured badly
 FLOOR = 0.5   # below this order errors are said to fall slowly
@@ -25,9 +25,9 @@ def key(record, names=PARAMETERS):
 def error_of(record):
     """Returns the largest l1, l2 and linf over fields, and the field of the largest l2; None where one is out of range.
 
-    The affine part c of apic is left out, since other transfers do not carry it.
+    The affine part of apic, c or c_xx and so on, is left out, since other transfers do not carry it.
     """
-    errors = {field: error for field, error in (record.get("error") or {}).items() if field != "c"}
+    errors = {field: error for field, error in (record.get("error") or {}).items() if field.split("_")[0] != "c"}
     if not errors or any("l2" not in error for error in errors.values()):
         return {"error_l1": None, "error_l2": None, "error_linf": None, "field": None}
     largest = {f"error_{norm}": max(error[norm] for error in errors.values()) for norm in ("l1", "l2", "linf")}
@@ -89,6 +89,11 @@ def frontier(rows):
     return found
 
 
+def unit_of(row):
+    """Says what the number of cells counts."""
+    return "cells along x" if (row["dim"] or 1) > 1 else "cells"
+
+
 def cheapest_of(members, wanted):
     """
     Returns where a family reaches an error in the least time: best, median, grids around it, whether the coarsest.
@@ -96,13 +101,13 @@ def cheapest_of(members, wanted):
     It looks at the grids that reach the error, and between neighbours that are both usable where the error is crossed.
     None: the family does not reach it.
     """
-    found = [{"best_s": row["best_s"], "median_s": row["median_s"], "cells": (row["cells"],),
+    found = [{"best_s": row["best_s"], "median_s": row["median_s"], "cells": (row["cells"],), "unit": unit_of(row),
               "coarsest": row is members[0]} for row in members if usable(row) and row["error_l2"] <= wanted]
     for coarse, fine in zip(members, members[1:]):
         if usable(coarse) and usable(fine) and fine["error_l2"] <= wanted < coarse["error_l2"]:
             part = math.log(coarse["error_l2"] / wanted) / math.log(coarse["error_l2"] / fine["error_l2"])
             between = {name: coarse[name] ** (1 - part) * fine[name] ** part for name in ("best_s", "median_s")}
-            found.append({**between, "cells": (coarse["cells"], fine["cells"])})
+            found.append({**between, "cells": (coarse["cells"], fine["cells"]), "unit": unit_of(fine)})
     return min(found, key=lambda point: point["best_s"], default=None)
 
 
@@ -131,8 +136,9 @@ def at(point, name):
     cells = point["cells"]
     if len(cells) == 1:
         coarsest = " (its coarsest grid, so perhaps less)" if point["coarsest"] else ""
-        return f"{name} with {cells[0]} cells: {seconds(point['best_s'])}{coarsest}"
-    return (f"{name}: {seconds(point['best_s'])} (interpolated between {cells[0]} and {cells[1]} cells)")
+        return f"{name} with {cells[0]} {point['unit']}: {seconds(point['best_s'])}{coarsest}"
+    return (f"{name}: {seconds(point['best_s'])} (interpolated between {cells[0]} and {cells[1]} "
+            f"{point['unit']})")
 
 
 def answer(rows, wanted, repeats):
@@ -148,7 +154,7 @@ def answer(rows, wanted, repeats):
         best = min(filter(usable, rows), key=lambda row: (row["error_l2"], row["best_s"]), default=None)
         said = f"error {wanted:g}: nothing that is stable reaches it here"
         return said if best is None else (f"{said}; the smallest is {best['error_l2']:.3g}, by {name_of(best, names)} "
-                                          f"with {best['cells']} cells in {seconds(best['best_s'])}")
+                                          f"with {best['cells']} {unit_of(best)} in {seconds(best['best_s'])}")
     said = [f"for error {wanted:g} the cheapest here is {at(*found[0])}"]
     first = found[0][0]
     if first["best_s"] < SHORT:
@@ -185,7 +191,7 @@ def remarks(rows):
         points = [row for row in members if usable(row)]
         if len(points) > 1 and points[-1]["order"] is not None and points[-1]["order"] < FLOOR:
             said.append(f"{name_of(points[-1], names)}: the error falls slowly with cells, or no more (order "
-                        f"{points[-1]['order']:.2f} at {points[-1]['cells']} cells)")
+                        f"{points[-1]['order']:.2f} at {points[-1]['cells']} {unit_of(points[-1])})")
     for note in dict.fromkeys(row["note"] for row in rows if row["note"]):
         who = dict.fromkeys(name_of(row, names) for row in rows if row["note"] == note)
         said.append(f"{', '.join(who)}: {note}")

@@ -4,7 +4,7 @@ import math
 import report_html as html
 import report_pictures
 from report_html import escaped, number
-from report_runs import COLUMNS, explanations, growths, shown, why_published_differs
+from report_runs import COLUMNS, each, explanations, growths, left_out, shown, why_published_differs
 
 QUESTION = "Is this scheme stable, for which time step, how accurate for what cost, and why?"
 MEANINGS = {"published": "as the slides print it", "corrected": "the same analysis done right",
@@ -57,11 +57,16 @@ def which_step(entry):
     beta = found.get("limited_by_beta")
     beta = math.hypot(*beta) if isinstance(beta, list) else beta
     if beta:
-        waves = {"P": "P waves", "S": "S waves", "mixed": "Mixed P and S waves"}.get(found.get("limited_by_wave"), "Waves")
+        named = {"P": "P waves", "S": "S waves", "mixed": "Mixed P and S waves"}
+        waves = named.get(found.get("limited_by_wave"), "Waves")
         said += f" {waves} of {number(2 * math.pi / beta, '.4g')} cells set it."
     if "growth_when_drifting" in found:
         said += (" If its particles drift by 1/8 cell per step, growth is "
-                 f"{number(found['growth_when_drifting'], '.6g')} per step.")
+                 f"{number(found['growth_when_drifting'], '.6g')} per step")
+        diagonal = found.get("growth_when_drifting_diagonally")
+        said += "." if diagonal is None else f" along x, {number(diagonal, '.6g')} along the diagonal."
+    if "bound" in found:
+        said += (f" Any layout of such particles at rest is stable up to {number(found['bound'], '.6g')}.")
     return said
 
 
@@ -97,7 +102,7 @@ def reasons(entry):
         if rest.result["verdict"] == "stable" and spectrum.result["verdict"] == "unstable":
             found.append("So it is the drift that makes it grow: as particles move, the weights with which a node "
                          "hears its left and its right cell change from step to step.")
-    beta = answers["symbol"].result.get("symbol", {}).get("beta_at_max")
+    beta = math.hypot(*each(answers["symbol"].result.get("symbol", {}).get("beta_at_max") or 0))
     if beta and spectrum.result.get("verdict") == "unstable":
         found.append(f"Waves of {number(2 * math.pi / beta, '.4g')} cells grow most.")
     return " ".join(found) or "Nothing more is known than the numbers below."
@@ -155,13 +160,14 @@ def transient_words(entry):
 
 def parameters(entry):
     """Returns a table of the scene as the program has read it, defaults included."""
-    rows = [[escaped(key), escaped(f"{value:.9g}" if isinstance(value, float) else value)]
+    rows = [[escaped(key), escaped(", ".join(f"{one:.9g}" if isinstance(one, float) else str(one)
+                                             for one in each(value)))]
             for key, value in sorted(entry["scene"].items())]
     return html.table("parameters", ["parameter", "value"], rows) if rows else "<p>The program wrote none.</p>"
 
 
 def missed(entry):
-    """Lists tasks that were refused or failed, in the program's words, and expectations that were missed."""
+    """Lists tasks that were refused or failed, in the program's words, missed expectations, and what is left out."""
     items = []
     for name, answer in entry["answers"].items():
         if answer.status == 3 and name not in ("at rest", "map"):  # expectations of a scene are not about those
@@ -169,7 +175,8 @@ def missed(entry):
         elif not answer.done:
             kind = "does not cover this scene" if answer.status == 2 else "failed"
             items.append(f"<li><b>{escaped(name)}</b> {kind}: <q>{escaped(answer.complaint)}</q></li>")
-    return f"<h3>Refused, failed or unexpected</h3>\n<ul>\n{chr(10).join(items)}\n</ul>" if items else ""
+    items += [f"<li>{escaped(sentence)}</li>" for sentence in left_out(entry["answers"])]
+    return f"<h3>Refused, failed, unexpected or left out</h3>\n<ul>\n{chr(10).join(items)}\n</ul>" if items else ""
 
 
 def work_precision(entry):
@@ -212,7 +219,8 @@ def overview(entries):
         rows.append([f'<a href="#{entry["name"]}">{escaped(entry["name"])}</a>',
                      html.badge(result["verdict"]) if answer else html.badge("undecided", "not examined"),
                      escaped(result.get("formulation", "-")), number(result.get("courant"), ".6g"),
-                     number(result.get("drift"), ".6g"), *[number(found[name], ".6f") for name in COLUMNS],
+                     ", ".join(number(one, ".6g") for one in each(result.get("drift"))),
+                     *[number(found[name], ".6f") for name in COLUMNS],
                      largest_stable(critical)])
     head = ["scene", "verdict", "scheme", "k", "drift", *COLUMNS, "largest stable k"]
     count = {verdict: sum(best(e) is not None and best(e).result["verdict"] == verdict for e in entries)

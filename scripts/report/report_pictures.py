@@ -3,12 +3,16 @@ import os
 
 import pictures
 import report_html as html
+from picture_runs import last_frame
+from report_runs import dimension, each
 
 CAPTIONS = {
     "spectrum": "Eigenvalues of the assembled operator, the unit circle that stable ones may not leave, the symbol's "
                 "factors coloured by phase, and, where it covers the scene, the published prediction.",
     "symbol": "Growth of each wave: the symbol is exact, eigenvalues stand at the phase of their largest Fourier "
               "component; where published and corrected lie apart, the slides' formula fails.",
+    "zone": "Growth of each wave over the phases of the directions: grey where nothing grows; circles at the fastest.",
+    "frame": "Particles at the end of the run.",
     "modes": "The leading eigenmodes: what grows fastest, or in a stable scene what stays.",
     "growth": "Size of the state as it was marched, and the growth that is predicted.",
     "spacetime": "A particle field, each value where its particle is.",
@@ -24,15 +28,18 @@ def wanted(asker, answers):
 
     spectrum, symbol, run = (answers[name].done for name in ("spectrum", "symbol", "run"))
     result = answers["spectrum"].result if spectrum else answers["symbol"].result if symbol else answers["run"].result
-    scheme = f"{result.get('formulation')}, Courant number {result.get('courant')}, drift {result.get('drift')}"
+    drift = ", ".join(map(str, each(result.get("drift"))))
+    scheme = f"{result.get('formulation')}, Courant number {result.get('courant')}, drift {drift}"
+    places = "x" if dimension(result) == 1 else "the plane"
     growth = f"largest growth {result.get('growth')} per step"
     if spectrum:
         yield ("spectrum", lambda: pictures.spectrum(path("spectrum.h5"), path("spectrum.json")),
                f"Eigenvalues of {scheme} in the complex plane with the unit circle; {growth}.")
     if symbol:
         extra = (path("spectrum.json"), path("spectrum.h5")) if spectrum else ()
-        yield ("symbol", lambda: pictures.symbol(path("symbol.h5"), *extra),
-               f"Amplification factor over the phase for {scheme}; {growth}.")
+        kind, phases = ("symbol", "phase") if dimension(result) == 1 else ("zone", "phases of all directions")
+        yield (kind, lambda: pictures.symbol(path("symbol.h5"), *extra),
+               f"Amplification factor over the {phases} for {scheme}; {growth}.")
     if "map" in answers and answers["map"].done:
         yield ("map", lambda: pictures.growth_map(path("map.h5"), path("map.json"), path("map.csv")),
                f"Growth over Courant number and drift for {result['formulation']}; unstable at "
@@ -42,11 +49,14 @@ def wanted(asker, answers):
         measured = answers["run"].result["run"].get("growth_measured")
         yield ("growth", lambda: pictures.growth([path("run.json"), *extra]),
                f"Size of the state over time steps for {scheme}; measured growth {measured} per step.")
-    if "output" in answers and answers["output"].done:
+    if "output" in answers and answers["output"].done and dimension(result) > 1:
+        yield "frame", lambda: last_frame(path("output.h5")), f"Particles at the end of the run, {scheme}."
+    elif "output" in answers and answers["output"].done:
         yield ("spacetime", lambda: pictures.spacetime(path("output.h5")),
                f"Particle values over place and time, {scheme}.")
     if spectrum:
-        yield ("modes", lambda: pictures.modes(path("spectrum.h5")), f"The two leading eigenmodes over x, {scheme}.")
+        yield ("modes", lambda: pictures.modes(path("spectrum.h5")),
+               f"The two leading eigenmodes over {places}, {scheme}.")
     if "transient" in answers and answers["transient"].done:
         found = answers["transient"].result
         if "transient" in found:

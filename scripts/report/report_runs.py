@@ -10,6 +10,7 @@ from program import PROGRAM, ROOT, command_of, result_of
 SMALL = 256  # powers and the pseudospectrum are computed up to so many unknowns
 MOST_OUTPUT = 120  # about so many output steps of a run at most
 PATIENCE = 600  # seconds for one command
+MAP_IN_THE_PLANE = ["-map_points", "12,9", "-phases", "16"]  # points and phases of a map in two dimensions
 ENDINGS = (".json", ".h5", ".csv", ".jsonl", ".png", ".svg", ".xmf")  # of the files that the runs write
 COLUMNS = ("published", "corrected", "symbol", "spectrum", "measured")
 
@@ -82,34 +83,70 @@ def every(steps):
     return max(1, -(-steps // MOST_OUTPUT))
 
 
+def each(value):
+    """Returns what a result has for each direction as a list."""
+    return value if isinstance(value, list) else [value]
+
+
+def dimension(result):
+    return result.get("dim", 1)
+
+
+def ask_for_output(asker, result):
+    """Asks for the fields of a run: over time in one dimension, in more at its beginning and end."""
+    often = ["-output_every", str(every(result["run"]["steps"]))] if dimension(result) == 1 else []
+    return asker.ask("run", "output", often, ("json", "h5"))
+
+
+def left_out(answers):
+    """Says in sentences what is not asked of a scene of more than one dimension, and why."""
+    scene = next((answer.result for answer in answers.values() if answer.done), {})
+    dim, said = dimension(scene), []
+    if dim > 1 and "output" in answers:
+        said.append("No picture over place and time: that is for one dimension. The end of the run is shown instead.")
+    if dim > 1 and answers["spectrum"].done and "transient" not in answers:
+        said.append(f"No norms of powers and no pseudospectrum: the operator has more than {SMALL} unknowns.")
+    if dim == 2 and "map" in answers:
+        said.append(f"The map has {MAP_IN_THE_PLANE[1].replace(',', ' x ')} points and {MAP_IN_THE_PLANE[3]} phases in "
+                    "each direction, fewer than in one dimension, because each takes longer.")
+    if dim == 3:
+        said.append("No map: in three dimensions the symbol of all its points takes too long.")
+    return said
+
+
 def ask_all(scene, folder, ranks, known):
     """Runs all tasks on a scene. Returns the asker and the answers by name."""
     asker = Asker(os.path.abspath(scene), folder, ranks)
     answers = {"spectrum": asker.ask("spectrum", files=("json", "h5", "csv")),
                "symbol": asker.ask("symbol", files=("json", "h5", "csv"))}
     spectrum, symbol = answers["spectrum"], answers["symbol"]
-    if symbol.done and symbol.result["drift"]:
+    if symbol.done and any(each(symbol.result["drift"])):
         answers["at rest"] = asker.ask("symbol", "at-rest", ["-drift", "0"])
     answers["critical"] = asker.ask("critical")
     answers["run"] = asker.ask("run", files=("json", "csv"))
     if answers["run"].done:
-        steps = answers["run"].result["run"]["steps"]
-        answers["output"] = asker.ask("run", "output", ["-output_every", str(every(steps))], ("json", "h5"))
+        answers["output"] = ask_for_output(asker, answers["run"].result)
     small = spectrum.done and spectrum.result["spectrum"].get("unknowns", SMALL + 1) <= SMALL
     if small and {"powers", "pseudospectrum"} <= known:
         more = ["-measure", "false", "-powers", "400", "-pseudospectrum", "48"]
         answers["transient"] = asker.ask("spectrum", "transient", more, ("json", "h5"))
-    if symbol.done and "map_axes" in known:
-        answers["map"] = asker.ask("map", options=["-map_axes", "courant,drift"], files=("json", "h5", "csv"))
+    if symbol.done and "map_axes" in known and dimension(symbol.result) < 3:
+        fewer = MAP_IN_THE_PLANE if dimension(symbol.result) == 2 else []
+        answers["map"] = asker.ask("map", options=["-map_axes", "courant,drift", *fewer], files=("json", "h5", "csv"))
     return asker, answers
 
 
 def work_precision(scene, asker, result):
-    """Measures error against run time on half, once and twice the scene's cells, with work_precision.py."""
-    cells = result["cells"]
+    """Measures error against run time on half, once and twice the scene's cells, with work_precision.py.
+
+    In three dimensions twice the cells are left out, which would take sixteen times as long.
+    """
+    own = each(result["cells"])
+    cells, halves = own[0], all(count % 2 == 0 for count in own)
     script = os.path.join(ROOT, "scripts", "work_precision.py")
     name = asker.path("work-precision")
-    grids = f"{max(2, cells // 2)},{cells},{2 * cells}"
+    grids = [max(2, cells // 2)] if len(own) == 1 or halves else []
+    grids = ",".join(map(str, [*grids, cells, *([2 * cells] if len(own) < 3 else [])]))
     words = [script, os.path.abspath(scene), "--cells", grids, "--repeats", "3", "-o", name]
     progress(f"{shown(scene)}: error against run time")
     if os.path.exists(f"{name}.runs.jsonl"):

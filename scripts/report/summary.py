@@ -29,7 +29,8 @@ def load(path):
 
 
 def scheme(result):
-    drift = f"{result['drift']:g}" if result["drift"] else "-"
+    drifts = result["drift"] if isinstance(result["drift"], list) else [result["drift"]]
+    drift = ",".join(f"{one:g}" for one in drifts) if any(drifts) else "-"
     return [result["formulation"], f"{result['courant']:g}", drift]
 
 

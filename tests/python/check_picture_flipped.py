@@ -18,9 +18,12 @@ from program import end_in_one_line
 TRIALS, SEED, PATIENCE = 24, 1, 60
 SCENE = "-formulation gas2 -cells 4".split()
 FILES = {"spectrum": "spectrum -modes 2 -pseudospectrum 4", "symbol": "symbol", "map": "map -map_points 3,3",
-         "run": "run -steps 6 -output_every 2"}
-KINDS = {"spectrum": "spectrum", "modes": "spectrum", "pseudospectrum": "spectrum", "symbol": "symbol", "map": "map",
-         "spacetime": "run", "frames": "run"}
+         "run": "run -steps 6 -output_every 2", "plane": "run -dim 2 -steps 6 -output_every 3", "zone": "symbol -dim 2",
+         "torus": "spectrum -dim 2 -ppc 1 -modes 2 -measure false"}
+# Kinds of pictures and the files they are made from.
+KINDS = [("frames", "plane"), ("frames", "run"), ("map", "map"), ("modes", "spectrum"), ("modes", "torus"),
+         ("pseudospectrum", "spectrum"), ("spacetime", "run"), ("spectrum", "spectrum"), ("symbol", "symbol"),
+         ("symbol", "zone")]
 
 
 def make(mpmstab):
@@ -71,8 +74,8 @@ def flip(source, target, chance):
 
 def check_trial(number):
     chance = random.Random(number)
-    kind = chance.choice(sorted(KINDS))
-    flip(f"{KINDS[kind]}.h5", "flipped.h5", chance)
+    kind, source = chance.choice(KINDS)
+    flip(f"{source}.h5", "flipped.h5", chance)
     more = ["map.json"] if kind == "map" else []
     outputs = ["out/movie.gif"] if kind == "frames" else ["out.png", "out.svg"]
     for path in filter(os.path.exists, outputs):

@@ -15,8 +15,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from checks import check, check_one_line, loaded, run_script, text_of
 import pictures
-from picture_files import attributes, steps_of
+from picture_files import steps_of
 from picture_runs import frame, predicted_of, through
+from picture_scenes import attributes
 from picture_spectra import published_factors
 
 SCENES = {"gas1": "-formulation gas1 -courant 0.5", "gas2": "-formulation gas2 -courant 0.5",
@@ -34,7 +35,8 @@ def distance(one, other):
 
 
 def mpmstab(program, task, name, *options):
-    command = [program, task, *SCENES[name].split(), "-cells", "16", *options]
+    cells = () if "-cells" in options else ("-cells", "16")
+    command = [program, task, *SCENES[name].split(), *cells, *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     check(done.returncode == 0, f"{' '.join(command)}: {done.stderr}")
 

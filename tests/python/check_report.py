@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks a report of three tiny scenes: its numbers against the JSON it was made from, and the page in a browser.
+"""Checks a report of five tiny scenes: its numbers against the JSON it was made from, and the page in a browser.
 
 check_report.py MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -7,6 +7,7 @@ import base64
 import glob
 import html
 import json
+import math
 import os
 import re
 import shlex
@@ -29,6 +30,10 @@ SCENES = {"rings": "formulation: gas2\ncells: 8\ncourant: 0.1\ndrift: 1/8\niniti
           "rests": "formulation: gas2 # <b>&amp;\ncells: 8\ncourant: 0.5\nsteps: 64\n",
           "jitters": "formulation: elastic\ncells: 8\ncourant: 1\njitter: 0.4\nsteps: 64\n"
                      "expect:\n  verdict: unstable\n",
+          "plane": "dim: 2\nformulation: usl\nbasis: quadratic\ncells: 4\nppc: 1\nmode: 1,1\npolarisation: s\n"
+                   "drift: 1/8,0\nsteps: 20\n",
+          "space": "dim: 3\nformulation: usl\ntransfer: apic\ngradient: mls\nbasis: quadratic\ncells: 4,2,2\nppc: 1\n"
+                   "length: 2,1,1\ninitial: random\nsteps: 20\n",
           "wrong one's": "formulation: gas2\ncells: minus one\n"}
 FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
          "--disable-component-update --disable-sync --disable-dev-shm-usage").split()
@@ -88,7 +93,7 @@ def check_columns(page, name):
 
 
 def check_text(page):
-    for name in ("rings", "rests", "jitters"):
+    for name in ("rings", "rests", "jitters", "plane", "space"):
         check_columns(page, name)
     critical = result("rests", "critical")["critical"]
     text = article(page, "rests")
@@ -108,6 +113,7 @@ def check_text(page):
     check("expected verdict unstable, found stable" in text, "a missed expectation is said")
     check_transient(page)
     check_overview(page)
+    check_dimensions(page)
     text = article(page, "wrong-one-s")
     check("<b>map</b>" not in article(page, "rings"), "a map has nothing to expect")
     said, again = text.split("The same again")
@@ -120,7 +126,7 @@ def check_text(page):
         check(re.search(rf"<td>{name}</td><td>[^<]+</td>", page), f"no {name}")
     network = re.search(r"""(src|href)\s*=\s*["']?\s*(https?:)?//|@import|url\(""", page)
     check(not network, f"the network is named: {network}")
-    least = {"rings": 6, "rests": 7, "jitters": 4, "wrong-one-s": 0}
+    least = {"rings": 6, "rests": 7, "jitters": 4, "plane": 8, "space": 4, "wrong-one-s": 0}
     kinds = {name: len(re.findall("<img ", article(page, name))) for name in least}
     check(all(kinds[name] >= least[name] for name in least) and kinds["wrong-one-s"] == 0, f"pictures: {kinds}")
     check("not drawn" not in page, "a picture was not drawn")
@@ -129,7 +135,7 @@ def check_text(page):
 
 def check_overview(page):
     """A refused scene must not count as undecided, and growth below the tolerance must not look like a limit."""
-    check("4 scenes: " in page and "1 not examined. Growth" in page, "scenes are not counted")
+    check("6 scenes: " in page and "1 not examined. Growth" in page, "scenes are not counted")
     line = {name: cells_of(re.search(rf'<tr>(<td><a href="#{name}".*?)</tr>', page).group(1))
             for name in ("rings", "rests", "wrong-one-s")}
     check("? not examined" in line["wrong-one-s"][1], f"{line['wrong-one-s']}")
@@ -137,6 +143,29 @@ def check_overview(page):
     check(">none</abbr>" in line["rings"][10] and "falls below the tolerance" in line["rings"][10], f"{line['rings']}")
     limit = result("rests", "critical")["critical"]["critical_courant"]
     check(value_of(line["rests"][10]) == limit, f"{line['rests']}, not {limit}")
+
+
+def check_dimensions(page):
+    """Scenes of two and three dimensions must have their sections, and sentences for what is left out."""
+    text, critical = article(page, "plane"), result("plane", "critical")["critical"]
+    for value in (critical["critical_courant"], 2 * math.pi / math.hypot(*critical["limited_by_beta"]),
+                  result("plane", "run")["run"]["error"]["v_y"]["l2"], result("plane", "at-rest")["growth"]):
+        check(f'value="{value!r}"' in text, f"plane: {value} is not on the page")
+    line = next(row for row in re.findall(r"<tr>(.*?)</tr>", page, flags=re.DOTALL) if 'href="#plane"' in row)
+    drift = re.findall(r'value="([^"]+)"', cells_of(line)[4])
+    check(list(map(float, drift)) == result("plane", "symbol")["drift"] == [0.125, 0], f"drift {drift}")
+    check(result("plane", "map")["map"]["shape"] == [12, 9] and "12 x 9 points and 16 phases" in text, "a map of plane")
+    check("2 dimensions: cells are those along x" in text, "plane: error against run time")
+    for words in ("phases of all directions", "Particles at the end of the run, usl", "eigenmodes over the plane"):
+        check(f"{words}" in text, f"plane: no picture of {words}")
+    check("over place and time, usl" not in text, "a picture over place and time in the plane")
+    text, critical = article(page, "space"), result("space", "critical")["critical"]
+    check(f'stable up to <data value="{critical["bound"]!r}">' in text, "space: no bound for any layout")
+    moving = critical["growth_when_drifting_diagonally"]
+    check(re.search(rf'along x, <data value="{moving!r}">[^<]*</data> along the diagonal', text), "space: drift")
+    check("<li>No map: in three dimensions" in text and "is stable up to" in text, "space: what is left out is not said")
+    check("<li>No picture over place and time" in text and "<li>No norms of powers" in text, "space: what is left out")
+    check("<td>cells</td><td>4, 2, 2</td>" in text, "space: parameters")
 
 
 def check_second_line():

@@ -288,13 +288,40 @@ def check_all_waves():
     check(abs(float(row["growth_all_waves"]) - 1.027) < 1e-3, f"{row}")
 
 
+def check_plane():
+    """In the plane both directions are refined together. A plane wave along x has the errors of one dimension."""
+    with open("plane.yaml", "w", encoding="ascii") as file:
+        file.write("dim: 2\nformulation: usl\nbasis: quadratic\nstagger: true\ncells: 8,4\nlength: 2,1\ndrift: 1/8,0\n"
+                   "mode: 1,0\ncourant: 0.5\ntime: 0.5\n")
+    done = start("plane.yaml", "--cells", "8,16,32", "--transfer", "flip,apic", "--repeats", "1", "-o", "plane")
+    check(done.returncode == 0 and done.stderr == "", f"status {done.returncode}: {done.stderr}")
+    rows = {(row["transfer"], int(row["cells"])): row for row in rows_of("plane.csv")}
+    for (transfer, cells), row in rows.items():
+        same = {"transfer": transfer, "time": 0.5}
+        _, found, said = launch("run", "plane.yaml", {"cells": f"{cells},{cells // 2}", **same})
+        errors = [error["l2"] for field, error in found["run"]["error"].items() if not field.startswith("c_")]
+        check(float(row["error_l2"]) == max(errors), f"{row}: the program says {found['run']['error']} {said}")
+        check((int(row["particles"]), row["dim"], row["drift"]) == (2 * cells * cells, "2", "0.125,0"), f"{row}")
+        _, line, said = launch("run", options=dict(formulation="usl", basis="quadratic", stagger="true", cells=cells,
+                                                   length=2, drift="1/8", courant=0.5, **same))
+        along = max(error["l2"] for field, error in line["run"]["error"].items() if field != "c")
+        check(abs(along - max(errors)) < 1e-9, f"{transfer}, {cells} cells: {max(errors)}, in a line {along} {said}")
+    check(float(rows["apic", 32]["order"]) > 1, f"order {rows['apic', 32]['order']}")
+    _, symbol, _ = launch("symbol", "plane.yaml", {"cells": "32,16"})
+    check(float(rows["flip", 32]["growth_all_waves"]) == symbol["growth"], f"{rows['flip', 32]}, not {symbol}")
+    for words in ("cells are those along x, the others in proportion to 8 x 4", "cells along x"):
+        check(words in done.stdout, f"no '{words}' in {done.stdout}")
+    one_line(start("plane.yaml", "--cells", "8,9", "-o", "odd"), 2,
+             "--cells 9: no grid in the proportion of 8 x 4 cells; allowed: multiples of 2")
+
+
 def main():
     for path in {*glob.glob("*.jsonl"), *glob.glob("disk.*"), *glob.glob("begun"), *glob.glob("kill")}:
         os.remove(path)
     with open("scene.yaml", "w", encoding="ascii") as file:
         file.write(SCENE)
-    for one in (check_words, check_ties, check_remarks, check_crosses, check_content, check_all_waves, check_resume,
-                check_failed, check_disturbances, check_refusals):
+    for one in (check_words, check_ties, check_remarks, check_crosses, check_content, check_all_waves, check_plane,
+                check_resume, check_failed, check_disturbances, check_refusals):
         one()
 
 
