@@ -2,7 +2,7 @@
    MpmTableCreate makes a table from a formulation, a transfer and a space, and checks it. It writes the operations on
    scalars, vectors and stresses out as operations on numbers, so that those who interpret a table know only numbers.
 */
-#include <mpmstab/table.h>
+#include "scheme/table_check.h"
 
 const char *const MpmGradientNames[] = {"basis", "mls", NULL};
 
@@ -394,66 +394,6 @@ static PetscErrorCode Translate(Builder *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- what the interpreters support ---- */
-
-#define SUPPORTED(condition, o, why)                                                                                   \
-  PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)
-
-/* Whether all operations between o, which continues a sum over particles, and the one that begins the sum are sums. */
-static PetscBool ContinuesSum(const MpmTable *t, PetscInt o)
-{
-  for (PetscInt before = o - 1; before >= 0; before--) {
-    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[before].kind);
-
-    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) return PETSC_FALSE;
-    if (t->ops[before].dst == t->ops[o].dst) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/* Refuses an operation that an interpreter would get wrong. written[n]: the step has written to node field n by now. */
-static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[])
-{
-  const MpmOp      *op     = &t->ops[o];
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscInt    nodes = t->nnodes, particles = t->nparticles;
-  const PetscBool   stencil  = op->kind == MPM_LAP || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool   sum      = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool   to_nodes = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  SUPPORTED(op->axis >= 0 && op->axis < t->dim, o, "there is no such axis");
-  SUPPORTED(op->side == 0 || op->side == 1, o, "an axis has the sides 0 and 1");
-  SUPPORTED(op->coefficient >= 0, o, "powers of the Courant number are 0, 1, 2 and so on");
-  if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
-  SUPPORTED(op->dst >= 0 && op->dst < (to_nodes ? nodes : particles), o,
-            "the register that it writes to does not exist");
-  SUPPORTED(op->src >= 0 && op->src < (traits.src == MPM_ON_NODES ? nodes : particles), o,
-            "the register that it reads does not exist");
-  if (traits.dst == MPM_ON_PARTICLES && traits.src == MPM_ON_NODES)
-    SUPPORTED(op->accumulates, o, "what goes to particles is added to what they have");
-  else if (!stencil && !sum)
-    SUPPORTED(!op->accumulates, o, "this kind does not accumulate");
-  SUPPORTED(!stencil || op->dst != op->src, o, "it would read the nodes that it writes");
-  SUPPORTED(!sum || !op->accumulates || ContinuesSum(t, o), o,
-            "it continues a sum, but other operations have come in between");
-  SUPPORTED(traits.src != MPM_ON_NODES || written[op->src] || op->kind == MPM_WALL, o,
-            "it reads a node field that the step has not written to");
-  SUPPORTED(!to_nodes || !op->accumulates || written[op->dst], o,
-            "it adds to a node field before anything has been written there");
-  if (to_nodes) written[op->dst] = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode CheckOps(const MpmTable *t)
-{
-  PetscBool written[MPM_MAX_FIELDS] = {PETSC_FALSE};
-
-  PetscFunctionBegin;
-  for (PetscInt o = 0; o < t->nops; o++) PetscCall(CheckOp(t, o, written));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- the table ---- */
 
 static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
@@ -565,7 +505,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   t->nparticles = t->nstate;
   PetscCall(AddNodes(&b));
   PetscCall(Translate(&b));
-  PetscCall(CheckOps(t));
+  PetscCall(MpmTableCheck(t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
