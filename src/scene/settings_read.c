@@ -137,10 +137,10 @@ PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], P
 
 /*
    Cuts the text of an option at its commas into dim groups of so many parts each. One group stands for all directions.
-   In one dimension the only group is the whole text, with whatever commas it has.
+   In one dimension the only group is the whole text, with whatever commas it has. room is memory for the groups.
 */
 static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
-                          char group[MPM_MAX_DIM][2 * PART])
+                          char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
 {
   const char *text                   = MpmSettingsText(settings, name);
   char        part[MOST_PARTS][PART] = {{0}}, why[160];
@@ -148,8 +148,8 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
   PetscBool   fits                   = PETSC_TRUE;
 
   PetscFunctionBegin;
-  if (dim == 1 && strlen(text) < 2 * PART) {
-    PetscCall(PetscStrncpy(group[0], text, 2 * PART));
+  if (dim == 1) {
+    group[0] = text;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (const char *from = text; fits; n++) {
@@ -169,39 +169,39 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
   if (!fits || (n != parts && n != parts * dim)) {
     PetscCall(PetscSNPrintf(why, sizeof why,
                             "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
-                            parts == 2 ? "two values" : "one value", parts * dim,
-                            dim == 1   ? "the direction"
-                            : dim == 2 ? "x and y"
-                                       : "x, y and z"));
+                            parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
     PetscCall(MpmSettingsRefuse(settings, name, why));
   }
   for (PetscInt a = 0; a < dim; a++) {
     const PetscInt at = n == parts ? 0 : parts * a;
 
     if (parts == 2)
-      PetscCall(PetscSNPrintf(group[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
+      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
     else
-      PetscCall(PetscStrncpy(group[a], part[at], 2 * PART));
+      PetscCall(PetscStrncpy(room[a], part[at], 2 * PART));
+    group[a] = room[a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsEachInteger(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[])
 {
-  char text[MPM_MAX_DIM][2 * PART];
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, text));
+  PetscCall(Cut(settings, name, dim, 1, room, text));
   for (PetscInt a = 0; a < dim; a++) PetscCall(ParseInteger(settings, name, text[a], &value[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal value[])
 {
-  char text[MPM_MAX_DIM][2 * PART];
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, text));
+  PetscCall(Cut(settings, name, dim, 1, room, text));
   for (PetscInt a = 0; a < dim; a++)
     if (!ParseReal(text[a], &value[a]) || !InRange(&MpmOptions[MpmOptionIndex(name)], value[a]))
       PetscCall(RefuseNumber(settings, name, "a finite number"));
@@ -211,10 +211,11 @@ PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[
 PetscErrorCode MpmSettingsEachFraction(const MpmSettings *settings, const char name[], PetscInt dim,
                                        MpmFraction value[])
 {
-  char text[MPM_MAX_DIM][2 * PART];
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, text));
+  PetscCall(Cut(settings, name, dim, 1, room, text));
   for (PetscInt a = 0; a < dim; a++) {
     PetscBool ok;
 
@@ -314,14 +315,15 @@ PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], P
 
 PetscErrorCode MpmSettingsEachEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2])
 {
-  char text[MPM_MAX_DIM][2 * PART];
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   if (dim == 1) {
     PetscCall(MpmSettingsEnds(settings, name, index[0]));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(Cut(settings, name, dim, 1, text));
+  PetscCall(Cut(settings, name, dim, 1, room, text));
   for (PetscInt a = 0; a < dim; a++) PetscCall(ParseEnds(settings, name, text[a], index[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -351,14 +353,15 @@ PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], 
 
 PetscErrorCode MpmSettingsEachRange(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2])
 {
-  char text[MPM_MAX_DIM][2 * PART];
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   if (dim == 1) {
     PetscCall(MpmSettingsRange(settings, name, range[0]));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(Cut(settings, name, dim, 2, text));
+  PetscCall(Cut(settings, name, dim, 2, room, text));
   for (PetscInt a = 0; a < dim; a++) PetscCall(ParseRange(settings, name, text[a], range[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,0 +1,46 @@
+/*
+   Growth measured by marches from random data in two and three dimensions, against an independent program's growth over
+   all phases of the same grid. Random data excite every mode, and long runs are led by the one that grows fastest.
+*/
+#include "analysis/run.h"
+#include "check.h"
+#include "oracle.h"
+
+#define LEAST 1.01 /* growth per step; slower rows would need long runs */
+#define TIMES 1e60 /* by which a state grows in a run */
+#define SHARE 0.02 /* by which logarithms may differ */
+
+/* In a row of apic on hats a mode shows on the grid at every other step only, and a run does not measure its growth. */
+static PetscInt rows, unmeasured;
+
+static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal growth)
+{
+  MpmScene *scene;
+  MpmRun   *run;
+
+  PetscFunctionBegin;
+  if (growth < LEAST || !strstr(row, ",") || row[0] == '1') PetscFunctionReturn(PETSC_SUCCESS);
+  if (strstr(row, "nullspace")) PetscFunctionReturn(PETSC_SUCCESS); /* not marched in more than one dimension */
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmRunRandom(scene, (PetscInt64)ceil(log(TIMES) / log(growth)), 1e-6, &run));
+  if (run->growth.measured)
+    CHECK(fabs(log(run->growth.per_step) - log(growth)) <= SHARE * log(growth), "%s: measured %.9g", row,
+          (double)run->growth.per_step);
+  else
+    unmeasured++;
+  rows += run->growth.measured ? 1 : 0;
+  PetscCall(MpmRunDestroy(&run));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "growth_nd FILE");
+  PetscCall(OracleGrowthNd(argv[1], 60, CheckRow));
+  CHECK(rows >= 20 && unmeasured <= 1, "%d rows measured, %d not", (int)rows, (int)unmeasured);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
