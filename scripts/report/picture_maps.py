@@ -177,7 +177,7 @@ def map_footer(scene, names):
         parts["drift"] = f"drift of {size:.6g} cells per step, turned"
     shown = [text for key, text in parts.items()
              if key not in names and not (key == "layout" and "offset" in names)]
-    return ", ".join(shown[:4]) + "\n" + ", ".join(shown[4:])
+    return scenes.wrapped(", ".join(shown[:4]), ", ".join(shown[4:]))
 
 
 def axes_of_map(file, shape, result, result_path):

@@ -42,8 +42,8 @@ def predicted_of(result, spectra):
 def shared(results):
     """Returns the parts of the scenes that all have in common, and for each scene its other parts."""
     parts = [scenes.scene_parts(result) for result in results]
-    same = [text for key, text in parts[0].items() if all(part[key] == text for part in parts)]
-    own = [[text for key, text in part.items() if any(other[key] != text for other in parts)] for part in parts]
+    same = [text for key, text in parts[0].items() if all(part.get(key) == text for part in parts)]
+    own = [[text for key, text in part.items() if any(other.get(key) != text for other in parts)] for part in parts]
     return same, [", ".join(texts) for texts in own]
 
 
@@ -69,7 +69,7 @@ def growth(paths, last=None):
         files.part(result, "run", path, "run -json")
     same, own = shared([result for _, result in runs])
     half = (len(same) + 1) // 2
-    figure = style.new_figure(4.6 + 0.2 * len(runs), ", ".join(same[:half]) + "\n" + ", ".join(same[half:]))
+    figure = style.new_figure(4.6 + 0.2 * len(runs), scenes.wrapped(", ".join(same[:half]), ", ".join(same[half:])))
     axes, labelled = figure.add_subplot(), False
     for number, (path, result) in enumerate(runs):
         steps, size = size_of(path)

@@ -249,6 +249,8 @@ def check_words():
             check("of different scenes" in str(refusal), f"{key}: {refusal}")
         else:
             check(False, f"{key} {value} counts as the same scene")
+    labels = pictures.growth(["gas-run.json", "shear-run.json"]).axes[0].get_legend_handles_labels()[1]
+    check("ν" not in labels[0] and "usl, ν = 0.3" in labels[1], f"runs with and without a ratio: {labels}")
     check_written("symbol", ("gas2, quadratic basis, flip, k = 0.5, drift 1/8,1/6 (cells per step)",
                              "8 x 4 cells, 2 x 2 particles a cell, offset 0.5, ends periodic"), "oblique-symbol.h5")
 
