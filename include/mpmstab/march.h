@@ -2,9 +2,6 @@
 #pragma once
 #include <mpmstab/scene.h>
 
-/* Not collective. Whether a scheme can be marched: a table that solves nodal systems is marched in one dimension alone. */
-PetscBool MpmMarchHas(const MpmLayout *layout, const MpmScheme *scheme);
-
 /* MpmMarch - the state of a run: a grid, particles, and the passes of a step. */
 typedef struct MpmMarch_ MpmMarch;
 

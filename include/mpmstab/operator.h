@@ -90,7 +90,6 @@ PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im);
    norm(A q - march(q)), relative to the larger of norm(q) and norm(A q), over three periods that start from random
    data.
 
-   Collective. The result is NaN when the march leaves the range of doubles, and for schemes that it does not have
-   (MpmMarchHas).
+   Collective. The result is NaN when the march leaves the range of doubles.
 */
 PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch);

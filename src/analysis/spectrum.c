@@ -188,7 +188,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   if (f->growth == s->growth)
     f->defective_error =
         PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
-  if (s->marches && !(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
+  if (!(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one is wrong */
     f->uncertainty = f->defective_error = INFINITY;
@@ -212,7 +212,7 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscFunctionBegin;
   if (s->finding.growth > 1 + s->request->tolerance) steps = PetscMax(steps, MEASURE_EFOLDS / log(s->finding.growth));
   steps = PetscMin(PetscMin(steps, room), MEASURE_MOST / s->ranks);
-  if (!s->marches || !s->request->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->request->measure || steps < MEASURE_FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmRunRandom(s->scene, (PetscInt64)steps, s->request->tolerance, &s->run));
   if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* operator or march is wrong */
     s->finding.verdict = MPM_UNDECIDED;
@@ -286,7 +286,6 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   s             = *spectrum;
   s->scene      = scene;
   s->request    = request;
-  s->marches    = MpmMarchHas(&scene->layout, &scene->scheme);
   s->comparison = (MpmComparison){.published = NAN, .published_beta = NAN, .corrected = NAN};
   s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;

@@ -14,7 +14,7 @@
    number of listed eigenvalues within 1e-6 of 1. nullity: the dimension of the null space (see MpmModesNullity). Both
    are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
    on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
-   ranks. marches: the scheme can be marched.
+   ranks.
    run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
    NULL when not asked for, or when the operator's numbers leave the range of doubles. leading: the modes of the first
    listed eigenvalues, in two and three dimensions; none in one.
@@ -24,7 +24,6 @@ typedef struct {
   const MpmScene    *scene;
   const MpmRequest  *request;
   PetscMPIInt        ranks;
-  PetscBool          marches;
   MpmOperator       *op;
   MpmEigen          *eigen;
   MpmSymbol         *symbol;

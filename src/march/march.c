@@ -126,11 +126,6 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscBool MpmMarchHas(const MpmLayout *layout, const MpmScheme *scheme)
-{
-  return layout->dim == 1 || !MpmTableHas(scheme->table, MPM_SOLVE) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* Makes all of a march but the values of the particle fields. */
 static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                             MpmMarch *m)
@@ -138,10 +133,6 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscInt ghost, ranks[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  MpmCheckInput(MpmMarchHas(layout, scheme),
-                "dim %" PetscInt_FMT " with transfer %s: the march solves its nodal system in one dimension; allowed: "
-                "dim 1, another transfer, or 'mpmstab spectrum' and 'symbol'",
-                layout->dim, scheme->transfer->name);
   m->layout     = layout;
   m->scheme     = scheme;
   m->cell_width = 1;

@@ -78,7 +78,7 @@ PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const Mpm
       SetWall(grid, op, field[op->src], field[op->dst]);
     else
       PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, places,
-                                   march->scheme->table->parity[op->dst][0], inverse_mass, field[op->src],
+                                   march->scheme->table->parity[op->dst], inverse_mass, field[op->src],
                                    field[op->dst]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

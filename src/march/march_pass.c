@@ -213,7 +213,7 @@ static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, Pe
   }
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  places = (MpmPlaces){arrays.cell, arrays.xi, arrays.weight[MPM_MASS]};
+  places = (MpmPlaces){{arrays.cell}, {arrays.xi}, arrays.weight[MPM_MASS]};
   PetscCall(
       MpmMarchNodeOps(march, *step, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
   PetscCall(RestoreArrays(&arrays, &stage[n - 1]));

@@ -5,13 +5,24 @@
 
 #define MOST_ITERATIONS 20000
 
+/* The number of nodes that a particle has weights at, and of those that share a particle with a node. */
+static PetscInt Neighbours(const MpmLayout *layout, PetscInt along)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < layout->dim; a++) n *= along;
+  return n;
+}
+
 PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
                                    MpmNodalSolve **solve)
 {
-  const PetscInt reach = MpmMapReach(basis), width = PetscMin(2 * reach - 1, layout->grid[0].nodes);
-  const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
-  MpmNodalSolve *s;
-  PC             pc;
+  const PetscInt         reach = MpmMapReach(basis), own = MpmGridNodes(grid), all = MpmLayoutNodes(layout);
+  const PetscInt         width = PetscMin(Neighbours(layout, 2 * reach - 1), all);
+  const MPI_Comm         comm  = PetscObjectComm((PetscObject)grid->da);
+  ISLocalToGlobalMapping map;
+  MpmNodalSolve         *s;
+  PC                     pc;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(solve));
@@ -20,9 +31,12 @@ PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basi
   s->basis  = basis;
   s->grid   = grid;
   s->step   = -1;
-  PetscCall(MatCreateAIJ(comm, grid->axis[0].nodes, grid->axis[0].nodes, layout->grid[0].nodes, layout->grid[0].nodes,
-                         PetscMin(width, grid->axis[0].nodes), NULL,
-                         PetscMin(width, layout->grid[0].nodes - grid->axis[0].nodes), NULL, &s->matrix));
+  s->seen   = Neighbours(layout, reach);
+  PetscCall(PetscMalloc3(s->seen, &s->node, s->seen, &s->weight, s->seen * s->seen, &s->square));
+  PetscCall(
+      MatCreateAIJ(comm, own, own, all, all, PetscMin(width, own), NULL, PetscMin(width, all - own), NULL, &s->matrix));
+  PetscCall(DMGetLocalToGlobalMapping(grid->da, &map));
+  PetscCall(MatSetLocalToGlobalMapping(s->matrix, map, map));
   PetscCall(MatSetOption(s->matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
   PetscCall(MatSetOption(s->matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PetscCall(MatCreateVecs(s->matrix, &s->solution, &s->right));
@@ -40,6 +54,7 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
 {
   PetscFunctionBegin;
   if (!*solve) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3((*solve)->node, (*solve)->weight, (*solve)->square));
   PetscCall(MatDestroy(&(*solve)->matrix));
   PetscCall(VecDestroy(&(*solve)->right));
   PetscCall(VecDestroy(&(*solve)->solution));
@@ -48,37 +63,86 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the part of a particle, at xi in a cell, to W^T m W. */
-static PetscErrorCode AddParticle(MpmNodalSolve *s, PetscInt cell, PetscReal xi, PetscReal mass)
+/* Whether node i of a direction, counted over the grid, is on a wall where the field is set to 0. */
+static PetscBool IsImposed(const MpmNodalSolve *s, PetscInt a, PetscInt i)
+{
+  const MpmDirection *direction = &s->layout->grid[a];
+
+  if (direction->ends[0] == MPM_PERIODIC) return PETSC_FALSE;
+  return (i == 0 && MpmEndImposes(direction->ends[0], s->parity[a])) ||
+                 (i == direction->nodes - 1 && MpmEndImposes(direction->ends[1], s->parity[a]))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+   The weights along a direction of a particle at xi in a local cell, and the places of their nodes in a local array. Beyond
+   a wall these are those of the images.
+*/
+static void RowAlong(const MpmNodalSolve *s, PetscInt a, PetscInt cell, PetscReal xi, PetscInt place[],
+                     PetscReal weight[])
+{
+  const MpmGridAxis *axis = &s->grid->axis[a];
+
+  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[a], weight);
+  for (PetscInt d = 0; d < MpmMapReach(s->basis); d++) {
+    PetscInt  node = cell - s->basis->reach_left + d;
+    PetscReal sign = 1;
+
+    if (!axis->periodic) {
+      node = MpmDirectionImage(&s->layout->grid[a], axis->first + node, s->parity[a], &sign);
+      if (IsImposed(s, a, node)) sign = 0;
+      node -= axis->first;
+    }
+    place[d] = node * axis->stride;
+    weight[d] *= sign;
+  }
+}
+
+/* Adds the part of a particle, at xi in a cell of each direction, to W^T m W. */
+static PetscErrorCode AddParticle(MpmNodalSolve *s, const PetscInt cell[], const PetscReal xi[], PetscReal mass)
 {
   const PetscInt reach = MpmMapReach(s->basis);
-  PetscInt       node[MPM_MAX_REACH];
-  PetscReal      row[MPM_MAX_REACH], sign[MPM_MAX_REACH], square[MPM_MAX_REACH * MPM_MAX_REACH];
+  PetscInt       n     = 1;
 
   PetscFunctionBegin;
-  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[0], row);
-  MpmNodesSeen(&s->layout->grid[0], s->basis, cell, s->parity, PETSC_TRUE, node, sign);
-  for (PetscInt i = 0; i < reach; i++)
-    for (PetscInt j = 0; j < reach; j++) square[i * reach + j] = mass * sign[i] * row[i] * sign[j] * row[j];
-  PetscCall(MatSetValues(s->matrix, reach, node, reach, node, square, ADD_VALUES));
+  s->node[0]   = s->grid->origin;
+  s->weight[0] = 1;
+  for (PetscInt a = 0; a < s->layout->dim; a++) {
+    PetscInt  place[MPM_MAX_REACH];
+    PetscReal row[MPM_MAX_REACH];
+
+    RowAlong(s, a, cell[a], xi[a], place, row);
+    for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n are read last */
+      for (PetscInt i = 0; i < n; i++) {
+        s->node[d * n + i]   = s->node[i] + place[d];
+        s->weight[d * n + i] = s->weight[i] * row[d];
+      }
+    }
+    n *= reach;
+  }
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) s->square[i * n + j] = mass * s->weight[i] * s->weight[j];
+  PetscCall(MatSetValuesLocal(s->matrix, n, s->node, n, s->node, s->square, ADD_VALUES));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
                                const MpmPlaces *places)
 {
-  PetscInt  whole;
-  PetscReal part;
+  PetscInt  whole[MPM_MAX_DIM];
+  PetscReal part[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   PetscCall(MatZeroEntries(s->matrix));
-  PetscCall(MpmParticlesWhere(particles, 0, step, &whole, &part));
+  for (PetscInt a = 0; a < s->layout->dim; a++) PetscCall(MpmParticlesWhere(particles, a, step, &whole[a], &part[a]));
   for (PetscInt p = 0; p < particles->count; p++) {
-    PetscInt  cell;
-    PetscReal xi;
+    PetscInt  cell[MPM_MAX_DIM];
+    PetscReal xi[MPM_MAX_DIM];
 
-    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
-    PetscCall(AddParticle(s, s->grid->axis[0].first + cell, xi, places->mass ? places->mass[p] : 1));
+    for (PetscInt a = 0; a < s->layout->dim; a++)
+      MpmPlaceBlock(1, &places->cell[a][p], &places->xi[a][p], whole[a], part[a], &cell[a], &xi[a]);
+    PetscCall(AddParticle(s, cell, xi, places->mass ? places->mass[p] : 1));
   }
   PetscCall(MatAssemblyBegin(s->matrix, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->matrix, MAT_FINAL_ASSEMBLY));
@@ -86,38 +150,81 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
-                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
+static PetscBool Moves(const MpmParticles *particles, PetscInt dim)
 {
-  const PetscInt   last = s->grid->axis[0].nodes - 1;
-  const PetscReal *a;
-  PetscReal       *b, mirror[2];
+  for (PetscInt a = 0; a < dim; a++)
+    if (particles->drift[a].value != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* M g at this rank's nodes; 0 on walls where the field is set to 0. */
+static PetscErrorCode SetRight(MpmNodalSolve *s, const PetscReal inverse_mass[], const PetscReal g[])
+{
+  const MpmGridBox box = MpmGridBoxOf(s->grid, 0);
+  const PetscInt   ny  = box.hi[1];
+  PetscReal       *b;
 
   PetscFunctionBegin;
-  if (s->step < 0 || parity != s->parity || (s->step != step && particles->drift[0].value != 0)) {
-    s->parity = parity;
+  PetscCall(VecGetArray(s->right, &b));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscInt row = MpmGridRow(s->grid, &box, r), at[MPM_MAX_DIM] = {0, r % ny, r / ny};
+    PetscBool      imposed = PETSC_FALSE;
+
+    for (PetscInt a = 1; a < s->layout->dim; a++)
+      if (IsImposed(s, a, s->grid->axis[a].first + at[a])) imposed = PETSC_TRUE;
+    for (PetscInt i = 0; i < box.hi[0]; i++)
+      *b++ = imposed || IsImposed(s, 0, s->grid->axis[0].first + i) || !(inverse_mass[row + i] > 0)
+                 ? 0
+                 : g[row + i] / inverse_mass[row + i];
+  }
+  b -= MpmGridNodes(s->grid);
+  PetscCall(VecRestoreArray(s->right, &b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies the solution to a local array, with its ghosts and the images beyond walls. */
+static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
+{
+  const MpmGridBox box = MpmGridBoxOf(s->grid, 0);
+  const PetscReal *a;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(s->solution, &a));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++)
+    PetscCall(PetscArraycpy(y + MpmGridRow(s->grid, &box, r), a + r * box.hi[0], box.hi[0]));
+  PetscCall(VecRestoreArrayRead(s->solution, &a));
+  PetscCall(MpmGridSpread(s->grid, 1, &y));
+  for (PetscInt axis = 0; axis < s->layout->dim; axis++) {
+    PetscReal mirror[2];
+
+    MpmDirectionMirror(&s->layout->grid[axis], s->parity[axis], mirror);
+    MpmGridReflect(s->grid, axis, mirror, y);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
+                                const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
+                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
+{
+  PetscBool same;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycmp(parity, s->parity, s->layout->dim, &same));
+  if (s->step < 0 || !same || (s->step != step && Moves(particles, s->layout->dim))) {
+    PetscCall(PetscArraycpy(s->parity, parity, s->layout->dim));
     PetscCall(Assemble(s, particles, step, places));
   }
   s->step = step;
-  PetscCall(VecGetArray(s->right, &b));
-  for (PetscInt i = 0; i < s->grid->axis[0].nodes; i++) b[i] = inverse_mass[i] > 0 ? g[i] / inverse_mass[i] : 0;
-  for (PetscInt end = 0; end < 2; end++)
-    if (s->grid->axis[0].wall[end] && MpmEndImposes(s->layout->grid[0].ends[end], parity)) b[end ? last : 0] = 0;
-  PetscCall(VecRestoreArray(s->right, &b));
+  PetscCall(SetRight(s, inverse_mass, g));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, reason));
-  PetscCall(VecGetArrayRead(s->solution, &a));
-  PetscCall(PetscArraycpy(y, a, s->grid->axis[0].nodes));
-  PetscCall(VecRestoreArrayRead(s->solution, &a));
-  PetscCall(MpmGridSpread(s->grid, 1, &y));
-  MpmDirectionMirror(&s->layout->grid[0], parity, mirror);
-  MpmGridReflect(s->grid, 0, mirror, y);
+  PetscCall(CopySolution(s, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
+                                  const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[])
 {
   KSPConvergedReason reason;

@@ -21,7 +21,9 @@ typedef struct {
   Vec              right, solution;
   KSP              ksp;
   PetscInt64       step;
-  MpmParity        parity;
+  MpmParity        parity[MPM_MAX_DIM];
+  PetscInt         seen, *node; /* the nodes of a particle, their number, and room for its part of the matrix */
+  PetscReal       *weight, *square;
 } MpmNodalSolve;
 
 /* Collective. layout, basis and grid must outlive the solve. */
@@ -36,7 +38,7 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
    Input Parameters:
 +  places        - the resting places of this rank's particles
-.  parity - y is 0 at the walls that impose it (fixed without reaction)
+.  parity        - that of y, by direction: y is 0 at the walls that impose it (MpmEndImposes)
 .  inverse_mass  - a local array, 0 where there is no mass
 -  g             - a local array
 
@@ -45,8 +47,8 @@ PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
    MpmNodalSolveTry does the same and leaves convergence to the caller: reason is above 0 when it converged.
 */
 PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
+                                  const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
                                   const PetscReal g[], PetscReal y[]);
 PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, MpmParity parity, const PetscReal inverse_mass[],
+                                const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
                                 const PetscReal g[], PetscReal y[], KSPConvergedReason *reason);

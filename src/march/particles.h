@@ -33,8 +33,8 @@ typedef struct {
 
 /* The resting places of this rank's particles, and their masses where these differ (else NULL): arrays of the swarm. */
 typedef struct {
-  const PetscInt  *cell;
-  const PetscReal *xi, *mass;
+  const PetscInt  *cell[MPM_MAX_DIM];
+  const PetscReal *xi[MPM_MAX_DIM], *mass;
 } MpmPlaces;
 
 /* The names of the fields with the resting places, by direction. */

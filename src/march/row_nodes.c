@@ -33,15 +33,36 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
   }
 }
 
-void MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[])
+/* Solves the nodal system with the particles at the places of a step. */
+static PetscErrorCode Solve(const MpmMarch *march, const MpmNodeOp *op, PetscInt64 step, const MpmRowArrays *arrays,
+                            PetscReal *const field[])
+{
+  MpmPlaces places = {.mass = arrays->weight[MPM_MASS]};
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    places.cell[a] = arrays->cell[a];
+    places.xi[a]   = arrays->xi[a];
+  }
+  PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, &places,
+                               march->scheme->table->parity[op->dst], arrays->sum[MPM_MASSES], field[op->src],
+                               field[op->dst]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,
+                              PetscReal *const field[])
 {
   const MpmGrid *grid = march->grid;
 
+  PetscFunctionBegin;
   for (PetscInt o = 0; o < pass->nnode_ops; o++) {
     const MpmNodeOp *op = &pass->node_op[o];
 
     if (op->kind == MPM_WALL)
       SetWall(grid, op, field[op->src], field[op->dst]);
+    else if (!MpmNodeOpIsLocal(op->kind))
+      PetscCall(Solve(march, op, step, arrays, field));
     else {
       const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost - op->depth);
 
@@ -52,4 +73,5 @@ void MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const
       }
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -155,7 +155,7 @@ PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, Pet
   PetscCall(SumNodes(march, nodes, pass, arrays.sum));
   PetscCall(PetscLogEventEnd(march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < nodes->n; f++) after[f] = arrays.sum[f] ? arrays.sum[f] : arrays.node[f];
-  MpmRowsNodeOps(march, pass, after);
+  PetscCall(MpmRowsNodeOps(march, pass, *step, &arrays, after));
   PetscCall(RestoreArrays(march, nodes, pass, &arrays));
   PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -70,5 +70,6 @@ typedef struct {
 /* Not collective. Takes all particles through the pass. */
 void MpmRowsRun(const MpmRowArrays *arrays);
 
-/* Not collective. The node operations after a pass, in more than one dimension. */
-void MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscReal *const field[]);
+/* Collective. The node operations after a pass, in more than one dimension. step is that of the particles' places. */
+PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,
+                              PetscReal *const field[]);

@@ -55,8 +55,8 @@ static PetscErrorCode GetPlaces(const MpmMarch *march, MpmPlaces *places)
 {
   PetscFunctionBegin;
   places->mass = NULL;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &places->cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &places->xi));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &places->cell[0]));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &places->xi[0]));
   if (march->layout->varies[MPM_MASS])
     PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -66,8 +66,8 @@ static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
 {
   PetscFunctionBegin;
   if (places->mass) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &places->xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &places->cell));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &places->xi[0]));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &places->cell[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -87,7 +87,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
     PetscInt  cell;
     PetscReal xi, row[MPM_MAX_REACH];
 
-    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
+    MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
     MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width[0], row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
@@ -179,7 +179,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
     PetscInt        cell;
     MpmBlock        block;
 
-    MpmPlaceBlock(1, &places->cell[p], &places->xi[p], whole, part, &cell, &xi);
+    MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
     MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width[0], &block);
     march->scheme->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
@@ -192,7 +192,7 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
   const MpmMarch  *march  = x->march;
-  const MpmParity  parity = MpmTableParity(march->scheme->table, field)[0];
+  const MpmParity *parity = MpmTableParity(march->scheme->table, field);
   PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
   const PetscReal *q;
   MpmPlaces        places;

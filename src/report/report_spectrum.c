@@ -49,7 +49,6 @@ static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
   else
     PetscCall(PetscStrncpy(text,
                            growth                ? "nothing left to measure"
-                           : !s->marches         ? "not run: the march solves nodal systems in one dimension alone"
                            : s->request->measure ? "not run: that would take too long here; try 'mpmstab run'"
                                                  : "not asked for",
                            sizeof text));
@@ -79,8 +78,7 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
   if (isfinite(s->step_mismatch))
     MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
   else
-    MpmPrint("not compared: %s\n", s->marches ? "the march leaves the range of doubles"
-                                              : "the march solves nodal systems in one dimension alone");
+    MpmPrint("not compared: the march leaves the range of doubles\n");
   if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),

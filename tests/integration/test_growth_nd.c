@@ -20,7 +20,6 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 
   PetscFunctionBegin;
   if (growth < LEAST || !strstr(row, ",") || row[0] == '1') PetscFunctionReturn(PETSC_SUCCESS);
-  if (strstr(row, "nullspace")) PetscFunctionReturn(PETSC_SUCCESS); /* not marched in more than one dimension */
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmRunRandom(scene, (PetscInt64)ceil(log(TIMES) / log(growth)), 1e-6, &run));
   if (run->growth.measured)

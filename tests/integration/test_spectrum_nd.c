@@ -66,8 +66,7 @@ static PetscErrorCode CheckOperator(const char options[])
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
-  CHECK(op->assembled &&
-            (MpmMarchHas(&scene->layout, &scene->scheme) ? mismatch <= 1e-14 * op->period : isnan(mismatch)),
+  CHECK(op->assembled && mismatch <= (strstr(options, "nullspace") ? 1e-11 : 1e-14) * op->period,
         "%s: %.3g from the march", options, mismatch);
   PetscCall(MpmShellCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &shell));
   PetscCall(CheckProduct(options, op->A, shell, PETSC_FALSE));
