@@ -2,9 +2,14 @@
    The main test: for every example scene measured growth, spectrum and symbol agree, and A q = march(q). For unstable
    scenes symbol and spectrum agree to 1e-9, and the measured rate is within 2% of the logarithm. For stable scenes none
    of the three grows.
+
+   More ranks march fewer steps. A slow mode that has grown by less than e^15 in them has not yet left the others behind;
+   there the logarithm is within 10%.
 */
 #include "check.h"
 #include "analysis/spectrum.h"
+
+#define EFOLDS 15
 
 static PetscErrorCode Agrees(const char path[])
 {
@@ -25,10 +30,12 @@ static PetscErrorCode Agrees(const char path[])
   CHECK(s->run && s->run->growth.measured, "%s: nothing measured", path);
   CHECK(s->run && s->run->verdict == s->finding.verdict, "%s: measured %s, computed %s", path,
         MpmVerdictNames[s->run->verdict], MpmVerdictNames[s->finding.verdict]);
-  if (s->growth > 1 + 1e-6)
-    CHECK(s->run && fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= 0.02, "%s: measured %.9g, spectrum %.9g",
-          path, s->run->growth.per_step, s->growth);
-  else
+  if (s->growth > 1 + 1e-6) {
+    const PetscReal share = s->run && (PetscReal)s->run->steps * log(s->growth) < EFOLDS ? 0.1 : 0.02;
+
+    CHECK(s->run && fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= share,
+          "%s: measured %.9g, spectrum %.9g", path, s->run->growth.per_step, s->growth);
+  } else
     CHECK(s->run && s->run->growth.per_step <= 1 + 1e-3, "%s: measured %.9g", path, s->run->growth.per_step);
   PetscCall(MpmSpectrumDestroy(&s));
   PetscCall(MpmSceneDestroy(&scene));
