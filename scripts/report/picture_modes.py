@@ -29,7 +29,7 @@ def title_of_mode(file, name):
     value = f"{real:.4g}" + (f" {'-' if imaginary < 0 else '+'} {abs(imaginary):.4g}i" if abs(imaginary) > 1e-7 else "")
     beta = files.array(file, "spectrum/beta", "spectrum -output")[int(name) - 1]
     if numpy.isnan(beta).any():
-        wave = "no node sees it"
+        wave = "its P2G is 0"
     else:
         wave = in_words(wrapped(beta)).replace(" π, ", " π\n") if beta.shape else f"β = {beta:.4g} radians per cell"
     return f"mode {int(name)}\ngrowth {group.attrs['growth']:.9g}\neigenvalue {value}\n{wave}"

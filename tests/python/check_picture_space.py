@@ -150,7 +150,7 @@ def check_mode(file, kept, x, axes):
     check(norms[shown] > 0.999 * max(norms.values()), f"{shown} is shown, of {norms}")
     close(discs.get_offsets(), x[kept][:, :2], "places of a mode")
     close(discs.get_array(), mode[f"{shown}_re"][:][kept], "colours of a mode")
-    wave = "no node sees it" if numpy.isnan(beta).any() else f"β = ({', '.join(f'{b:.4g}' for b in beta)}) π"
+    wave = "its P2G is 0" if numpy.isnan(beta).any() else f"β = ({', '.join(f'{b:.4g}' for b in beta)}) π"
     check(f"growth {mode.attrs['growth']:.9g}" in title and wave in title, title)
     velocity = numpy.transpose([mode["v_x_re"][:], mode["v_y_re"][:]])[kept]
     return check_arrows(axes, x[kept], velocity, "arrows of a mode")
