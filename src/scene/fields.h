@@ -87,7 +87,7 @@ typedef struct {
 /* Not collective. The fields that are options, and those that follow from others; each ended by one without a name. */
 extern const MpmField MpmOptions[], MpmDerived[];
 
-#define MPM_MAX_OPTIONS 96
+#define MPM_MAX_OPTIONS 160
 
 /* Not collective. Index of an option in MpmOptions, or MPM_NOT_AN_OPTION. */
 #define MPM_NOT_AN_OPTION -1
@@ -106,7 +106,7 @@ typedef struct {
   char            text[MPM_COUNTS_TEXT];
 } MpmValue;
 
-#define MPM_MAX_VALUES 40
+#define MPM_MAX_VALUES 80
 
 /*
    MpmValuesIn - the values that a record of a scene shows, in their order there.
