@@ -180,6 +180,22 @@ static PetscBool HasDensity(const MpmScene *scene, MpmRecord record)
   return scene->density > 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool IsPhysical(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneIsPhysical(scene);
+}
+
+static PetscBool HasSpeed(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || MpmSceneIsPhysical(scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasTimeStep(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || (MpmSceneIsPhysical(scene) && MpmSceneHasStep(scene)) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -264,7 +280,7 @@ const MpmField MpmOptions[] = {
   {"length", MPM_REAL, "1", "length L of the domain",
    ABOVE(0), .rival = "cell_width", EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
   {"cell_width", MPM_REAL, NULL, "width h of a cell, instead of length",
-   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width)},
+   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), .shown = IsPhysical},
   {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
@@ -292,7 +308,7 @@ const MpmField MpmOptions[] = {
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
-   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
+   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), .shown = HasSpeed},
   {"sound_speed", MPM_REAL, NULL, "wave speed c (of pressure waves, with dim 2 or 3), instead of moduli; another word for wave_speed",
    ABOVE(0), .rival = "wave_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed)},
   {"density", MPM_REAL, NULL, "density rho, with young, with bulk and shear, or beside the wave speed",
@@ -306,7 +322,7 @@ const MpmField MpmOptions[] = {
   {"courant", MPM_REAL, "0.5", "Courant number k = c dt / h",
    ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
-   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 0, 0, 0)},
+   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = HasTimeStep},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
    BETWEEN(-1e6, 1e6), .rival = "velocity", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",

@@ -67,7 +67,10 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. */
+/*
+   A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
+   is sought at one drift, too; it must not be that of the default Courant number.
+*/
 static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
@@ -76,6 +79,10 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
                                 "would change; allowed: drift"));
+  if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
+    PetscCall(MpmSettingsRefuse(settings, "velocity",
+                                "how many cells particles move per step depends on the time step; allowed: with dt or "
+                                "courant, or drift"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,11 +129,18 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
 /* Refuses axes that the scene does not have. */
 static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
+  static const char *const moduli[] = {"young", "bulk"};
+
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
     PetscCall(MpmSettingsRefuse(
         settings, "map_axes",
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  for (int i = 0; i < 2 && MpmRequestVaries(request, MPM_AXIS_POISSON); i++)
+    if (MpmSettingsGiven(settings, moduli[i]))
+      PetscCall(MpmSettingsRefuse(settings, moduli[i],
+                                  "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
+                                  "change; allowed: sound_speed"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
@@ -224,7 +238,21 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
 
 /* ---- what must come out ---- */
 
-static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect)
+/* A scene's verdict may be that of a run; critical has none for a time step that was not given. */
+static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmScene *scene, const char task[],
+                                        MpmExpect *expect)
+{
+  PetscFunctionBegin;
+  if (strcmp(task, "critical") || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
+    PetscCall(
+        MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
+  expect->has_verdict = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, const char task[],
+                                 MpmExpect *expect)
 {
   PetscInt i;
 
@@ -237,6 +265,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
+  if (expect->has_verdict) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -268,7 +297,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
-  PetscCall(ReadExpect(settings, scene, &request->expect));
+  PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
