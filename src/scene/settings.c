@@ -1,22 +1,37 @@
 /* Gathers what the user said: in the scene file, then where PETSc finds options, then on the command line. */
 #include "scene/settings.h"
 #include "scene/settings_place.h"
+#include <string.h>
+
+/* An option takes the place of its rival; both from one source are a mistake. */
+static PetscErrorCode TakePlace(MpmSettings *settings, PetscInt option, const char rival[], MpmSource source)
+{
+  const PetscInt other = MpmOptionIndex(rival);
+
+  PetscFunctionBegin;
+  MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
+                MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
+                source == MPM_FROM_SCENE     ? "in "
+                : source == MPM_FROM_OUTSIDE ? "outside command line and scene"
+                                             : "on the command line",
+                source == MPM_FROM_SCENE ? settings->scene : "");
+  PetscCall(PetscFree(settings->text[other]));
+  settings->source[other] = MPM_FROM_DEFAULT;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
 {
-  const char    *rival = MpmOptions[option].rival;
-  const PetscInt other = rival ? MpmOptionIndex(rival) : MPM_NOT_AN_OPTION;
+  const char *rivals = MpmOptions[option].rivals;
 
   PetscFunctionBegin;
-  if (rival) {
-    MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
-                  MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
-                  source == MPM_FROM_SCENE     ? "in "
-                  : source == MPM_FROM_OUTSIDE ? "outside command line and scene"
-                                               : "on the command line",
-                  source == MPM_FROM_SCENE ? settings->scene : "");
-    PetscCall(PetscFree(settings->text[other]));
-    settings->source[other] = MPM_FROM_DEFAULT;
+  while (rivals && *rivals) {
+    const size_t length = strcspn(rivals, ",");
+    char         rival[32];
+
+    PetscCall(PetscStrncpy(rival, rivals, length + 1));
+    PetscCall(TakePlace(settings, option, rival, source));
+    rivals += length + (rivals[length] ? 1 : 0);
   }
   PetscCall(PetscFree(settings->text[option]));
   PetscCall(PetscStrallocpy(text, &settings->text[option]));

@@ -29,7 +29,7 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[]);
 PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
 
-/* Collective. Sets an option's text, and takes away that of its rival. line: in the scene, from 1. */
+/* Collective. Sets an option's text, and takes away that of its rivals. line: in the scene, from 1. */
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
@@ -95,6 +95,15 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
    Some have a value for each of *dim directions. Of a scene dim is itself a field, which is read before these.
 */
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
+
+/*
+   Collective. Reads mach for each direction, 0 where it is not given. Forms the drift M k of a scene whose Courant number
+   is known, if mach is given. Refuses a drift M k without a short period, and names the nearest Courant number that has
+   one.
+*/
+PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
+PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
 
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
