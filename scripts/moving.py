@@ -3,10 +3,10 @@
 
 moving.py [-o NAME] [--check FILE]
 
-The tables are those of LIMITS.md, 'Growth of moving particles' (five minutes). Each number is the largest growth over
+The tables are those of LIMITS.md, 'Growth of moving particles' (four minutes). Each number is the largest growth over
 all waves: the phases are refined until it stops moving ('mpmstab symbol -refine'). With -o NAME the script also draws
-NAME.png and NAME.svg. --check FILE computes the column U0 = c/10 of k = 1/2 and a row alone, and refuses a file whose tables
-have other numbers. The environment variable MPMSTAB names the program (by default build/mpmstab).
+NAME.png and NAME.svg. --check FILE computes the column U0 = c/10 of k = 1/2 and one row alone, and refuses a file whose
+tables have other numbers. The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
 import concurrent.futures
 import math

@@ -70,6 +70,49 @@ static PetscErrorCode Refine(Search *s, MpmZoom *zoom, MpmRefined *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   What rounding makes of growth at a phase: its eigenvalue moves by its condition number times the difference of two
+   matrices whose steps are rounded differently.
+*/
+static PetscErrorCode FindError(Search *s, MpmRefined *r)
+{
+  MpmSmallEigen  *e     = &s->eigen;
+  double complex *noisy = e->left, overlap = 0; /* vectors come later */
+  PetscReal       norm = 0, moved = 0;
+  PetscInt        largest = 0, exponent, other;
+
+  PetscFunctionBegin;
+  if (isnan(r->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_TRUE, noisy, &other));
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_FALSE, e->matrix, &exponent));
+  for (PetscInt i = 0; i < e->n * e->n; i++) {
+    norm  = hypot(norm, cabs(e->matrix[i]));
+    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - e->matrix[i]));
+  }
+  moved              = PetscMax(moved, MPM_ROUNDING * norm);
+  r->defective_error = MpmDefectiveErrorOf(moved, exponent, s->bloch.period);
+  PetscCall(MpmSmallEigenSolve(e, PETSC_TRUE));
+  for (PetscInt i = 1; i < e->n; i++)
+    if (cabs(e->value[i]) > cabs(e->value[largest])) largest = i;
+  for (PetscInt i = 0; i < e->n; i++) overlap += conj(e->left[e->n * largest + i]) * e->right[e->n * largest + i];
+  r->uncertainty = MpmUncertaintyOf(r->growth, moved / cabs(overlap) / cabs(e->value[largest]), s->bloch.period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRefinedFinding(const MpmRefined *r, PetscReal tolerance, MpmFinding *f)
+{
+  PetscFunctionBegin;
+  *f         = (MpmFinding){.tolerance       = tolerance,
+                            .growth          = r->growth,
+                            .uncertainty     = r->uncertainty,
+                            .defective_error = r->defective_error};
+  f->verdict = MpmVerdictOf(f);
+  if (f->verdict == MPM_STABLE && !r->settled) f->verdict = MPM_UNDECIDED;
+  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
+                          "the symbol at up to %" PetscInt_FMT " phases in (0, pi] and uphill", r->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                 MpmRefined *r)
 {
@@ -86,6 +129,7 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &s.bloch));
   PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
   PetscCall(Refine(&s, &zoom, r));
+  PetscCall(FindError(&s, r));
   PetscCallMPI(MPI_Allreduce(&s.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));
   if (isnan(r->beta[0])) PetscCallMPI(MPI_Allreduce(&s.largest, &r->growth, 1, MPIU_REAL, MPI_MAX, comm));
   PetscCall(MpmSmallEigenDestroy(&s.eigen));

@@ -2,6 +2,7 @@
 #pragma once
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
+#include <mpmstab/verdict.h>
 
 /*S
    MpmRefined - what MpmRefinedGrowth has found.
@@ -10,11 +11,12 @@
    beta    - its phases, in (-pi, pi]; NaN where no phase grows
    points  - the phases in (0, pi] of each direction, on the finest grid
    settled - growth - 1 has moved by less than MPM_REFINED of itself, or by less than 1e-9, between the last grids
+   uncertainty, defective_error - as of MpmFinding, at these phases; 0 where no phase grows
    evaluations - the number of times that growth was computed
 S*/
 #define MPM_REFINED 1e-3
 typedef struct {
-  PetscReal  growth, beta[MPM_MAX_DIM];
+  PetscReal  growth, uncertainty, defective_error, beta[MPM_MAX_DIM];
   PetscInt   points;
   PetscBool  settled;
   PetscInt64 evaluations;
@@ -31,3 +33,6 @@ typedef struct {
 */
 PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                 MpmRefined *refined);
+
+/* Not collective. The verdict on refined growth: stable only where it is settled. */
+PetscErrorCode MpmRefinedFinding(const MpmRefined *refined, PetscReal tolerance, MpmFinding *finding);

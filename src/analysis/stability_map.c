@@ -10,7 +10,8 @@
 
 /*
    The components of a drift that is turned are fractions with a common denominator, the least one from here on that the
-   scene's own drift has too. A period is so many steps.
+   scene's own drift has too. A period is so many steps. A drift M k has a denominator of at most this, or of a step for
+   each part of a cell where it is slower.
 */
 #define DENOMINATOR 240
 
@@ -113,7 +114,8 @@ static void Turn(Point *at)
 /* The drift M k, rounded to a fraction with a small denominator; its own is 0 where there is none. */
 static void SetMachDrift(Point *at)
 {
-  const MpmFraction part = at->mach.unit.den ? MpmMachNearest(&at->mach, at->step.courant) : (MpmFraction){.value = 1};
+  const MpmFraction part =
+      at->mach.unit.den ? MpmMachNearest(&at->mach, at->step.courant, DENOMINATOR) : (MpmFraction){.value = 1};
 
   MpmMachDrift(&at->mach, &part, at->step.drift);
 }

@@ -52,9 +52,9 @@ void MpmMachDrift(const MpmMach *mach, const MpmFraction *part, MpmFraction drif
   }
 }
 
-MpmFraction MpmMachNearest(const MpmMach *mach, PetscReal courant)
+MpmFraction MpmMachNearest(const MpmMach *mach, PetscReal courant, PetscInt64 most)
 {
-  const PetscReal part = courant * mach->unit.value, steps = PetscMax(MPM_MACH_STEPS, ceil(1 / part));
+  const PetscReal part = courant * mach->unit.value, steps = PetscMax((PetscReal)most, ceil(1 / part));
 
   if (!(steps <= MPM_LONGEST_PERIOD)) return (MpmFraction){.value = part};
   return MpmFractionNearest(part, (PetscInt64)steps);

@@ -21,13 +21,12 @@ PetscErrorCode MpmMachCreate(PetscInt dim, const MpmFraction number[], MpmMach *
 void MpmMachDrift(const MpmMach *mach, const MpmFraction *part, MpmFraction drift[]);
 
 /*
-   MpmMachNearest - the fraction that is nearest to k unit, of those with a denominator of at most MPM_MACH_STEPS, or of
-   at most the number of steps in which particles move by a cell, where that is more.
+   MpmMachNearest - the fraction that is nearest to k unit, of those with a denominator up to most, or up to the number
+   of steps in which particles move by a cell, where that is more.
 
    Not collective. den is 0 where that number is beyond MPM_LONGEST_PERIOD, or particles rest.
 */
-#define MPM_MACH_STEPS 240
-MpmFraction MpmMachNearest(const MpmMach *mach, PetscReal courant);
+MpmFraction MpmMachNearest(const MpmMach *mach, PetscReal courant, PetscInt64 most);
 
 /* Not collective. The Courant number at which k unit is a given fraction. */
 MpmFraction MpmMachCourant(const MpmMach *mach, const MpmFraction *part);

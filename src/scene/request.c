@@ -80,6 +80,8 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
   if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
                 MpmRequestVaries(request, MPM_AXIS_MACH)))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
+  if (request->survey)
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
     PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,7 +2,6 @@
 #include "task/expect.h"
 #include "report/report.h"
 #include "io/symbol_files.h"
-#include "analysis/critical_parts.h"
 #include "analysis/refined.h"
 #include "task/task.h"
 #include <math.h>
@@ -122,29 +121,20 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
 static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, MpmRefined *r,
                            MpmFinding *finding)
 {
-  const PetscInt        dim = scene->layout.dim;
-  const MpmCriticalCase of  = MpmCriticalCaseOf(scene, request->tolerance);
-  char                  phases[64];
+  char phases[64];
 
   PetscFunctionBegin;
   *finding = (MpmFinding){.tolerance       = request->tolerance,
                           .growth          = s->growth,
                           .uncertainty     = s->uncertainty,
                           .defective_error = s->defective_error};
-  PetscCall(MpmReportCounts(dim, s->phases, sizeof phases, phases));
+  PetscCall(MpmReportCounts(scene->layout.dim, s->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence,
                           "the symbol at %s phases, the whole spectrum of %s cells", phases, phases));
-  if (request->refine) {
-    PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, r));
-    PetscCall(PetscStrlcat(finding->evidence, ", and refined phases", sizeof finding->evidence));
-  }
-  if (request->refine && r->growth > finding->growth) {
-    finding->growth = r->growth;
-    if (!isnan(r->beta[0]))
-      PetscCall(MpmCriticalRounding(&of, scene->step.courant, r->beta, &finding->defective_error));
-    finding->uncertainty = finding->defective_error;
-  }
   finding->verdict = MpmVerdictOf(finding);
+  if (!request->refine) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, r));
+  if (r->growth > s->growth) PetscCall(MpmRefinedFinding(r, request->tolerance, finding));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,7 @@
 */
 #include "check.h"
 #include "symbols.h"
-#include "analysis/refined.h"
+#include "analysis/critical_mach.h"
 #include "analysis/stability_map.h"
 
 /* Both scenes have the same drift, and so the same symbol. */
@@ -156,6 +156,64 @@ static PetscErrorCode CheckRefined(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Critical(const char options[], MpmScene **scene, MpmCriticalMach *found)
+{
+  MpmCriticalCase of;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, scene));
+  of = MpmCriticalCaseOf(*scene, 1e-6);
+  PetscCall(MpmCriticalMachCreate(&of, &check_request.mach, found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A point that grows is above the limit at its own drift, which is found by following eigenvalues. */
+static PetscErrorCode CheckGrows(const MpmScene *scene, const MpmMachPoint *p)
+{
+  MpmCriticalCase of = MpmCriticalCaseOf(scene, 1e-6);
+  MpmCritical     limit;
+
+  PetscFunctionBegin;
+  MpmMachDrift(&check_request.mach, &p->part, of.step.drift);
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &limit));
+  CHECK(p->verdict == MPM_UNSTABLE && p->courant > limit.unstable_at,
+        "k = %.6g: growth %.12g, the limit at its drift %.6g", p->courant, p->growth, limit.unstable_at);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   All points have the Mach number that was asked for. The first at which usl with flip grows is above the limit at
+   its drift. With pic none grows up to its limit at rest, sqrt(1 - 2 q) with q = 3/16. gas1
+   grows at all of them.
+*/
+static PetscErrorCode CheckCritical(void)
+{
+  MpmScene       *scene;
+  MpmCriticalMach found;
+
+  PetscFunctionBegin;
+  PetscCall(Critical("-formulation usl -mach 1/4", &scene, &found));
+  for (PetscInt i = 0; i < found.n; i++) {
+    CHECK_NEAR(found.points[i].courant / 4, found.points[i].part.value, 1e-15);
+    CHECK(!i || found.points[i].courant > found.points[i - 1].courant, "points %d and %d", (int)i - 1, (int)i);
+  }
+  CHECK(found.stable > 0 && found.stable < found.n, "no first window: %d of %d", (int)found.stable, (int)found.n);
+  PetscCall(CheckGrows(scene, &found.points[found.stable]));
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(Critical("-formulation usl -transfer pic -mach -0.1", &scene, &found));
+  CHECK_NEAR(found.rest, sqrt(0.625), 1e-6);
+  CHECK(found.points[found.stable - 1].courant < found.rest && found.points[found.stable].courant > found.rest,
+        "pic grows at %.6g", found.points[found.stable].courant);
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(Critical("-formulation gas1 -mach 1/2", &scene, &found));
+  CHECK(found.stable == 0 && found.unstable == found.n, "gas1: %d of %d grow", (int)found.unstable, (int)found.n);
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -164,6 +222,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckDrifts());
   PetscCall(CheckMaps());
   PetscCall(CheckRefined());
+  PetscCall(CheckCritical());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
