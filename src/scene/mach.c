@@ -81,25 +81,42 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The first of two options that was given, as a fraction; the number itself where neither was. */
+static PetscErrorCode OneOf(const MpmSettings *settings, const char name[], const char other[], PetscReal number,
+                            MpmFraction *fraction)
+{
+  MpmFraction each[MPM_MAX_DIM];
+  const char *given = MpmSettingsGiven(settings, name) ? name : MpmSettingsGiven(settings, other) ? other : NULL;
+
+  PetscFunctionBegin;
+  *fraction = (MpmFraction){.value = number};
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsEachFraction(settings, given, 1, each));
+  *fraction = each[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-   k as a fraction: courant as it was given, or c dt cells / L. Where its terms are too long it is the double, and then
-   the drift is the short fraction that is the same double, if there is one.
+   k as a fraction: courant as it was given, or c dt / h. Where these are no fractions with short terms it is the double,
+   and then the drift is the short fraction that is the same double, if there is one.
 */
 static PetscErrorCode CourantOf(const MpmSettings *settings, const MpmScene *scene, MpmFraction *courant)
 {
-  const PetscInt cells     = scene->layout.grid[0].cells;
-  MpmFraction    factor[4] = {[2] = {cells, 1, cells}}, length[MPM_MAX_DIM];
-  PetscBool      ok;
+  const PetscInt cells     = MpmSettingsGiven(settings, "cell_width") ? 1 : scene->layout.grid[0].cells;
+  MpmFraction    factor[4] = {[2] = {cells, 1, cells}}, width[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "dt")) {
-    PetscCall(MpmFractionParse(MpmSettingsText(settings, "courant"), courant, &ok));
+    PetscCall(OneOf(settings, "courant", "courant", scene->step.courant, courant));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmFractionParse(MpmSettingsText(settings, "wave_speed"), &factor[0], &ok));
-  PetscCall(MpmFractionParse(MpmSettingsText(settings, "dt"), &factor[1], &ok));
-  PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, length));
-  factor[3] = (MpmFraction){length[0].den, length[0].num, 1 / length[0].value};
+  PetscCall(OneOf(settings, "wave_speed", "sound_speed", scene->wave_speed, &factor[0]));
+  PetscCall(OneOf(settings, "dt", "dt", scene->dt, &factor[1]));
+  if (MpmSettingsGiven(settings, "cell_width"))
+    PetscCall(MpmSettingsEachFraction(settings, "cell_width", 1, width));
+  else
+    PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, width));
+  factor[3] = (MpmFraction){width[0].den, width[0].num, 1 / width[0].value};
   *courant  = MpmFractionProduct(4, factor);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

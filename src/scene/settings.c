@@ -3,11 +3,9 @@
 #include "scene/settings_place.h"
 #include <string.h>
 
-/* An option takes the place of its rival; both from one source are a mistake. */
-static PetscErrorCode TakePlace(MpmSettings *settings, PetscInt option, const char rival[], MpmSource source)
+/* Takes away what a weaker source said in another way; the same source must not say it twice. */
+static PetscErrorCode Displace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source)
 {
-  const PetscInt other = MpmOptionIndex(rival);
-
   PetscFunctionBegin;
   MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
                 MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
@@ -22,16 +20,13 @@ static PetscErrorCode TakePlace(MpmSettings *settings, PetscInt option, const ch
 
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
 {
-  const char *rivals = MpmOptions[option].rivals;
-
   PetscFunctionBegin;
-  while (rivals && *rivals) {
-    const size_t length = strcspn(rivals, ",");
-    char         rival[32];
+  for (const char *rival = MpmOptions[option].rival; rival && *rival; rival += strcspn(rival, ",")) {
+    char name[64];
 
-    PetscCall(PetscStrncpy(rival, rivals, length + 1));
-    PetscCall(TakePlace(settings, option, rival, source));
-    rivals += length + (rivals[length] ? 1 : 0);
+    if (*rival == ',') rival++;
+    PetscCall(PetscStrncpy(name, rival, strcspn(rival, ",") + 1));
+    PetscCall(Displace(settings, option, MpmOptionIndex(name), source));
   }
   PetscCall(PetscFree(settings->text[option]));
   PetscCall(PetscStrallocpy(text, &settings->text[option]));

@@ -39,6 +39,8 @@ static PetscErrorCode CheckDrifts(void)
   PetscCall(CheckDrift("-cells 6 -mach -0.25 -courant 1/3", "-cells 6 -drift -1/12 -courant 1/3"));
   PetscCall(CheckDrift("-cells 10 -mach 0.1 -wave_speed 3 -dt 0.01 -length 4", /* k = 0.01 3 10 / 4 */
                        "-cells 10 -drift 3/400 -wave_speed 3 -dt 0.01 -length 4"));
+  PetscCall(CheckDrift("-cells 6 -mach 0.1 -formulation usl -density 1 -sound_speed 20 -dt 0.01 -cell_width 0.5",
+                       "-cells 6 -drift 1/25 -formulation usl -courant 0.4"));
   PetscCall(CheckDrift("-cells 6 -mach 0", "-cells 6"));
   PetscCall(CheckDrift("-dim 2 -formulation usl -cells 6 -mach 0.1,0.2 -courant 0.4",
                        "-dim 2 -formulation usl -cells 6 -drift 1/25,2/25 -courant 0.4"));
