@@ -11,6 +11,7 @@
 /* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
+  if (!strcmp(name, "drift") && MpmRequestKeepsMach(request)) return PETSC_TRUE;
   for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
     if (!strcmp(MpmAxisNames[kind], name)) return MpmRequestVaries(request, (MpmAxisKind)kind);
   return PETSC_FALSE;
