@@ -19,7 +19,7 @@ static PetscErrorCode WriteCurve(const MpmSymbol *s, const char name[], const Pe
 
 static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
 {
-  const PetscInt dim = s->layout->dim;
+  const PetscInt dim = s->dim;
   PetscReal     *published, *corrected, *beta;
 
   PetscFunctionBegin;
@@ -68,16 +68,16 @@ PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, cons
   if (s->without_null) PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->without_null, &seen));
   PetscCall(MpmTextFileOpen(path, &csv));
   if (csv.stream) {
-    const PetscInt rows = s->layout->dim == 1 ? s->classes : s->all;
+    const PetscInt rows = s->dim == 1 ? s->classes : s->all;
 
-    fprintf(csv.stream, "%s,growth%s,published,corrected\n", names[s->layout->dim - 1], seen ? ",growth_seen" : "");
+    fprintf(csv.stream, "%s,growth%s,published,corrected\n", names[s->dim - 1], seen ? ",growth_seen" : "");
     for (PetscInt m = 0; m < rows; m++) {
       PetscReal      beta[MPM_MAX_DIM];
       PetscBool      conjugate;
       const PetscInt i = MpmSymbolClass(s, m, &conjugate);
 
       MpmSymbolBeta(s, m, beta);
-      for (PetscInt a = 0; a < s->layout->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "", beta[a]);
+      for (PetscInt a = 0; a < s->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "", beta[a]);
       MpmTextFileCell(&csv, growth[i]);
       if (seen) MpmTextFileCell(&csv, seen[i]);
       MpmTextFileCell(&csv, MpmPredictorPublished(p, s->step.courant, beta));

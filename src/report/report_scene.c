@@ -278,7 +278,7 @@ json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison 
 
 json_t *MpmJsonSymbol(const MpmSymbol *symbol)
 {
-  const PetscInt dim    = symbol->layout->dim;
+  const PetscInt dim    = symbol->dim;
   json_t        *object = json_object(), *phases = json_array(), *beta = json_array();
 
   for (PetscInt a = 0; a < dim; a++) {

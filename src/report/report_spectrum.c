@@ -13,8 +13,8 @@ static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
     PetscCall(MpmReportGrowth("symbol", NAN, text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmReportVector(s->symbol->layout->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
-  PetscCall(MpmReportCounts(s->symbol->layout->dim, s->symbol->phases, sizeof phases, phases));
+  PetscCall(MpmReportVector(s->symbol->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
+  PetscCall(MpmReportCounts(s->symbol->dim, s->symbol->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
   PetscCall(MpmReportGrowth("symbol", s->symbol->growth, text));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,7 +8,7 @@
 /* Where growth is largest: the phase, and the length of its waves in cells. */
 static PetscErrorCode DescribeMaximum(const MpmSymbol *s, size_t room, char text[])
 {
-  const PetscInt dim  = s->layout->dim;
+  const PetscInt dim  = s->dim;
   PetscReal      size = 0;
   char           beta[96], phases[64];
 
