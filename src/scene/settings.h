@@ -101,6 +101,15 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /*
+   MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
+
+   Collective. Refuses options of a scene beside it, options of a matrix without one, and tasks that need a scene.
+   MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
+*/
+PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
+PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
+
+/*
    Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
    become random where they have no exact solution.
 */

@@ -4,6 +4,7 @@
 */
 #include "scene/layout.h"
 #include "symbol/bloch.h"
+#include "symbol/blocks.h"
 #include "symbol/phases.h"
 #include <mpmstab/errors.h>
 
@@ -154,6 +155,21 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   (*symbol)->layout = layout;
   (*symbol)->scheme = scheme;
   (*symbol)->step   = *step;
+  PetscCall(MpmBlochDestroy(&table.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableBlocks(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                              const char option[], MpmBlocks *blocks)
+{
+  TableMatrix table = {.courant = step->courant};
+  MpmSource   source;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolCheck(layout));
+  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
+  PetscCall(Describe(&table, step, &source));
+  PetscCall(MpmBlocksFromSource(comm, &source, option, blocks));
   PetscCall(MpmBlochDestroy(&table.bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,7 +1,9 @@
-/* The task symbol: mpmstab symbol [SCENE.yaml] [-option value]... */
+/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE] [-option value]... */
 #include "task/expect.h"
 #include "report/report.h"
+#include "io/blocks_file.h"
 #include "io/symbol_files.h"
+#include "task/symbol_blocks.h"
 #include "task/task.h"
 #include <math.h>
 
@@ -72,7 +74,20 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+/* Writes the blocks of a scene's lattice, of which its cells are a part. */
+static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
+{
+  MpmBlocks blocks;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
+  blocks.cell_width = scene->cell_width;
+  PetscCall(MpmBlocksWrite(path, &blocks));
+  PetscCall(MpmBlocksFree(&blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   const PetscInt dim  = scene->layout.dim;
   MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
@@ -103,6 +118,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   if (MpmPredictDisagrees(&comparison, symbol->growth))
     PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
   PetscCall(WriteFiles(scene, request, symbol, &predictor));
+  if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
   if (request->json[0])
     PetscCall(
         WriteJson(request->json, scene, symbol, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
@@ -110,6 +126,13 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  PetscCall(scene ? OfScene(scene, request, started, missed) : MpmSymbolOfBlocks(request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
