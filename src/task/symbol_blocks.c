@@ -11,13 +11,14 @@
 #define GAINS 1e-12 /* relative; growth between phases that is larger by less is rounding */
 
 /*S
-   Answer - the symbol of blocks, the phase of largest growth between its phases, and the verdict.
+   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict.
 S*/
 typedef struct {
   MpmBlocks       blocks;
   MpmSymbol      *symbol;
   PetscReal       beta[MPM_MAX_DIM];
   MpmSourceGrowth worst;
+  PetscReal       worst_uncertainty;
   MpmFinding      finding;
   PetscMPIInt     ranks;
 } Answer;
@@ -36,18 +37,31 @@ static PetscErrorCode FindPhases(const MpmRequest *request, PetscInt dim, PetscI
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
+/* Takes the phase of the symbol where the search between its phases has found no larger growth. */
+static PetscErrorCode Compare(Answer *a)
 {
-  const PetscBool larger = a->worst.growth > a->symbol->growth * (1 + GAINS) ? PETSC_TRUE : PETSC_FALSE;
-  MpmFinding     *f      = &a->finding;
-  char            phases[64];
+  const MpmSymbol *s = a->symbol;
 
   PetscFunctionBegin;
-  *f = (MpmFinding){.tolerance       = request->tolerance,
-                    .growth          = larger ? a->worst.growth : a->symbol->growth,
-                    .uncertainty     = a->symbol->uncertainty,
-                    .defective_error = a->symbol->defective_error};
-  if (larger) f->uncertainty = MpmUncertaintyOf(f->growth, a->worst.relative, a->blocks.period);
+  a->worst_uncertainty = MpmUncertaintyOf(a->worst.growth, a->worst.relative, a->blocks.period);
+  if (a->worst.growth > s->growth * (1 + GAINS)) PetscFunctionReturn(PETSC_SUCCESS);
+  a->worst.growth      = s->growth;
+  a->worst.condition   = s->condition;
+  a->worst_uncertainty = s->uncertainty;
+  PetscCall(PetscArraycpy(a->beta, s->beta_at_max, a->blocks.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
+{
+  MpmFinding *f = &a->finding;
+  char        phases[64];
+
+  PetscFunctionBegin;
+  *f         = (MpmFinding){.tolerance       = request->tolerance,
+                            .growth          = a->worst.growth,
+                            .uncertainty     = a->worst_uncertainty,
+                            .defective_error = a->symbol->defective_error};
   f->verdict = MpmVerdictOf(f);
   PetscCall(MpmReportCounts(a->blocks.dim, a->symbol->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
@@ -68,6 +82,7 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscCall(FindPhases(request, source.dim, wish.phases));
   PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
+  PetscCall(Compare(a));
   PetscCall(Judge(request, a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -87,12 +102,10 @@ static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
   PetscCall(MpmReportGrowth("symbol", a->symbol->growth, text));
   PetscCall(MpmReportVector(dim, a->beta, 6, sizeof beta, beta));
-  PetscCall(
-      PetscSNPrintf(text, sizeof text, "at beta = %s, the largest that a search between these phases found", beta));
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s, the largest of a search between these phases", beta));
   PetscCall(MpmReportGrowth("all waves", a->worst.growth, text));
   MpmPrint("\n");
-  PetscCall(
-      MpmReportFinding(&a->finding, a->finding.growth == a->worst.growth ? a->worst.condition : a->symbol->condition));
+  PetscCall(MpmReportFinding(&a->finding, a->worst.condition));
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
