@@ -259,12 +259,12 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscBool progress;
 
   PetscFunctionBegin;
-  PetscCall(ReadModeFile(settings, scene, request));
+  if (scene) PetscCall(ReadModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  if (request->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
+  if (request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
@@ -311,7 +311,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
     expect->kind = (MpmGrowthKind)i;
   }
-  if (expect->has_error && !MpmSceneHasExact(scene)) {
+  if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
     if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
         !MpmSettingsOverruled(settings, "expect_error", "boundary"))
       PetscCall(
@@ -339,11 +339,36 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene *scene, MpmRequest *request)
+/*
+   Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one number
+   of phases is for all of them.
+*/
+static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
+  PetscInt dim;
+
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReadProblem(settings, scene));
-  PetscCall(ReadRequest(settings, scene, request));
+  PetscCall(MpmSettingsPhases(settings, &request->given_phases));
+  dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
+  PetscCall(ReadOutputs(settings, NULL, request));
+  PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene **scene, MpmRequest *request)
+{
+  PetscBool matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
+  if (matrix) {
+    PetscCall(MpmSceneDestroy(scene));
+    PetscCall(ReadMatrixRequest(settings, request));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsReadProblem(settings, *scene));
+  PetscCall(ReadRequest(settings, *scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -361,7 +386,7 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   ierr = MpmSettingsCreate(&settings);
   if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
   if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
-  if (!ierr) ierr = ReadBoth(settings, *scene, request);
+  if (!ierr) ierr = ReadBoth(settings, scene, request);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
   PetscCall(ierr);

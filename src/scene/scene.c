@@ -554,7 +554,7 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+  if (*scene) PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

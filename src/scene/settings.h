@@ -111,6 +111,15 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /*
+   MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
+
+   Collective. Refuses options of a scene beside it, options of a matrix without one, and tasks that need a scene.
+   MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
+*/
+PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
+PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
+
+/*
    Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
    the scene is in physical units. The fields that are kept as they stand, the formulation and the dimension must be known.
 */
