@@ -551,6 +551,7 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
   PetscCall(ReadVelocity(settings, scene));
+  PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
@@ -597,7 +598,7 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+  if (*scene) PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
