@@ -9,7 +9,6 @@ static const char *const other[][2] = {
     {"formulation", "-formulation musl"},
     {"basis", "-basis quadratic"},
     {"transfer", "-transfer pic"},
-    {"spline_ends", "-basis quadratic -boundary fixed -spline_ends open"},
     {"xpic_order", "-transfer xpic -xpic_order 3"},
     {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
     {"spline_ends", "-basis quadratic -boundary fixed -spline_ends open"},
