@@ -119,7 +119,7 @@ static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e,
   static const char *const names[] = {"data",  "indices", "indptr",        "ir", "jc", "row", "col", "format",
                                       "shape", "steps",   "encoding-type", NULL};
   MpmArrays                arrays  = {.n = 0};
-  Format                   format;
+  Format                   format  = FORMAT_NONE;
 
   PetscFunctionBegin;
   PetscCall(FindFormat(path, stream, &format));
