@@ -507,6 +507,7 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
   PetscCall(ReadVelocity(settings, scene));
+  PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));

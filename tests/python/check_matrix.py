@@ -195,7 +195,7 @@ def check_blocks(scene, ranks, verdict):
                  numpy.sort(numpy.abs(factors[:, ::2] + 1j * factors[:, 1::2]).max(axis=1) ** (1 / steps)), 1e-7,
                  f"{source}: growth over phases")
     refined = result["refined"]
-    near(max(abs(numpy.linalg.eigvals(matrix_of(blocks, refined["beta"])))) ** (1 / steps), refined["growth"], 1e-8,
+    near(max(abs(numpy.linalg.eigvals(matrix_of(blocks, refined["beta_at_max"])))) ** (1 / steps), refined["growth"], 1e-8,
          f"{scene}: growth at the refined phase")
 
 
@@ -207,7 +207,7 @@ def check_wave():
         result = run("symbol", "-matrix_blocks", "w.npz", "-phases", 6, ranks=ranks)
         near(result["symbol"]["growth"], (1 + 4 * c**2 * 0.75) ** (1 / 4), 1e-15, "growth at six phases")
         near(result["growth"], (1 + 4 * c**2) ** (1 / 4), 1e-15, "growth over all waves")
-        near(result["refined"]["beta"], numpy.pi / 2, 1e-6, "the worst phase")
+        near(result["refined"]["beta_at_max"], numpy.pi / 2, 1e-6, "the worst phase")
         check(result["lattice"] == {"dim": 1, "unknowns": 1, "blocks": 3, "period_steps": steps}, result)
     rng = numpy.random.default_rng(2)
     for order in "CF":  # a block is A[b][i][j], in whatever order it is stored
