@@ -262,7 +262,7 @@ def check_refusals():
         ("entry 1 is in row -1 and column 0", lambda: write("bad.mtx", head + "2 2 1\n0 1 5\n")),
         ("entry 2 of 2; allowed: a line with row, column and value", lambda: write("bad.mtx", head + "2 2 2\n1 1 5\n1 2\n")),
         ("something follows its 1 entries", lambda: write("bad.mtx", head + "2 2 1\n1 1 5\n2 2 5\n")),
-        ("too short for 1000000000000 entries", lambda: write("bad.mtx", head + "9 9 1000000000000\n1 1 5\n")),
+        ("too short for 1e+12 entries", lambda: write("bad.mtx", head + "9 9 1000000000000\n1 1 5\n")),
         ("order 4000000000 with", lambda: write("bad.mtx", head + "4000000000 4000000000 1\n1 1 5\n")),
         ("it is cut off; allowed: a whole file of PETSc", lambda: write("bad.petsc", petsc[:len(petsc) // 2])),
         ("do not fit; allowed: a whole file of PETSc", lambda: write("bad.petsc", petsc[:16] + petsc[20:24] + b"\xff" * 4 + petsc[24:])),
