@@ -58,7 +58,7 @@ static PetscErrorCode FindEnd(FILE *stream, PetscInt64 size, unsigned *members, 
 PetscErrorCode MpmZipList(FILE *stream, int *n, MpmZipMember members[MPM_ZIP_MOST], const char **wrong)
 {
   PetscInt64 size, at;
-  unsigned   listed;
+  unsigned   listed = 0;
   PetscBool  found;
 
   PetscFunctionBegin;

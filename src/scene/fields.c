@@ -68,6 +68,11 @@ static const char *GradientWord(PetscInt i)
   return MpmGradientNames[i];
 }
 
+static const char *SplineEndsWord(PetscInt i)
+{
+  return MpmSplineEndNames[i];
+}
+
 static const char *AxisWord(PetscInt i)
 {
   return MpmAxisNames[i];
@@ -93,6 +98,11 @@ static const char *TransferOf(const MpmScene *scene)
 static const char *GradientOf(const MpmScene *scene)
 {
   return MpmGradientNames[scene->scheme.space.gradient];
+}
+
+static const char *SplineEndsOf(const MpmScene *scene)
+{
+  return MpmSplineEndNames[scene->scheme.basis->spline_ends];
 }
 
 static const char *LayoutOf(const MpmScene *scene)
@@ -150,6 +160,12 @@ static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
   return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
              ? PETSC_TRUE
              : PETSC_FALSE;
+}
+
+static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmBasisIsAltered(scene->scheme.basis);
 }
 
 static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
@@ -247,6 +263,8 @@ const MpmField MpmOptions[] = {
    .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
+  {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
+   .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
    .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
   {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
