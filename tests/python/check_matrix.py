@@ -314,6 +314,10 @@ def check_example():
     for line in page.splitlines():
         if line.startswith("mpmstab s"):
             near(run(*line.split()[1:])["growth"], growth, 1e-12, line)
+    done = subprocess.run([sys.executable, "-c", text_of(os.path.join(folder, "step.py")).replace("1.01", "0.99")],
+                          check=False)
+    check(done.returncode == 0 and run("spectrum", "-matrix", "A.npz", "-expect", "stable")["verdict"] ==
+          run("symbol", "-matrix_blocks", "blocks.npz")["verdict"] == "stable", "not stable at dt = 0.99")
 
 
 def main():
