@@ -92,6 +92,8 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
 
      P2G, G2P, SCALE, COPY   one for each component
      DIV of a stress         a_a = sum_b DIV_b s_ab
+     DIV of a number         a_a = DIV_a r
+     DIV of a vector         a = sum_b DIV_b u_b
      GRAD to a stress        s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), for a fluid
                              s += sum_c GRAD_c v_c
      GRAD to a vector        u_a += GRAD_a r

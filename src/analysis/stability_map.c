@@ -3,6 +3,7 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "scene/layout.h"
+#include "scheme/language.h"
 #include "analysis/stability_map.h"
 #include <math.h>
 
@@ -16,7 +17,8 @@
 
 /*
    What the symbol of a point depends on: the scene's own layout, step and scheme, except for the two numbers that the
-   map varies. turned, angle: the drift is turned to this angle. own: the point has its own table.
+   map varies. turned, angle: the drift is turned to this angle. own: the point has its own table. nset, parameter,
+   value: parameters of a written scheme, of which the point has its own formulation.
 */
 typedef struct {
   MpmLayout layout;
@@ -24,6 +26,10 @@ typedef struct {
   MpmScheme scheme;
   PetscBool turned, own;
   PetscReal angle;
+
+  PetscInt        nset, parameter[2];
+  PetscReal       value[2];
+  MpmFormulation *formulation;
 } Point;
 
 static Point OwnPoint(const MpmScene *scene)
@@ -42,9 +48,9 @@ static void SetDrift(Point *at, const MpmStabilityMap *map, const MpmFraction *v
   if (turn) at->step.drift[1] = (MpmFraction){.den = 1};
 }
 
-static void SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind, const MpmFraction *value)
+static void SetParameter(Point *at, const MpmStabilityMap *map, const MpmAxis *axis, const MpmFraction *value)
 {
-  switch (kind) {
+  switch (axis->kind) {
   case MPM_AXIS_COURANT:
     at->step.courant = value->value;
     break;
@@ -64,6 +70,11 @@ static void SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind
   case MPM_AXIS_DRIFT_ANGLE:
     at->angle  = value->value * PETSC_PI / 180;
     at->turned = PETSC_TRUE;
+    break;
+  case MPM_AXIS_PARAMETER:
+    at->parameter[at->nset] = axis->parameter;
+    at->value[at->nset++]   = value->value;
+    at->own                 = PETSC_TRUE;
     break;
   }
 }
@@ -92,6 +103,10 @@ static PetscErrorCode PointFinish(Point *at)
 
   PetscFunctionBegin;
   if (at->turned) Turn(at);
+  if (at->nset) {
+    PetscCall(MpmWrittenCompile(scheme->formulation->written, at->nset, at->parameter, at->value, &at->formulation));
+    scheme->formulation = at->formulation;
+  }
   if (at->own)
     PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &scheme->space, &scheme->table));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -101,6 +116,7 @@ static PetscErrorCode PointDestroy(Point *at)
 {
   PetscFunctionBegin;
   if (at->own) PetscCall(MpmTableDestroy(&at->scheme.table));
+  PetscCall(MpmWrittenFormulationDestroy(&at->formulation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,7 +134,7 @@ static PetscErrorCode PointCreate(const MpmStabilityMap *map, PetscInt point, Po
   for (int a = 0; a < 2; a++) {
     const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    SetParameter(at, map, map->request->axes[a].kind, &value);
+    SetParameter(at, map, &map->request->axes[a], &value);
   }
   PetscCall(PointFinish(at));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -148,7 +164,8 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
                     map.points[0], map.points[1], value.value, MPM_LONGEST_PERIOD);
-      SetParameter(&at, &map, request->axes[a].kind, &value);
+      at.nset = 0;
+      SetParameter(&at, &map, &request->axes[a], &value);
       PetscCall(MpmStepPeriod(&at.step, &period));
     }
   PetscCall(MpmSymbolCheck(&at.layout));

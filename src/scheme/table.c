@@ -67,7 +67,7 @@ static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
     } else if (of.kind == MPM_G2P && IsAffine(t, of.dst)) {
       op.kind = MPM_G2P_AFFINE;
       op.dst  = t->affine_part + t->dim * (of.dst - t->affine) + axis;
-    } else if (of.kind == MPM_SCALE && IsAffine(t, of.dst)) {
+    } else if ((of.kind == MPM_SCALE || of.kind == MPM_ADD) && of.dst == of.src && IsAffine(t, of.dst)) {
       op.dst = op.src = t->affine_part + t->dim * (of.dst - t->affine) + axis;
       op.axis         = 0;
     } else
@@ -232,12 +232,21 @@ static PetscErrorCode Div(Builder *b, const MpmOp *op)
 {
   const PetscInt dim = b->space->dim, dst = b->node[op->dst], src = b->particle[op->src];
   const MpmRank  to = b->formulation->node_ranks[op->dst], from = b->formulation->particle_ranks[op->src];
+  PetscBool      accumulates = op->accumulates;
 
   PetscFunctionBegin;
-  PetscCheck(dim == 1 || (to == MPM_VECTOR && from == MPM_TENSOR), PETSC_COMM_SELF, PETSC_ERR_SUP,
-             "the table: DIV makes a vector of a stress");
+  PetscCheck(dim == 1 || (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR),
+             PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: DIV makes a vector of a stress or a number, and a number of a vector");
+  if (from != MPM_TENSOR) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(Term(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1, accumulates));
+      if (to != MPM_VECTOR) accumulates = PETSC_TRUE;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < dim; a++) {
-    PetscBool accumulates = op->accumulates;
+    accumulates = op->accumulates;
 
     for (PetscInt axis = 0; axis < dim; axis++) {
       const PetscInt component = Stress(b->space, a, axis);
@@ -465,7 +474,7 @@ static MpmParity ParityOf(const Builder *b, PetscInt node, PetscInt component, P
 
   for (PetscInt o = 0; o < f->nops; o++)
     if ((f->ops[o].kind == MPM_IMPOSE || f->ops[o].kind == MPM_REACT) && f->ops[o].dst == node) imposed = PETSC_TRUE;
-  if (!imposed) return MPM_EVEN;
+  if (!imposed) return f->like[node] ? ParityOf(b, f->like[node] - 1, component, axis) : MPM_EVEN;
   if (b->space->dim > 1 && f->node_ranks[node] != MPM_VECTOR) return MPM_TANGENTIAL;
   return component == axis ? MPM_NORMAL : MPM_TANGENTIAL;
 }
