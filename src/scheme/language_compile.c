@@ -46,6 +46,11 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
     c->holds[op.dst]   = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
   }
+  if (traits.dst == MPM_ON_NODES && !itself)
+    c->at_wall[op.dst] = traits.src == MPM_ON_NODES && op.kind != MPM_SOLVE && c->at_wall[op.src] &&
+                                 (!op.accumulates || c->at_wall[op.dst])
+                             ? PETSC_TRUE
+                             : PETSC_FALSE;
   for (PetscInt n = 0; n < c->nnodes; n++)
     if (traits.dst == MPM_ON_PARTICLES && c->holds[n] == op.dst) c->holds[n] = MPM_NONE;
   if (op.kind == MPM_P2G) c->has_mass = PETSC_TRUE;
@@ -115,7 +120,7 @@ static const char *WordOf(const MpmTerm *term)
   return words[term->kind];
 }
 
-static PetscErrorCode CheckTerm(const MpmCompiler *c, const MpmLine *line, const MpmTerm *term)
+static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTerm *term)
 {
   static const char *const makes[] = {"a scalar of a vector, or a vector of a stress or a scalar",
                                       "a stress or a scalar of a vector, or a vector of a scalar",
@@ -137,6 +142,7 @@ static PetscErrorCode CheckTerm(const MpmCompiler *c, const MpmLine *line, const
            makes[term->kind == MPM_DIV ? 0 : term->kind == MPM_GRAD ? 1 : 2]);
   if (term->place == MPM_ON_NODES && !c->written_to[term->field])
     Refuse(c, "%s is read before the step has set it; allowed: after a line '%s = ...'", src, src);
+  if (term->kind == MPM_LAP && !c->at_wall[term->field] && !c->lap[term->field]) c->lap[term->field] = c->text;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -367,7 +373,7 @@ static PetscErrorCode Impose(MpmCompiler *c, const MpmLine *line)
   PetscFunctionBegin;
   if (!c->written_to[line->field])
     Refuse(c, "%s is imposed before the step has set it", c->f->node_fields[line->field]);
-  c->imposed[line->field] = PETSC_TRUE;
+  c->imposed[line->field] = c->at_wall[line->field] = PETSC_TRUE;
   PetscCall(Emit(c, (MpmOp)IMPOSE(line->field)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -385,7 +391,8 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", node, rank_names[c->f->node_ranks[line->field]],
            imposed, rank_names[c->f->node_ranks[line->other]]);
   c->node_read[line->other] = PETSC_TRUE;
-  c->reacts[line->field]    = PETSC_TRUE;
+  c->reacts[line->field]  = PETSC_TRUE;
+  c->at_wall[line->field] = PETSC_FALSE; /* it is the reaction there */
   PetscCall(Emit(c, (MpmOp)REACT(line->field, line->other)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -150,6 +150,17 @@ static void FindAbilities(MpmCompiler *c)
   c->f->free_ends = MpmFormulationHas(c->f, MPM_DIV) || MpmFormulationHas(c->f, MPM_LAP) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* LAP reads the mirror images of nodes beyond walls, which are those of a field that is 0 on the wall. */
+static PetscErrorCode CheckLaps(const MpmCompiler *c)
+{
+  PetscFunctionBegin;
+  for (PetscInt n = 0; n < c->nnodes; n++)
+    if (c->lap[n] && (c->imposed[n] || c->reacts[n] || c->f->like[n]))
+      Refuse(c->written, c->lap[n], "LAP reads %s before it has its values at walls; allowed: after IMPOSE %s",
+             c->f->node_fields[n], c->f->node_fields[n]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A field that is not imposed has the mirror images of the first field that it is made of and that is. */
 static void FindLike(MpmCompiler *c)
 {
@@ -277,6 +288,7 @@ static PetscErrorCode Compile(MpmCompiler *c, const PetscReal numbers[])
     Refuse(w, &w->affine, "is no vector; allowed: a vector of particles, whose affine part apic gives");
   FindAbilities(c);
   FindLike(c);
+  PetscCall(CheckLaps(c));
   PetscCall(CheckUse(c));
   PetscCall(CheckName(c));
   PetscFunctionReturn(PETSC_SUCCESS);
