@@ -84,8 +84,8 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 }
 
 /*
-   Whether a pass has so many operations that the next one begins another: samples need the rest of the room. Scratch
-   fields live for one pass alone.
+   Whether a pass has so many operations that the next one begins another: samples need the rest of the room. Sums and
+   scratch fields live for one pass alone.
 */
 static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
@@ -95,7 +95,8 @@ static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp 
                                   ? PETSC_TRUE
                                   : PETSC_FALSE;
 
-  if (traits.dst == MPM_NOWHERE || (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES)) return PETSC_FALSE;
+  if (traits.dst == MPM_NOWHERE || (traits.dst == MPM_ON_NODES && (traits.src == MPM_ON_NODES || op->accumulates)))
+    return PETSC_FALSE;
   return pass->nops >= MPM_MAX_PASS_OPS - MPM_MAX_FIELDS && !scratch ? PETSC_TRUE : PETSC_FALSE;
 }
 
