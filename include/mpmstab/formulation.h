@@ -255,5 +255,12 @@ extern const MpmFormulation *const MpmFormulations[];
 /* Not collective. The formulation of a name, or NULL when there is none. */
 const MpmFormulation *MpmFormulationFind(const char name[]);
 
+/*
+   MpmFormulationKeepsUnseen - whether particle data that no node feels stay as they are, but for the transfer's filter.
+
+   Not collective. They do where particles change by what nodes send alone, and a field goes to nodes by one map only.
+*/
+PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation);
+
 /* Not collective. Whether a formulation's table has an operation of a kind. */
 PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);

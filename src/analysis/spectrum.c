@@ -51,7 +51,8 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
     if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
         AT_ONE)
       s->at_one++;
-  if (MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmSceneDrifts(s->scene) || !MpmFormulationKeepsUnseen(s->scene->scheme.formulation))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmModesNullity(s->op, &s->nullity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -60,6 +60,19 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What tells a scheme as text from others. Of parameters that a map varies the scene's own values do not count. */
+static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
+{
+  const PetscBool varied = MpmRequestVaries(request, MPM_AXIS_PARAMETER);
+
+  PetscFunctionBegin;
+  if (!s->written) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrintFields(s, request, "scheme as text, hash {scheme}"));
+  if (s->parameters[0]) PetscCall(PrintFields(s, request, varied ? ", parameters varied" : ", parameters {parameters}"));
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, PetscMPIInt ranks)
 {
   PetscFunctionBegin;
@@ -71,6 +84,7 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
                         ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "
                         "Courant number {courant}, drift {drift} cells per step, "));
   MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(PrintScheme(s, request));
   PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

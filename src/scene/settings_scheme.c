@@ -141,6 +141,17 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the files of a map have something of this name already. */
+static PetscBool IsOfMap(const char name[])
+{
+  static const char *const names[] = {"axes",    "shape",           "unstable",        "undecided", "seconds", "growth",
+                                      "verdict", "published_limit", "corrected_limit"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(names); i++)
+    if (!strcmp(name, names[i])) return PETSC_TRUE;
+  return strncmp(name, "beta", 4) ? PETSC_FALSE : PETSC_TRUE;
+}
+
 /* Options must keep their meaning, so parameters may not have their names. */
 static PetscErrorCode CheckNames(const MpmWritten *scheme)
 {
@@ -152,6 +163,9 @@ static PetscErrorCode CheckNames(const MpmWritten *scheme)
                       strncmp(name->text, map, strlen(map)) && strncmp(name->text, "expect", 6),
                   "%s:%d: parameter %s: that is the name of an option; allowed: another name", scheme->file, name->line,
                   name->text);
+    MpmCheckInput(!IsOfMap(name->text),
+                  "%s:%d: parameter %s: that is the name of a result of maps; allowed: another name", scheme->file,
+                  name->line, name->text);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -317,7 +317,8 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
   room = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
   PetscCall(PetscMalloc1(room, &s->per_phase));
-  if (s->period == 1 && scheme->transfer->null_factor) PetscCall(PetscMalloc1(room, &s->without_null));
+  if (s->period == 1 && scheme->transfer->null_factor && MpmFormulationKeepsUnseen(scheme->formulation))
+    PetscCall(PetscMalloc1(room, &s->without_null));
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
