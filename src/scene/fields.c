@@ -180,6 +180,12 @@ static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
   return MpmSceneHasPoisson(scene);
 }
 
+static PetscBool HasDensity(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->density > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -229,6 +235,7 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 /* clang-format off */
 #define BETWEEN(a, b)      .lo = a, .hi = b
 #define ABOVE(a)           .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
+#define FROM(a)            .lo = a, .hi = PETSC_MAX_REAL
 #define ANY                .lo = -PETSC_MAX_REAL, .hi = PETSC_MAX_REAL
 #define NO_RANGE           .word = NULL
 #define KEPT(kind, member) .value = MPM_##kind, .at = offsetof(MpmScene, member)
@@ -257,11 +264,13 @@ const MpmField MpmOptions[] = {
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
    .word = GradientWord, TEXT(GradientOf), IN(33, 22, 28, 23), .shown = HasGradient},
   {"poisson", MPM_REAL, "0.3", "momentum schemes with dim 2 or 3: Poisson's ratio, plane strain with dim 2; 0.5 is a fluid with pressure only",
-   BETWEEN(0, 0.5), KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
+   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
   {"cells", MPM_INTEGER, "64", "cells of the grid",
    BETWEEN(1, 2147483646), EACH(AS_COUNT, layout.grid[0].cells, layout.grid[0]), IN(11, 6, 7, 5)},
   {"length", MPM_REAL, "1", "length L of the domain",
-   ABOVE(0), EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
+   ABOVE(0), .rival = "cell_width", EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
+  {"cell_width", MPM_REAL, NULL, "width h of a cell, instead of length",
+   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width)},
   {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
@@ -289,7 +298,17 @@ const MpmField MpmOptions[] = {
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
-   ABOVE(0), KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
+   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
+  {"sound_speed", MPM_REAL, NULL, "wave speed c (of pressure waves, with dim 2 or 3), instead of moduli; another word for wave_speed",
+   ABOVE(0), .rival = "wave_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed)},
+  {"density", MPM_REAL, NULL, "density rho, with young, with bulk and shear, or beside the wave speed",
+   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), .shown = HasDensity},
+  {"young", MPM_REAL, NULL, "Young's modulus E: c = sqrt(E / rho) of a bar with dim 1, else with poisson, plane strain with dim 2",
+   ABOVE(0), .rival = "wave_speed,sound_speed,bulk,shear"},
+  {"bulk", MPM_REAL, NULL, "bulk modulus K, with shear: c = sqrt((K + 4/3 G) / rho); Poisson's ratio follows",
+   ABOVE(0), .rival = "wave_speed,sound_speed,young,poisson"},
+  {"shear", MPM_REAL, NULL, "shear modulus G, with bulk; 0 is a fluid",
+   FROM(0), .rival = "wave_speed,sound_speed,young,poisson"},
   {"courant", MPM_REAL, "0.5", "Courant number k = c dt / h",
    ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",

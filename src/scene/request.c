@@ -11,7 +11,9 @@
 /* Refuses a run whose end is at a time out of the range of doubles, and blames the option that is farthest from 1. */
 static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const given[] = {"length", "courant", "dt", "wave_speed", "steps", "time"};
+  static const char *const given[]  = {"length",     "courant",     "dt",      "wave_speed", "steps", "time",
+                                       "cell_width", "sound_speed", "density", "young",      "bulk",  "shear"};
+  static const char        faster[] = "wave_speed sound_speed young bulk shear";
   const char              *blamed;
   char                     why[128];
 
@@ -19,7 +21,7 @@ static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scen
   if (isfinite((PetscReal)request->steps * scene->dt)) PetscFunctionReturn(PETSC_SUCCESS);
   blamed = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
   PetscCall(PetscSNPrintf(why, sizeof why, "steps times dt is out of range; allowed: a %s %s",
-                          strcmp(blamed, "wave_speed") ? "smaller" : "larger", blamed));
+                          strstr(faster, blamed) ? "larger" : "smaller", blamed));
   PetscCall(MpmSettingsRefuse(settings, blamed, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
