@@ -169,7 +169,7 @@ def require_axis(path, values, other_path, name, others):
 
 def map_footer(scene, names):
     """Describes the scene without the two parameters that the axes sweep."""
-    parts = scenes.scene_parts(scene)
+    parts = scenes.scene_parts({**scene, "parameters": ""} if any(name not in MAP_LABELS for name in names) else scene)
     if scenes.dimension(scene) > 1 and "ppc" in names:
         parts["cells"] += ", ppc the same in all directions"
     if "drift_angle" in names:

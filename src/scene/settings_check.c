@@ -103,6 +103,8 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
     else {
       PetscCall(CheckLibrary(task, argv[i] + 1, "", &is_theirs));
       if (!is_theirs) PetscCall(CheckParameter(first ? argv[0] : NULL, argv[i] + 1, ""));
+      for (int j = first; j < i && !is_theirs; j++)
+        MpmCheckInput(strcmp(argv[i], argv[j]), "%s is given a second time; allowed: once", argv[i]);
     }
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
   }
