@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #define LARGEST (1 << 14) /* bytes; libyaml's time goes with the square of the brackets that stay open */
-#define PATIENCE 2000           /* ms for someone to open the other end of a pipe */
+#define PATIENCE 2000     /* ms for someone to open the other end of a pipe */
 
 static PetscBool IsSameFile(int file, int other)
 {

@@ -116,9 +116,9 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
 
   block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    const PetscBool own = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
-    PetscReal *q    = FieldOf(a, op->particle, begin);
-    PetscReal *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
+    const PetscBool own  = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
+    PetscReal      *q    = FieldOf(a, op->particle, begin);
+    PetscReal      *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
 
     if (more && own) Prefetch(q, n, n);
     if (more && (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS))

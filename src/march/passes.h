@@ -23,7 +23,14 @@
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
    MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
-typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_ADD, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
+typedef enum {
+  MPM_PASS_MAP,
+  MPM_PASS_MASS,
+  MPM_PASS_SCALE,
+  MPM_PASS_ADD,
+  MPM_PASS_DRIFT,
+  MPM_PASS_SAMPLE
+} MpmPassOpKind;
 
 /*
    map, axis: the kind of the map, and the direction that it acts along. to_nodes: the map writes the node field. weight:

@@ -68,7 +68,8 @@ static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
   PetscFunctionBegin;
   if (!s->written) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PrintFields(s, request, "scheme as text, hash {scheme}"));
-  if (s->parameters[0]) PetscCall(PrintFields(s, request, varied ? ", parameters varied" : ", parameters {parameters}"));
+  if (s->parameters[0])
+    PetscCall(PrintFields(s, request, varied ? ", parameters varied" : ", parameters {parameters}"));
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -34,8 +34,7 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
     line[n] = '\0';
     MpmPrint("%8.5g  %s\n", map->at[0][i], line);
   }
-  MpmPrint("%8s  %s %.6g to %.6g\n", "", map->request->axes[1].name, map->at[1][0],
-           map->at[1][columns - 1]);
+  MpmPrint("%8s  %s %.6g to %.6g\n", "", map->request->axes[1].name, map->at[1][0], map->at[1][columns - 1]);
   MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,8 +55,7 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
-           map->at[0][map->worst / map->points[1]], axes[1].name,
-           map->at[1][map->worst % map->points[1]]);
+           map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
   if (!isnan(map->published_limit))
     MpmPrint("published  stable up to Courant number %.6g (particles at rest)\n", map->published_limit);
   MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
@@ -118,8 +116,7 @@ PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(map->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name,
-            map->request->axes[1].name);
+    fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name, map->request->axes[1].name);
     for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
     fprintf(csv.stream, ",verdict\n");
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {

@@ -57,7 +57,7 @@ static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmSce
 /* A survey goes through all schemes and does not depend on the scene's Courant number. */
 static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
 {
-  static const char *const idle[] = {"formulation", "scheme", "basis",  "transfer",        "courant",
+  static const char *const idle[] = {"formulation", "scheme", "basis",           "transfer", "courant",
                                      "dt",          "expect", "expect_critical", "json"};
 
   PetscFunctionBegin;
@@ -196,8 +196,8 @@ static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAx
     if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
   }
   if (!ok || !isfinite(span[0].value) || !isfinite(span[1].value) || span[0].value >= span[1].value)
-    PetscCall(MpmSettingsRefuseParameter(
-        settings, said, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
+    PetscCall(MpmSettingsRefuseParameter(settings, said,
+                                         "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,13 +208,14 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
     const char                 *name = settings->scheme->parameters[i].name.text;
     const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
-    const PetscBool             axis = !strcmp(request->task, "map") && (request->axes[0].parameter == i ||
-                                                             request->axes[1].parameter == i)
-                                           ? PETSC_TRUE
-                                           : PETSC_FALSE;
+    const PetscBool             axis =
+        !strcmp(request->task, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
 
     if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
-      PetscCall(MpmSettingsRefuseParameter(settings, said, "allowed: with task map, where map_axes names the parameter"));
+      PetscCall(
+          MpmSettingsRefuseParameter(settings, said, "allowed: with task map, where map_axes names the parameter"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

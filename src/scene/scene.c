@@ -328,7 +328,8 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscCall(CheckTransferReads(settings, scene, "xpic_order"));
   PetscCall(CheckTransferReads(settings, scene, "blend_ratio"));
   if (scene->scheme.transfer->filter)
-    PetscCall(Require(settings, scene, "transfer", HasFilter, "FILTER, which says where other transfers than flip act"));
+    PetscCall(
+        Require(settings, scene, "transfer", HasFilter, "FILTER, which says where other transfers than flip act"));
   if (scene->scheme.transfer->affine)
     PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
   PetscFunctionReturn(PETSC_SUCCESS);

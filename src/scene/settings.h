@@ -75,9 +75,9 @@ PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[]
 PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
 const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
                                                      const char name[]);
-PetscErrorCode MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
-                                          const char why[]);
-PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has);
+PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
+                                                       const char why[]);
+PetscErrorCode              MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has);
 
 /* Not collective. Whether PETSc or SLEPc takes an option of this name, as far as is known beforehand. */
 PetscBool MpmSettingsIsLibrary(const char name[]);

@@ -18,8 +18,8 @@ PetscErrorCode MpmSettingsKeepScheme(MpmSettings *settings, yaml_document_t *doc
   const PetscInt option = MpmOptionIndex("scheme");
 
   PetscFunctionBegin;
-  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key 'scheme' is given a second time; allowed: once",
-                settings->scene, line);
+  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT,
+                "%s:%d: key 'scheme' is given a second time; allowed: once", settings->scene, line);
   PetscCall(MpmSettingsSet(settings, option, in_scene, MPM_FROM_SCENE, line));
   PetscCall(MpmWrittenFromYaml(settings->scene, document, node, &settings->inside));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,7 +119,8 @@ static PetscBool IsParameter(const MpmWritten *scheme, const char name[])
 {
   const char *after = strncmp(name, map, strlen(map)) ? name : name + strlen(map);
 
-  return scheme && (MpmWrittenFindParameter(scheme, name) != MPM_NONE || MpmWrittenFindParameter(scheme, after) != MPM_NONE)
+  return scheme && (MpmWrittenFindParameter(scheme, name) != MPM_NONE ||
+                    MpmWrittenFindParameter(scheme, after) != MPM_NONE)
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -144,8 +145,8 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
 /* Whether the files of a map have something of this name already. */
 static PetscBool IsOfMap(const char name[])
 {
-  static const char *const names[] = {"axes",    "shape",           "unstable",        "undecided", "seconds", "growth",
-                                      "verdict", "published_limit", "corrected_limit"};
+  static const char *const names[] = {"axes",   "shape",   "unstable",        "undecided",      "seconds",
+                                      "growth", "verdict", "published_limit", "corrected_limit"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(names); i++)
     if (!strcmp(name, names[i])) return PETSC_TRUE;

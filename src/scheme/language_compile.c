@@ -43,7 +43,7 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself && !c->from[op.dst])
     c->from[op.dst] = 1 + op.src;
   if (traits.dst == MPM_ON_NODES) {
-    c->holds[op.dst]   = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
+    c->holds[op.dst]      = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
   }
   if (traits.dst == MPM_ON_NODES && !itself)
@@ -79,12 +79,12 @@ static PetscErrorCode Unnamed(MpmCompiler *c, PetscInt like, PetscInt *node)
 {
   PetscFunctionBegin;
   if (c->nnodes == MPM_MAX_FIELDS) Refuse(c, "it needs more fields of nodes than the %d that fit", MPM_MAX_FIELDS);
-  *node                     = c->nnodes++;
-  c->f->node_fields[*node]  = "(unnamed)";
-  c->f->node_ranks[*node]   = c->f->node_ranks[like];
+  *node                        = c->nnodes++;
+  c->f->node_fields[*node]     = "(unnamed)";
+  c->f->node_ranks[*node]      = c->f->node_ranks[like];
   c->f->node_fields[*node + 1] = NULL;
-  c->from[*node]            = 1 + like;
-  c->holds[*node]           = MPM_NONE;
+  c->from[*node]               = 1 + like;
+  c->holds[*node]              = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,18 +102,18 @@ static PetscBool Fits(const MpmTerm *term, MpmRank to, MpmRank from)
 {
   if (term->kind == MPM_DIV)
     return (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR) ? PETSC_TRUE
-                                                                                                 : PETSC_FALSE;
+                                                                                                : PETSC_FALSE;
   if (term->kind != MPM_GRAD) return to == from ? PETSC_TRUE : PETSC_FALSE;
   if (term->stress) return to == MPM_TENSOR && from == MPM_VECTOR ? PETSC_TRUE : PETSC_FALSE;
   if (term->dot) return to == MPM_SCALAR && from == MPM_VECTOR ? PETSC_TRUE : PETSC_FALSE;
   return (to == MPM_VECTOR && from == MPM_SCALAR) || (to != MPM_VECTOR && from == MPM_VECTOR) ? PETSC_TRUE
-                                                                                               : PETSC_FALSE;
+                                                                                              : PETSC_FALSE;
 }
 
 static const char *WordOf(const MpmTerm *term)
 {
-  static const char *const words[] = {[MPM_P2G] = "P2G",   [MPM_DIV] = "DIV",  [MPM_G2P] = "G2P",
-                                      [MPM_GRAD] = "GRAD", [MPM_LAP] = "LAP",  [MPM_SOLVE] = "SOLVE"};
+  static const char *const words[] = {[MPM_P2G] = "P2G",   [MPM_DIV] = "DIV", [MPM_G2P] = "G2P",
+                                      [MPM_GRAD] = "GRAD", [MPM_LAP] = "LAP", [MPM_SOLVE] = "SOLVE"};
 
   if (term->kind == MPM_COPY || term->kind == MPM_ADD) return "";
   if (term->kind == MPM_GRAD && (term->dot || term->stress)) return term->dot ? "GRAD . " : "STRESS GRAD ";
@@ -139,7 +139,9 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
   if (!Fits(term, to, from))
     Refuse(c, "%s is a %s and %s a %s; %s%sallowed: %s makes %s", dst, rank_names[to], src, rank_names[from], word,
            *word ? " does not fit; " : "", *word ? word : "a term",
-           makes[term->kind == MPM_DIV ? 0 : term->kind == MPM_GRAD ? 1 : 2]);
+           makes[term->kind == MPM_DIV    ? 0
+                 : term->kind == MPM_GRAD ? 1
+                                          : 2]);
   if (term->place == MPM_ON_NODES && !c->written_to[term->field])
     Refuse(c, "%s is read before the step has set it; allowed: after a line '%s = ...'", src, src);
   if (term->kind == MPM_LAP && !c->at_wall[term->field] && !c->lap[term->field]) c->lap[term->field] = c->text;
@@ -255,7 +257,7 @@ static void MakeReplacing(MpmLine *line)
 /* Keeps the old values of the field where terms read them in a way that its new values would disturb. */
 static PetscErrorCode KeepOld(MpmCompiler *c, MpmLine *line)
 {
-  const PetscInt own = OwnTerm(line);
+  const PetscInt own  = OwnTerm(line);
   PetscBool      keep = PETSC_FALSE, adds = PETSC_FALSE;
   PetscInt       node = MPM_NONE, power;
   MpmTerm        old;
@@ -297,8 +299,7 @@ static PetscErrorCode SetNodes(MpmCompiler *c, MpmLine *line)
   }
   for (int pass = 0; pass < 2; pass++) /* sums over particles come first */
     for (PetscInt t = 0; t < line->nterms; t++)
-      if (t != own && IsSum(&line->term[t]) == (pass == 0))
-        PetscCall(EmitTerm(c, line->field, &line->term[t], &adds));
+      if (t != own && IsSum(&line->term[t]) == (pass == 0)) PetscCall(EmitTerm(c, line->field, &line->term[t], &adds));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,7 +361,7 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
   if (c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
            node, particle);
-  c->filtered[line->field]   = PETSC_TRUE;
+  c->filtered[line->field]  = PETSC_TRUE;
   c->node_read[line->other] = PETSC_TRUE;
   PetscCall(Emit(c, (MpmOp)FILTER(line->field, line->other)));
   for (PetscInt n = 0; n < c->nnodes; n++)
@@ -388,11 +389,11 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
     Refuse(c, "%s has not been imposed; allowed: after IMPOSE %s, whose values before the wall it takes", imposed,
            imposed);
   if (c->f->node_ranks[line->field] != c->f->node_ranks[line->other])
-    Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", node, rank_names[c->f->node_ranks[line->field]],
-           imposed, rank_names[c->f->node_ranks[line->other]]);
+    Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", node,
+           rank_names[c->f->node_ranks[line->field]], imposed, rank_names[c->f->node_ranks[line->other]]);
   c->node_read[line->other] = PETSC_TRUE;
-  c->reacts[line->field]  = PETSC_TRUE;
-  c->at_wall[line->field] = PETSC_FALSE; /* it is the reaction there */
+  c->reacts[line->field]    = PETSC_TRUE;
+  c->at_wall[line->field]   = PETSC_FALSE; /* it is the reaction there */
   PetscCall(Emit(c, (MpmOp)REACT(line->field, line->other)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

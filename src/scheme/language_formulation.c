@@ -60,8 +60,7 @@ static PetscErrorCode FieldOf(const MpmWritten *w, const MpmWrittenText *text, M
 {
   PetscFunctionBegin;
   *place = MpmWrittenFindField(w, text->text, field);
-  if (*place == MPM_NOWHERE)
-    Refuse(w, text, "there is no such field; allowed: a field of 'particles' or 'nodes'");
+  if (*place == MPM_NOWHERE) Refuse(w, text, "there is no such field; allowed: a field of 'particles' or 'nodes'");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,7 +204,8 @@ static PetscErrorCode CheckUse(const MpmCompiler *c)
   }
   for (PetscInt p = 0; p < w->nparticles; p++)
     if (!c->particle_read[p])
-      Refuse(w, &w->particles[p].name, "nothing reads this field of particles; allowed: without it, or with a line that does");
+      Refuse(w, &w->particles[p].name,
+             "nothing reads this field of particles; allowed: without it, or with a line that does");
   for (PetscInt i = 0; i < w->nparameters; i++)
     if (!IsUsed(w, w->parameters[i].name.text))
       Refuse(w, &w->parameters[i].name, "nothing reads this parameter; allowed: without it");

@@ -43,10 +43,8 @@ static const struct {
 static const struct {
   const char   *word;
   MpmLineKindOf kind;
-} statements[] = {{"IMPOSE", MPM_LINE_IMPOSE},
-                  {"REACT", MPM_LINE_REACT},
-                  {"FILTER", MPM_LINE_FILTER},
-                  {"DRIFT", MPM_LINE_DRIFT}};
+} statements[] = {
+    {"IMPOSE", MPM_LINE_IMPOSE}, {"REACT", MPM_LINE_REACT}, {"FILTER", MPM_LINE_FILTER}, {"DRIFT", MPM_LINE_DRIFT}};
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
 {
@@ -293,9 +291,9 @@ static PetscErrorCode ReadName(Reader *r, Value *value)
   }
   place = MpmWrittenFindField(r->written, word, &i);
   if (place == MPM_NOWHERE) PetscCall(RefuseName(r, word));
-  value->n       = 1;
-  value->term[0] = (MpmTerm){
-      .kind = place == MPM_ON_NODES ? MPM_COPY : MPM_ADD, .place = place, .field = i, .factor = Constant(1)};
+  value->n = 1;
+  value->term[0] =
+      (MpmTerm){.kind = place == MPM_ON_NODES ? MPM_COPY : MPM_ADD, .place = place, .field = i, .factor = Constant(1)};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -344,7 +342,7 @@ static PetscErrorCode ReadFactor(Reader *r, Value *value)
 static PetscErrorCode Join(const Reader *r, Value *product, const Value *factor, PetscBool divides)
 {
   MpmPowers number = factor->number;
-  PetscInt  power = 0;
+  PetscInt  power  = 0;
 
   PetscFunctionBegin;
   if (product->n && factor->n)
@@ -492,7 +490,8 @@ static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
   line->adds = c == '+' || c == '-' ? PETSC_TRUE : PETSC_FALSE;
   if (line->adds) r->at++;
   if (!Takes(r, '='))
-    MpmRefuseLine(r->written, r->text, "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER or DRIFT");
+    MpmRefuseLine(r->written, r->text,
+                  "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER or DRIFT");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

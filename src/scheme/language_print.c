@@ -65,9 +65,9 @@ static const char *Word(const MpmFormulation *f, const MpmOp *op)
 
 static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
 {
-  const MpmOpTraits traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
-  const char *const *to    = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
-  const char *const *from  = traits.src == MPM_ON_NODES ? f->node_fields : f->particle_fields;
+  const MpmOpTraits  traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
+  const char *const *to     = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
+  const char *const *from   = traits.src == MPM_ON_NODES ? f->node_fields : f->particle_fields;
   char               factor[64];
 
   PetscFunctionBegin;

@@ -47,8 +47,7 @@ static PetscErrorCode TextOf(Reader *r, const char key[], const yaml_node_t *nod
   PetscFunctionBegin;
   MpmCheckInput(node->type == YAML_SCALAR_NODE && node->data.scalar.length, "%s:%d: %s: allowed: a text",
                 r->written->file, LineOf(node), key);
-  PetscCall(
-      KeepText(r, key, (const char *)node->data.scalar.value, node->data.scalar.length, LineOf(node), kept));
+  PetscCall(KeepText(r, key, (const char *)node->data.scalar.value, node->data.scalar.length, LineOf(node), kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -276,9 +275,9 @@ static PetscErrorCode OneText(Reader *r, const char key[], const yaml_node_t *no
 static const struct {
   const char *name;
   ReadKey     read;
-} keys[] = {{"name", OneText},        {"reference", OneText},  {"summary", OneText},   {"particles", Particles},
-            {"nodes", Nodes},         {"step", Step},          {"parameters", Parameters}, {"energy", Energy},
-            {"wave", OneText},        {"staggered", OneText},  {"affine", OneText},    {"conserved", OneText}};
+} keys[] = {{"name", OneText}, {"reference", OneText}, {"summary", OneText},       {"particles", Particles},
+            {"nodes", Nodes},  {"step", Step},         {"parameters", Parameters}, {"energy", Energy},
+            {"wave", OneText}, {"staggered", OneText}, {"affine", OneText},        {"conserved", OneText}};
 
 #define KEYS PETSC_STATIC_ARRAY_LENGTH(keys)
 

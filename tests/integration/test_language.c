@@ -314,16 +314,17 @@ static PetscErrorCode CheckParameters(void)
 /* Blanks and comments do not change the hash of a scheme, and a factor does. */
 static PetscErrorCode CheckHash(void)
 {
-  static const char same[]  = "scheme: # a comment\n"
-                              "  name: other-name\n"
-                              "  particles: {v: vector, s: stress}\n"
-                              "  nodes:\n    v_i: vector\n    a_i: vector\n    w_i: vector\n"
-                              "  wave: momentum\n"
-                              "  step:\n    - v_i=P2G   v\n    - a_i = - k DIV s\n    - v += G2P a_i\n"
-                              "    - w_i = P2G v\n    - w_i = 0.5 w_i+0.5 v_i\n    - s += k STRESS GRAD w_i\n    - DRIFT\n"
-                              "  energy: {v: mass, s: compliance}\n";
-  char              other[sizeof musl_mid];
-  MpmScene         *scenes[3];
+  static const char same[] =
+      "scheme: # a comment\n"
+      "  name: other-name\n"
+      "  particles: {v: vector, s: stress}\n"
+      "  nodes:\n    v_i: vector\n    a_i: vector\n    w_i: vector\n"
+      "  wave: momentum\n"
+      "  step:\n    - v_i=P2G   v\n    - a_i = - k DIV s\n    - v += G2P a_i\n"
+      "    - w_i = P2G v\n    - w_i = 0.5 w_i+0.5 v_i\n    - s += k STRESS GRAD w_i\n    - DRIFT\n"
+      "  energy: {v: mass, s: compliance}\n";
+  char      other[sizeof musl_mid];
+  MpmScene *scenes[3];
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(other, musl_mid, sizeof other));
@@ -366,7 +367,8 @@ static PetscErrorCode Test(int argc, char **argv)
     if (!strstr(rests[r], "dim")) PetscCall(CheckReaders(every, rests[r]));
     if (!strstr(rests[r], "poisson")) PetscCall(CheckReaders(fluid, rests[r]));
   }
-  PetscCall(CheckReaders(fluid, "dim: 2\ncells: [2, 6]\nppc: [2, 1]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
+  PetscCall(
+      CheckReaders(fluid, "dim: 2\ncells: [2, 6]\nppc: [2, 1]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
   PetscCall(CheckMarch(every, "dim: 2\ncells: [3, 9]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.2\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.5\n"));

@@ -70,7 +70,8 @@ static PetscErrorCode CheckCheckpoint(const MpmField *field)
   PetscCall(KeyText(scene, field->name, sizeof text[0], text[0]));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(PetscSNPrintf(all, sizeof all, "%s%s %s", strstr(options, "-cells") ? "" : "-cells 8 ",
-                          strstr(options, "-formulation") || strstr(options, "-scheme") ? "" : "-formulation usl", options));
+                          strstr(options, "-formulation") || strstr(options, "-scheme") ? "" : "-formulation usl",
+                          options));
   PetscCall(CheckScene(all, &scene));
   PetscCall(KeyText(scene, field->name, sizeof text[1], text[1]));
   CHECK(text[1][0] && strcmp(text[0], text[1]), "%s: '%s' and '%s'", field->name, text[0], text[1]);

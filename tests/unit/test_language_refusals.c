@@ -37,12 +37,12 @@ static PetscErrorCode Refuses(const char text[], const char expected[])
 }
 
 /* The scheme of these tests: line 5 on are its step, in which one line is replaced, or added after the last with 0. */
-static const char *const head = "scheme:\n"
-                                "  name: probe\n"
-                                "  particles: {v: vector, s: stress, r: scalar}\n"
-                                "  nodes: {v_i: vector, a_i: vector, r_i: scalar}\n";
-static const char *const step[] = {"v_i = P2G v", "a_i = -k DIV s", "r_i = P2G r", "v += G2P a_i", "r += G2P r_i",
-                                   "s += k STRESS GRAD v_i", "DRIFT"};
+static const char *const head   = "scheme:\n"
+                                  "  name: probe\n"
+                                  "  particles: {v: vector, s: stress, r: scalar}\n"
+                                  "  nodes: {v_i: vector, a_i: vector, r_i: scalar}\n";
+static const char *const step[] = {"v_i = P2G v",  "a_i = -k DIV s",         "r_i = P2G r", "v += G2P a_i",
+                                   "r += G2P r_i", "s += k STRESS GRAD v_i", "DRIFT"};
 
 /* Line n of the step is number n + 5 of the text, since 'step:' is number 5; line is then what stands there. */
 static PetscErrorCode RefusesLine(PetscInt n, const char line[], const char expected[])
@@ -88,7 +88,8 @@ static PetscErrorCode CheckLines(void)
       {2, "b_i = -k DIV s", "there is no field or parameter b_i; allowed"},
       {2, "a_i = -k DIV v_i", "DIV takes a field of particles, and v_i is one of nodes"},
       {2, "a_i = -k DIV v", "a_i is a vector and v a vector; DIV does not fit; allowed: DIV makes"},
-      {3, "r_i = P2G v", "r_i is a scalar and v a vector; P2G does not fit; allowed: P2G makes a field of the same rank"},
+      {3, "r_i = P2G v",
+       "r_i is a scalar and v a vector; P2G does not fit; allowed: P2G makes a field of the same rank"},
       {4, "v += G2P r_i", "v is a vector and r_i a scalar; G2P does not fit"},
       {4, "v += k GRAD . v_i", "v is a vector and v_i a vector; GRAD . "},
       {4, "v += k STRESS GRAD r_i", "v is a vector and r_i a scalar; STRESS GRAD "},
@@ -188,9 +189,11 @@ static PetscErrorCode CheckWhole(void)
   PetscCall(Refuses("scheme:\n  name: usl\n  particles: {v: vector}\n  nodes: {v_i: vector}\n  step:\n"
                     "    - v_i = P2G v\n    - v += G2P v_i\n    - DRIFT\n",
                     "text:2: usl: this name is taken by a formulation of the program"));
-  PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: tensor}\n", "text:3: tensor: allowed as a rank: scalar, vector or stress"));
-  PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: vector, v_x: scalar}\n  nodes: {v_i: vector}\n  step: [DRIFT]\n",
-                    "text:3: v_x: is a component of v"));
+  PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: tensor}\n",
+                    "text:3: tensor: allowed as a rank: scalar, vector or stress"));
+  PetscCall(
+      Refuses("scheme:\n  name: x\n  particles: {v: vector, v_x: scalar}\n  nodes: {v_i: vector}\n  step: [DRIFT]\n",
+              "text:3: v_x: is a component of v"));
   PetscCall(Refuses("scheme:\n  name: x\n  particles: {xi: vector}\n  nodes: {v_i: vector}\n  step: [DRIFT]\n",
                     "text:3: xi: particles have something of this name already"));
   PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: vector}\n  nodes: {v_i: vector}\n",
@@ -213,7 +216,8 @@ static PetscErrorCode CheckRegisters(void)
   PetscCall(PetscStrlcat(text, "  step:\n    - s_0 = P2G s\n", sizeof text));
   for (int i = 1; i < 12; i++) (void)snprintf(text + strlen(text), 40, "    - s_%d = s_%d\n", i, i - 1);
   PetscCall(PetscStrlcat(text, "    - s += G2P s_11\n    - DRIFT\n", sizeof text));
-  PetscCall(Refuses(text, "text:3: scheme many: more than the 64 numbers that fit at a node, with dim 3 and transfer flip"));
+  PetscCall(
+      Refuses(text, "text:3: scheme many: more than the 64 numbers that fit at a node, with dim 3 and transfer flip"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
