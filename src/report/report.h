@@ -9,6 +9,14 @@
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
 
 /*
+   MpmReportNodal - prints, after the text before, the order of the matrix that takes the nodes of particles at rest
+   through a step at a phase, and in one dimension what it acts on: what the nodes get of the particles.
+
+   Not collective. Prints nothing for a table without such a matrix, where particles change by more than nodes send.
+*/
+PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
+
+/*
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
    the reason.
 */

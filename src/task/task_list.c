@@ -1,5 +1,6 @@
 /* The task list: mpmstab list [formulation [NAME]|basis|transfer|boundary|layout|options|versions|codes] */
 #include "base/suggest.h"
+#include "report/report.h"
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/codes.h"
@@ -18,7 +19,11 @@ static PetscErrorCode ListFormulations(void)
 /* Prints a formulation in the language of schemes, so that the text can be changed and given back. */
 static PetscErrorCode ListOneFormulation(const char name[])
 {
+  const MpmTransferNumbers numbers = {.order = 1};
+  const MpmSpace           space   = {.dim = 1};
+
   const MpmFormulation *formulation = MpmFormulationFind(name);
+  MpmTable             *table;
   const char           *names[64], *near;
   MpmWritten           *written;
   PetscInt              n = 0;
@@ -32,6 +37,9 @@ static PetscErrorCode ListOneFormulation(const char name[])
   PetscCall(MpmWrittenFromFormulation(formulation, &written));
   PetscCall(MpmWrittenYaml(written, &yaml));
   MpmPrint("%s", yaml);
+  PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
+  PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));
+  PetscCall(MpmTableDestroy(&table));
   PetscCall(PetscFree(yaml));
   PetscCall(MpmWrittenDestroy(&written));
   PetscFunctionReturn(PETSC_SUCCESS);

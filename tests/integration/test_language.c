@@ -79,14 +79,10 @@ static PetscErrorCode SceneOf(const char scheme[], const char keys[], MpmScene *
 
 /* ---- there and back ---- */
 
-/* Everything that march, operator and symbol read of a table. */
-static void CompareTables(const char what[], const MpmTable *a, const MpmTable *b)
+static void CompareOps(const char what[], const MpmTable *a, const MpmTable *b)
 {
-  CHECK(a->nops == b->nops && a->nstate == b->nstate && a->nparticles == b->nparticles && a->nnodes == b->nnodes &&
-            a->unfiltered == b->unfiltered && a->affine == b->affine,
-        "%s: sizes of tables", what);
-  if (a->nops != b->nops || a->nstate != b->nstate || a->nnodes != b->nnodes) return;
-  for (PetscInt o = 0; o < a->nops; o++) {
+  CHECK(a->nops == b->nops, "%s: %d and %d operations", what, (int)a->nops, (int)b->nops);
+  for (PetscInt o = 0; o < PetscMin(a->nops, b->nops); o++) {
     const MpmOp *x = &a->ops[o], *y = &b->ops[o];
 
     CHECK(x->kind == y->kind && x->axis == y->axis && x->dst == y->dst && x->src == y->src &&
@@ -94,6 +90,16 @@ static void CompareTables(const char what[], const MpmTable *a, const MpmTable *
               x->side == y->side,
           "%s: operation %d", what, (int)o);
   }
+}
+
+/* Everything that march, operator and symbol read of a table. */
+static void CompareTables(const char what[], const MpmTable *a, const MpmTable *b)
+{
+  CHECK(a->nops == b->nops && a->nstate == b->nstate && a->nparticles == b->nparticles && a->nnodes == b->nnodes &&
+            a->unfiltered == b->unfiltered && a->affine == b->affine,
+        "%s: sizes of tables", what);
+  if (a->nops != b->nops || a->nstate != b->nstate || a->nnodes != b->nnodes) return;
+  CompareOps(what, a, b);
   for (PetscInt r = 0; r < a->nstate; r++)
     CHECK(!strcmp(a->fields[r], b->fields[r]) && a->field[r] == b->field[r] && a->component[r] == b->component[r] &&
               a->filtered[r] == b->filtered[r],
@@ -311,6 +317,37 @@ static PetscErrorCode CheckParameters(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A transfer's filter written as lines makes the operations of that transfer. */
+static PetscErrorCode CheckFilters(void)
+{
+  static const char before[] = "scheme:\n  name: filtered\n  particles: {v: vector, s: stress}\n"
+                               "  nodes: {v_i: vector, a_i: vector%s}\n  parameters: {%s}\n  step:\n"
+                               "    - v_i = P2G v\n    - IMPOSE v_i\n%s    - a_i = -k DIV s\n    - REACT a_i v_i\n"
+                               "    - v_i += a_i\n    - IMPOSE v_i\n    - v += G2P a_i\n"
+                               "    - s += k STRESS GRAD v_i\n    - DRIFT\n";
+  static const struct {
+    const char *transfer, *fields, *parameters, *lines;
+  } filters[] = {
+      {"pic", "", "", "    - v = G2P v_i\n"},
+      {"blend", "", "ratio: 0.95", "    - v = ratio v + (1 - ratio) G2P v_i\n"},
+      {"nullspace", ", y_i: vector", "", "    - y_i = SOLVE v_i\n    - v = G2P y_i\n"},
+  };
+
+  PetscFunctionBegin;
+  for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(filters); f++) {
+    char      text[1024], keys[64];
+    MpmScene *scenes[2];
+
+    (void)snprintf(text, sizeof text, before, filters[f].fields, filters[f].parameters, filters[f].lines);
+    PetscCall(PetscSNPrintf(keys, sizeof keys, "transfer: %s\ncells: 8\n", filters[f].transfer));
+    PetscCall(SceneOf(text, "cells: 8\n", &scenes[0]));
+    PetscCall(SceneOf("formulation: usl\n", keys, &scenes[1]));
+    CompareOps(filters[f].transfer, scenes[0]->scheme.table, scenes[1]->scheme.table);
+    for (int s = 0; s < 2; s++) PetscCall(MpmSceneDestroy(&scenes[s]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Blanks and comments do not change the hash of a scheme, and a factor does. */
 static PetscErrorCode CheckHash(void)
 {
@@ -376,6 +413,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckDeterminant());
   PetscCall(CheckGrowth());
   PetscCall(CheckParameters());
+  PetscCall(CheckFilters());
   PetscCall(CheckHash());
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
