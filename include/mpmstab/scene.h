@@ -17,7 +17,7 @@
    wave_speed, dt       - c in length / time, and the time step
    density              - of the material; 0: not given, and nothing depends on it
    physical             - the user gave units: density, a modulus, sound_speed, cell_width or dt
-   has_step             - the user gave a time step or a Courant number; else it is the default
+   has_step             - the user gave a time step or a Courant number; else they are those of the default
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -74,6 +74,23 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene);
 static inline PetscBool MpmSceneIsPhysical(const MpmScene *scene)
 {
   return scene->physical;
+}
+
+/*
+   MpmSceneHasStep - whether the scene's own time step is one to answer for. That of a scene in physical units is not,
+   when neither dt nor courant is given: the default Courant number says nothing of the user's time step.
+
+   Not collective.
+*/
+static inline PetscBool MpmSceneHasStep(const MpmScene *scene)
+{
+  return !scene->physical || scene->has_step ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. The time step k h / c of a Courant number k, in the scene's unit of time. */
+static inline PetscReal MpmSceneTimeStep(const MpmScene *scene, PetscReal courant)
+{
+  return courant * scene->cell_width / scene->wave_speed;
 }
 
 /* Not collective. Whether particles move relative to the grid. */

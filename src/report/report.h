@@ -5,6 +5,9 @@
 #include "symbol/predict.h"
 #include <jansson.h>
 
+/* Collective. Prints the task and the file that takes the place of a scene. what: a matrix, or blocks of a lattice. */
+PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks);
+
 /* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
 
@@ -15,6 +18,24 @@ PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, 
    Not collective. Prints nothing for a table without such a matrix, where particles change by more than nodes send.
 */
 PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
+
+/*
+   MpmReportUnits - prints wave speed, width of a cell, density and Poisson's ratio of a scene in physical units in one
+   line. Where the Courant number is not one number, the line also has what a time step is.
+
+   Collective. Prints nothing of other scenes.
+*/
+PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
+
+/*
+   MpmReportLimit - prints a limit of the Courant number as the largest time step, in the scene's unit of time. A second
+   line has the scene's own time step over the limit, if one was given. Beyond the limit it also says growth per step at
+   the scene's own Courant number; NaN: it is not known.
+
+   Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
+   may be 0 or infinite, as in MpmCritical.
+*/
+PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth);
 
 /*
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
@@ -44,13 +65,15 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmCompa
 PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
 
 /*
-   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid. MpmJsonSet adds a number, unless
+   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid, and MpmJsonFile one with version,
+   task and the file that takes the place of a scene. MpmJsonSet adds a number, unless
    it is not finite, which JSON cannot express. MpmJsonSetPrediction adds a growth, or null when the formula does not
    cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonPredicted makes the value of
    the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
 */
 PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s,
                             json_t **object);
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object);
 void           MpmJsonSet(json_t *object, const char key[], PetscReal value);
 void           MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth);
 void           MpmJsonSetFinding(json_t *object, const MpmFinding *finding);

@@ -11,6 +11,7 @@
 /* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
+  if (!strcmp(name, "drift") && MpmRequestKeepsMach(request)) return PETSC_TRUE;
   for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
     if (!strcmp(MpmAxisNames[kind], name)) return MpmRequestVaries(request, (MpmAxisKind)kind);
   return PETSC_FALSE;
@@ -74,6 +75,44 @@ static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the Courant number of the scene is that of the task. */
+static PetscBool HasOneStep(const MpmScene *s, const MpmRequest *request)
+{
+  return MpmSceneHasStep(s) || strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmReportUnits(const MpmScene *s, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (!MpmSceneIsPhysical(s)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrintFields(s, request, "units of the scene: wave speed {wave_speed}, cells {cell_width} wide"));
+  if (s->density > 0) PetscCall(PrintFields(s, request, ", density {density}"));
+  if (MpmSceneHasPoisson(s)) PetscCall(PrintFields(s, request, ", Poisson's ratio {poisson}"));
+  if (request->survey || IsVaried(request, "courant") || !HasOneStep(s, request))
+    MpmPrint("; dt is %.6g times the Courant number", MpmSceneTimeStep(s, 1));
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints Courant number and drift, in physical units beside time step and velocity where these have one value. */
+static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
+{
+  const PetscBool both = MpmSceneIsPhysical(s) && !IsVaried(request, "courant") ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       velocity[MPM_MAX_DIM];
+  char            text[96];
+
+  PetscFunctionBegin;
+  if (HasOneStep(s, request)) PetscCall(PrintFields(s, request, "Courant number {courant}, "));
+  if (HasOneStep(s, request) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
+  PetscCall(PrintFields(s, request, "drift {drift} cells per step, "));
+  if (!HasOneStep(s, request) || !both || IsVaried(request, "drift") || IsVaried(request, "drift_angle"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < s->layout.dim; a++) velocity[a] = s->step.drift[a].value * s->cell_width / s->dt;
+  PetscCall(MpmReportVector(s->layout.dim, velocity, 6, sizeof text, text));
+  MpmPrint("velocity %s, ", text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, PetscMPIInt ranks)
 {
   PetscFunctionBegin;
@@ -81,12 +120,21 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
   PetscCall(PrintFields(s, request, "{formulation}, {basis} basis, {transfer} transfer"));
   if (s->scheme.transfer->option)
     MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
-  PetscCall(PrintFields(s, request,
-                        ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "
-                        "Courant number {courant}, drift {drift} cells per step, "));
+  PetscCall(PrintFields(
+      s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
+  PetscCall(PrintStep(s, request));
   MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
   PetscCall(PrintScheme(s, request));
+  PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks)
+{
+  PetscFunctionBegin;
+  MpmPrint("mpmstab %s %s: %s of %s, %d rank%s\n", MPMSTAB_VERSION, request->task, what,
+           request->matrix[0] ? request->matrix : request->matrix_blocks, ranks, ranks == 1 ? "" : "s");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,20 +287,35 @@ static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
 }
 
 /* Fields that only some scenes show come last. */
-PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const char task[], PetscMPIInt ranks,
+                           PetscReal wall_s, json_t **object)
 {
   MpmValue values[MPM_MAX_VALUES];
   PetscInt n;
 
   PetscFunctionBegin;
   *object = json_pack("{s:s, s:s}", "version", MPMSTAB_VERSION, "task", task);
-  PetscCall(MpmValuesIn(MPM_IN_JSON, s, NULL, &n, values));
+  PetscCall(MpmValuesIn(MPM_IN_JSON, s, request, &n, values));
   for (PetscInt i = 0; i < n; i++)
     if (!values[i].field->shown) SetValue(*object, s, &values[i]);
   json_object_set_new(*object, "ranks", json_integer(ranks));
   json_object_set_new(*object, "wall_s", json_real(wall_s));
   for (PetscInt i = 0; i < n; i++)
     if (values[i].field->shown) SetValue(*object, s, &values[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+{
+  PetscFunctionBegin;
+  PetscCall(Head(s, NULL, task, ranks, wall_s, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+{
+  PetscFunctionBegin;
+  PetscCall(Head(NULL, request, request->task, ranks, wall_s, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -293,7 +356,7 @@ json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison 
 
 json_t *MpmJsonSymbol(const MpmSymbol *symbol)
 {
-  const PetscInt dim    = symbol->layout->dim;
+  const PetscInt dim    = symbol->dim;
   json_t        *object = json_object(), *phases = json_array(), *beta = json_array();
 
   for (PetscInt a = 0; a < dim; a++) {
