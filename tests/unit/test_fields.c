@@ -13,6 +13,7 @@ static const char *const other[][2] = {
     {"transfer", "-transfer pic"},
     {"xpic_order", "-transfer xpic -xpic_order 3"},
     {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
+    {"spline_ends", "-basis quadratic -boundary fixed -spline_ends open"},
     {"boundary", "-boundary fixed,free"},
     {"cells", "-cells 9"},
     {"dim", "-dim 2"},
