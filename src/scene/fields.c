@@ -85,6 +85,16 @@ static const char *FormulationOf(const MpmScene *scene)
   return scene->scheme.formulation->name;
 }
 
+static const char *SchemeHashOf(const MpmScene *scene)
+{
+  return scene->scheme_hash;
+}
+
+static const char *ParametersOf(const MpmScene *scene)
+{
+  return scene->parameters;
+}
+
 static const char *BasisOf(const MpmScene *scene)
 {
   return scene->scheme.basis->name;
@@ -135,6 +145,18 @@ static const char *InitialOf(const MpmScene *scene)
 static PetscBool TransferReads(const MpmScene *scene, const char option[])
 {
   return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasScheme(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->written ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasParameters(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->parameters[0] ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
@@ -260,7 +282,9 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, .rival = "scheme", TEXT(FormulationOf), IN(1, 1, 1, 1)},
+  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
+   NO_RANGE, .rival = "formulation", TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
   {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
@@ -434,6 +458,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
+  {"parameters", TEXT(ParametersOf), IN(60, 42, 48, 41), .shown = HasParameters, .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */

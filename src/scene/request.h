@@ -21,7 +21,8 @@ typedef struct {
 
 /*S
    MpmAxis - one axis of a map: points numbers at equal distances from one to another. They are exact fractions where
-   these have short terms. The angle of the drift is in degrees, from x to y.
+   these have short terms. The angle of the drift is in degrees, from x to y. A parameter is one
+   of the scheme's, by its number; other kinds have MPM_NONE there. name: as map_axes has it.
 S*/
 typedef enum {
   MPM_AXIS_COURANT,
@@ -30,14 +31,16 @@ typedef enum {
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
   MPM_AXIS_DRIFT_ANGLE,
-  MPM_AXIS_MACH
+  MPM_AXIS_MACH,
+  MPM_AXIS_PARAMETER
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
 typedef struct {
   MpmAxisKind kind;
   MpmFraction from, to;
-  PetscInt    points;
+  PetscInt    points, parameter;
+  char        name[32];
 } MpmAxis;
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */

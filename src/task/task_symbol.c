@@ -66,6 +66,7 @@ static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, co
   PetscCall(MpmReportPredictions(p, predictions));
   PetscCall(DescribeMaximum(s, sizeof text, text));
   PetscCall(MpmReportGrowth("symbol", s->growth, text));
+  if (scene->written && !MpmSceneDrifts(scene)) PetscCall(MpmReportNodal(scene->scheme.table, "  nodal       "));
   PetscCall(PrintRefined(scene->layout.dim, r));
   MpmPrint("\n");
   PetscCall(MpmReportComparison(p, comparison));
