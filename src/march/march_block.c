@@ -39,14 +39,15 @@ static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after
   const MpmMarch  *march = s->arrays->march;
   const PetscInt  *cell  = s->arrays->cell + begin;
   const PetscReal *xi    = s->arrays->xi + begin;
-  PetscInt         moved[MPM_BLOCK];
+  PetscInt         moved[MPM_BLOCK], wall[2];
 
+  MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first, wall);
   if (s->moving) {
     MpmPlaceBlock(n, cell, xi, s->whole[after], s->part[after], moved, placed->xi);
     cell = moved;
     xi   = placed->xi;
   }
-  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width[0], &placed->block);
+  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width[0], wall, &placed->block);
 }
 
 void MpmStagePlace(MpmStage *s)
@@ -60,14 +61,15 @@ void MpmStagePlace(MpmStage *s)
 
 /*
    The places of a block. Where cells are alike they are those of the first block, and shift is the number of nodes
-   between the two. Elsewhere, and for the last block if it is shorter, they are found anew.
+   between the two. Elsewhere, for the last block if it is shorter, and with bases whose functions differ near walls,
+   they are found anew.
 */
 static const MpmBlock *Placed(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *room,
                               PetscInt *shift)
 {
   const PetscInt per_cell = s->arrays->march->particles->per_cell;
 
-  if (per_cell && n == s->placed[0].block.n) {
+  if (per_cell && n == s->placed[0].block.n && !MpmBasisIsAltered(s->arrays->march->scheme->basis)) {
     *shift = begin / per_cell;
     return &s->placed[after].block;
   }

@@ -28,7 +28,7 @@ void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM
 /* Sets the wall node of one end, if it is among this rank's nodes and ghosts. */
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
-  const PetscInt wall = (op->side ? grid->axis[0].cells : 0) - grid->axis[0].first;
+  const PetscInt wall = (op->side ? grid->axis[0].all - 1 : 0) - grid->axis[0].first;
 
   if (wall >= -grid->ghost && wall < grid->axis[0].nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }

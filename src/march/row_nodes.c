@@ -20,7 +20,7 @@ static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const Petsc
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
   const MpmGridAxis *axis = &grid->axis[op->axis];
-  const PetscInt     wall = (op->side ? axis->cells : 0) - axis->first;
+  const PetscInt     wall = (op->side ? axis->all - 1 : 0) - axis->first;
   MpmGridBox         box  = MpmGridBoxOf(grid, grid->ghost);
 
   if (wall < -grid->ghost || wall >= axis->nodes + grid->ghost) return;

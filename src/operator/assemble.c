@@ -31,10 +31,11 @@ static PetscInt RowOf(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, cons
   column[0] = 0;
   weight[0] = 1;
   for (PetscInt a = 0; a < layout->dim; a++) {
-    PetscInt  node[MPM_MAX_REACH];
+    PetscInt  node[MPM_MAX_REACH], wall[2];
     PetscReal row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
 
-    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], row);
+    MpmDirectionWalls(&layout->grid[a], cell[a], wall);
+    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], wall, row);
     MpmNodesSeen(&layout->grid[a], basis, cell[a], parity[a], drop, node, sign);
     for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n products are read last */
       for (PetscInt i = 0; i < n; i++) {

@@ -68,6 +68,28 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
 }
 
 /*
+   Reads the Mach number. Of tasks that go over a period of steps, those that take the scene's own Courant number need a
+   drift M k with a short one.
+*/
+static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool map = !strcmp(request->task, "map") ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
+  request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
+  if (!request->at_mach || !strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
+                MpmRequestVaries(request, MPM_AXIS_MACH)))
+    PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
+  if (request->survey)
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
+  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
    A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
    is sought at one drift, too; it must not be that of the default Courant number.
 */
@@ -75,10 +97,10 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
 {
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
+      !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                                "would change; allowed: drift"));
+                                "would change; allowed: drift or mach"));
   if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "how many cells particles move per step depends on the time step; allowed: with dt or "
@@ -88,14 +110,25 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
 
 /* ---- axes of a map ---- */
 
-const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", NULL};
+const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", "mach", NULL};
 
-static const char *const spans[] = {"map_courant", "map_drift",   "map_offset",
-                                    "map_ppc",     "map_poisson", "map_drift_angle"};
+static const char *const spans[] = {"map_courant", "map_drift",       "map_offset", "map_ppc",
+                                    "map_poisson", "map_drift_angle", "map_mach"};
 
-/* The options, by either name, whose place an axis takes. An angle turns the drift that is given. */
-static const char *const replaced[][2] = {{"courant", "dt"}, {"drift", "velocity"},  {"offset", "offset"},
-                                          {"ppc", "ppc"},    {"poisson", "poisson"}, {NULL, NULL}};
+/* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
+static const char *const replaced[][3] = {{"courant", "dt"},
+                                          {"drift", "velocity", "mach"},
+                                          {"offset"},
+                                          {"ppc"},
+                                          {"poisson"},
+                                          {NULL},
+                                          {"mach", "velocity", "drift"}};
+
+/* Whether an axis says how particles move. */
+static PetscBool IsMotion(PetscInt kind)
+{
+  return kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* In more dimensions than one the scene's drift still says along which axes the map's goes. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
@@ -104,7 +137,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = kind == MPM_AXIS_DRIFT && scene->layout.dim > 1 ? 1 : 0; i < 2 && replaced[kind][i]; i++)
+  for (int i = IsMotion(kind) && scene->layout.dim > 1 ? 1 : 0; i < 3 && replaced[kind][i]; i++)
     if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -143,6 +176,9 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
                                   "change; allowed: sound_speed"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
+  if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
+      (MpmRequestVaries(request, MPM_AXIS_DRIFT) || MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)))
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "mach makes the drift; allowed: mach with another axis"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
       scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
     PetscCall(MpmSettingsRefuse(settings, "map_axes",
@@ -158,8 +194,9 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
   PetscFunctionBegin;
   PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
   if (kinds[0] == kinds[1])
-    PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                "allowed: two different ones of courant, drift, offset, ppc, poisson and drift_angle"));
+    PetscCall(
+        MpmSettingsRefuse(settings, "map_axes",
+                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
   for (int a = 0; a < 2; a++) {
@@ -222,12 +259,12 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscBool progress;
 
   PetscFunctionBegin;
-  PetscCall(ReadModeFile(settings, scene, request));
+  if (scene) PetscCall(ReadModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  if (request->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
+  if (request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
@@ -274,7 +311,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
     expect->kind = (MpmGrowthKind)i;
   }
-  if (expect->has_error && !MpmSceneHasExact(scene)) {
+  if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
     if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
         !MpmSettingsOverruled(settings, "expect_error", "boundary"))
       PetscCall(
@@ -295,17 +332,43 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckSurvey(settings, request));
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckVelocity(settings, scene, request));
+  PetscCall(ReadMach(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene *scene, MpmRequest *request)
+/*
+   Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one number
+   of phases is for all of them.
+*/
+static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
+  PetscInt dim;
+
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReadProblem(settings, scene));
-  PetscCall(ReadRequest(settings, scene, request));
+  PetscCall(MpmSettingsPhases(settings, &request->given_phases));
+  dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
+  PetscCall(ReadOutputs(settings, NULL, request));
+  PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene **scene, MpmRequest *request)
+{
+  PetscBool matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
+  if (matrix) {
+    PetscCall(MpmSceneDestroy(scene));
+    PetscCall(ReadMatrixRequest(settings, request));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsReadProblem(settings, *scene));
+  PetscCall(ReadRequest(settings, *scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,7 +386,7 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   ierr = MpmSettingsCreate(&settings);
   if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
   if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
-  if (!ierr) ierr = ReadBoth(settings, *scene, request);
+  if (!ierr) ierr = ReadBoth(settings, scene, request);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
   PetscCall(ierr);

@@ -4,6 +4,7 @@
 */
 #pragma once
 #include "base/progress.h"
+#include "scene/mach.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -28,7 +29,8 @@ typedef enum {
   MPM_AXIS_OFFSET,
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
-  MPM_AXIS_DRIFT_ANGLE
+  MPM_AXIS_DRIFT_ANGLE,
+  MPM_AXIS_MACH
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
@@ -38,6 +40,8 @@ typedef struct {
   PetscInt    points;
 } MpmAxis;
 
+#define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
+
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
 
@@ -46,12 +50,18 @@ typedef struct {
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
+   refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
    layouts           - how many random layouts an ensemble has
    axes              - of a map
+   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
+                       the Courant number changes, and so does a map over the Courant number
+   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
+                       that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
+   write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
@@ -59,14 +69,17 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance;
-  PetscBool       weights, source_term, ringing, measure, survey;
-  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
+  PetscBool       weights, source_term, ringing, measure, survey, refine;
+  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   MpmProgressWish progress;
   MpmAxis         axes[2];
+  PetscBool       at_mach;
+  MpmMach         mach;
   MpmExpect       expect;
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
-  char            restart[PETSC_MAX_PATH_LEN];
+  char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
+  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN];
 } MpmRequest;
 
 /* Not collective. Whether the request is for a map that goes over this. */
@@ -77,11 +90,21 @@ static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind 
              : PETSC_FALSE;
 }
 
+/* Not collective. Whether the request is for a map that keeps a Mach number at each point: its drift then is M k. */
+static inline PetscBool MpmRequestKeepsMach(const MpmRequest *request)
+{
+  if (MpmRequestVaries(request, MPM_AXIS_MACH)) return PETSC_TRUE;
+  return request->at_mach && MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /*
    MpmSceneCreate - reads a scene and what a task is to do with it: a YAML file (NULL: none), then the command line in
    PETSc's database of options.
 
    Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h). request NULL: not wanted.
-   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it.
+   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it. *scene is NULL where the options name a
+   matrix, or blocks of a lattice, in its place; request then has their file.
 */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request);

@@ -367,6 +367,46 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The functions of open knot vectors are not equally far apart, so differences of their values are no Laplacian. */
+static PetscBool TakesNoDifferences(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_LAP) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Gives the scene its splines next to walls. Call it when the ends are known. */
+static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scene)
+{
+  const MpmLayout *l        = &scene->layout;
+  const PetscBool  periodic = MpmLayoutIsPeriodic(l);
+  const MpmBasis  *basis;
+  PetscInt         i;
+
+  PetscFunctionBegin;
+  if (MpmSettingsSource(settings, "spline_ends") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsWord(settings, "spline_ends", &i));
+  basis = MpmBasisWithEnds(scene->scheme.basis, (MpmSplineEnds)i);
+  if (!MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN)) {
+    if (!MpmSettingsOverruled(settings, "spline_ends", "basis"))
+      PetscCall(MpmSettingsRefuse(settings, "spline_ends", "allowed: only with basis quadratic or cubic"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (periodic) {
+    if (!MpmSettingsOverruled(settings, "spline_ends", "boundary"))
+      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
+                                  "the domain is periodic and has no ends; allowed: only with another boundary"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (basis->spline_ends == MPM_SPLINES_OPEN)
+    PetscCall(Require(settings, scene, "spline_ends", TakesNoDifferences,
+                      "differences of nodal values with open knot vectors"));
+  for (PetscInt a = 0; a < l->dim; a++)
+    if (basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes)
+      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
+                                  "the grid is too small for it; allowed: as many cells as the degree of the basis"));
+  scene->scheme.basis = basis;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
 {
   MpmLayout *l = &scene->layout;
@@ -376,11 +416,15 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsEachEnds(settings, "boundary", l->dim, end));
   for (PetscInt a = 0; a < l->dim; a++) {
     for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
-    l->grid[a].nodes = l->grid[a].cells + (l->grid[a].ends[0] == MPM_PERIODIC ? 0 : 1);
     PetscCall(AppendWord(scene, a ? "," : "", l->grid[a].ends[0]));
     if (l->grid[a].ends[0] != MPM_PERIODIC) PetscCall(AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]));
   }
-  for (PetscInt a = 0; a < l->dim; a++) PetscCall(CheckEnds(settings, scene, a));
+  PetscCall(ReadSplineEnds(settings, scene));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    l->grid[a].nodes = l->grid[a].cells;
+    if (l->grid[a].ends[0] != MPM_PERIODIC) l->grid[a].nodes += scene->scheme.basis->wall_nodes;
+    PetscCall(CheckEnds(settings, scene, a));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -537,6 +581,7 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
   PetscCall(ReadVelocity(settings, scene));
+  PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
@@ -583,7 +628,7 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+  if (*scene) PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

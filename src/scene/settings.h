@@ -97,9 +97,27 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 */
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
+/*
+   Collective. Reads mach for each direction, 0 where it is not given. Forms the drift M k of a scene whose Courant number
+   is known, if mach is given. Refuses a drift M k without a short period, and names the nearest Courant number that has
+   one.
+*/
+PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
+PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
+
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
+
+/*
+   MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
+
+   Collective. Refuses options of a scene beside it, options of a matrix without one, and tasks that need a scene.
+   MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
+*/
+PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
+PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*
    Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether

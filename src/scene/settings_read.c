@@ -126,9 +126,19 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
 
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
 {
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  MpmFraction     fraction;
+  PetscBool       ok;
+
   PetscFunctionBegin;
-  if (!ParseReal(MpmSettingsText(settings, name), value) || !InRange(&MpmOptions[MpmOptionIndex(name)], *value))
-    PetscCall(RefuseNumber(settings, name, "a finite number"));
+  if (option->kind == MPM_FRACTION) {
+    PetscCall(MpmFractionParse(MpmSettingsText(settings, name), &fraction, &ok));
+    *value = fraction.value;
+  } else
+    ok = ParseReal(MpmSettingsText(settings, name), value);
+  if (!ok || !InRange(option, *value))
+    PetscCall(
+        RefuseNumber(settings, name, option->kind == MPM_FRACTION ? "a finite number or fraction" : "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

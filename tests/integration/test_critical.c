@@ -81,7 +81,7 @@ static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t,
   MpmCritical c;
 
   PetscFunctionBegin;
-  if (t->same_as || (t->affine && f->affine == MPM_NONE)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!t->filter_symbol || (t->affine && f->affine == MPM_NONE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s", f->name, t->name,
                           b->name, rest));
   PetscCall(Find(options, &c));

@@ -185,6 +185,7 @@ static PetscErrorCode AgreesInSpace(void)
       "-dim 2 -cells 6,5 -formulation usl -transfer tpic -basis quadratic -boundary fixed,free-fixed -courant 0.3 "
       "-jitter 0.5 "
       "-material two -density_ratio 3 -stiffness_ratio 7",
+      "-cells 12 -formulation musl -transfer tpic -basis cubic -boundary fixed,free -spline_ends open -courant 0.3",
       "-dim 2 -cells 6,4 -formulation elastic -transfer fmpm -boundary fixed-free,periodic -courant 0.3",
       "-dim 3 -cells 6,2,3 -ppc 1 -formulation usl -transfer aflip -gradient mls -basis quadratic -courant 0.3 -jitter "
       "0.5",

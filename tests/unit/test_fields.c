@@ -114,7 +114,8 @@ static PetscErrorCode CheckRead(const MpmField *field)
     CHECK(!error || error == PETSC_ERR_USER_INPUT, "%s: error %d", options, (int)error);
     if (error || !strcmp(request.output, "named_by_a_test") || !strcmp(request.json, "named_by_a_test") ||
         !strcmp(request.csv, "named_by_a_test") || !strcmp(request.checkpoint, "named_by_a_test") ||
-        !strcmp(request.restart, "named_by_a_test"))
+        !strcmp(request.restart, "named_by_a_test") || !strcmp(request.matrix, "named_by_a_test") ||
+        !strcmp(request.matrix_blocks, "named_by_a_test"))
       read = PETSC_TRUE;
     if (!error) PetscCall(MpmSceneDestroy(&scene));
   }
@@ -124,8 +125,8 @@ static PetscErrorCode CheckRead(const MpmField *field)
 }
 
 /*
-   Checks that in each record no two fields have the same place, and that only the record of files has fields of the
-   request.
+   Checks that the places of fields in each record are different, and that only the record of files has fields of the
+   request, and JSON the names of its files.
 */
 static PetscErrorCode CheckPlaces(void)
 {
@@ -142,7 +143,9 @@ static PetscErrorCode CheckPlaces(void)
         if (!place) continue;
         CHECK(place <= MPM_MAX_VALUES && f->value != MPM_NO_VALUE, "%s: place %d in record %d", f->name, place, record);
         CHECK(!taken[place]++, "%s: place %d in record %d is another's", f->name, place, record);
-        CHECK(f->owner == MPM_OF_SCENE || record == MPM_IN_FILE, "%s of a request in record %d", f->name, record);
+        CHECK(f->owner == MPM_OF_SCENE || record == MPM_IN_FILE ||
+                  (record == MPM_IN_JSON && f->value == MPM_AS_TEXT && f->kind == MPM_PATH),
+              "%s of a request in record %d", f->name, record);
       }
     }
   }
