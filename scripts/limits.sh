@@ -33,7 +33,7 @@ done
 echo "growth per step - 1 at k = 0.5, drift 1/8: particles move at a quarter of the wave speed"
 echo "scheme   transfer       linear       gimp  quadratic      cubic"
 for formulation in usl usf musl usavg; do
-  for transfer in flip pic apic; do
+  for transfer in flip pic apic tpic aflip fmpm; do
     printf '%-8s %-10s' $formulation $transfer
     for basis in linear gimp quadratic cubic; do
       "$program" symbol -formulation $formulation -transfer $transfer -basis $basis -drift 1/8 -phases 1024 |

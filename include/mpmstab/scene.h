@@ -114,6 +114,9 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 /* Not collective. Whether Poisson's ratio counts: the formulation has a stress, and there is more than one dimension. */
 PetscBool MpmSceneHasPoisson(const MpmScene *scene);
 
+/* Not collective. Whether pic_filter counts: the formulation has both places for a filter, and the transfer has a filter. */
+PetscBool MpmSceneChoosesFilter(const MpmScene *scene);
+
 /*
    MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.
 

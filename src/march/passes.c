@@ -281,6 +281,7 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, Pet
     return basis->slope_sum * ppc * cells / least_mass;
   case MPM_GRAD:
   case MPM_GRAD_MLS:
+  case MPM_G2P_SLOPE:
   case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
     return basis->slope_sum;
   case MPM_LAP:

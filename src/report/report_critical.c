@@ -378,8 +378,8 @@ static PetscErrorCode PrintHeading(const MpmScene *s)
       MpmPrint("%s %s %s", i ? "," : "", said[i], text);
     }
   }
-  MpmPrint(", xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ", s->scheme.numbers.order,
-           s->scheme.numbers.ratio);
+  MpmPrint(", xpic_order %" PetscInt_FMT ", blend_ratio %.6g, aflip_ratio %.6g\nscheme   transfer  ",
+           s->scheme.numbers.order, s->scheme.numbers.ratio, s->scheme.numbers.affine_ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -68,6 +68,11 @@ static const char *GradientWord(PetscInt i)
   return MpmGradientNames[i];
 }
 
+static const char *FilterTimeWord(PetscInt i)
+{
+  return MpmFilterTimeNames[i];
+}
+
 static const char *SplineEndsWord(PetscInt i)
 {
   return MpmSplineEndNames[i];
@@ -108,6 +113,11 @@ static const char *TransferOf(const MpmScene *scene)
 static const char *GradientOf(const MpmScene *scene)
 {
   return MpmGradientNames[scene->scheme.space.gradient];
+}
+
+static const char *FilterTimeOf(const MpmScene *scene)
+{
+  return MpmFilterTimeNames[scene->scheme.space.filter];
 }
 
 static const char *SplineEndsOf(const MpmScene *scene)
@@ -169,6 +179,18 @@ static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
   return TransferReads(scene, "blend_ratio");
+}
+
+static PetscBool HasAffineRatio(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return TransferReads(scene, "aflip_ratio");
+}
+
+static PetscBool HasFilterTime(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneChoosesFilter(scene);
 }
 
 /* Files that were written before there was more than one dimension have none of these three. */
@@ -291,10 +313,14 @@ const MpmField MpmOptions[] = {
    .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
    .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
-  {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
+  {"xpic_order", MPM_INTEGER, "2", "order of transfers xpic and fmpm, the terms of their sum; 1 is pic",
    BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = HasOrder},
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
+  {"aflip_ratio", MPM_REAL, "1", "share of flip in the velocities of transfers aflip and asflip, the rest is apic",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = HasAffineRatio},
+  {"pic_filter", MPM_WORD, "after", "gas and elastic: a transfer that filters does so after nodes take the values of the particles (the textbook's pic), or before",
+   .word = FilterTimeWord, TEXT(FilterTimeOf), IN(53, 36, 43, 36), .shown = HasFilterTime},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = HasDim},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",

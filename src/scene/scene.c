@@ -299,10 +299,11 @@ static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number that only one transfer reads, when the scene has another transfer. */
+/* Refuses a number that only some transfers read, when the scene has another transfer. */
 static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
-  char message[128];
+  char message[128] = "allowed: only with transfer ";
+  int  named        = 0;
 
   PetscFunctionBegin;
   if (MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, "transfer"))
@@ -311,9 +312,36 @@ static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmS
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt t = 0; MpmTransfers[t]; t++) {
     if (!MpmTransfers[t]->option || strcmp(MpmTransfers[t]->option, option)) continue;
-    PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with transfer %s", MpmTransfers[t]->name));
-    PetscCall(MpmSettingsRefuse(settings, option, message));
+    if (named++) PetscCall(PetscStrlcat(message, " or ", sizeof message));
+    PetscCall(PetscStrlcat(message, MpmTransfers[t]->name, sizeof message));
   }
+  PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool CanChooseFilter(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_FILTER_AFTER);
+}
+
+PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
+{
+  return CanChooseFilter(scene->scheme.formulation) && scene->scheme.transfer->filter ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "pic_filter", &i));
+  scene->scheme.space.filter = (MpmFilterTime)i;
+  if (MpmSceneChoosesFilter(scene) || MpmSettingsSource(settings, "pic_filter") == MPM_FROM_DEFAULT ||
+      MpmSettingsOverruled(settings, "pic_filter", "formulation") ||
+      MpmSettingsOverruled(settings, "pic_filter", "transfer"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Require(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
+  PetscCall(MpmSettingsRefuse(settings, "pic_filter", "flip has no filter; allowed: with another transfer"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -330,6 +358,8 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   if (scene->scheme.transfer->filter)
     PetscCall(
         Require(settings, scene, "transfer", HasFilter, "FILTER, which says where other transfers than flip act"));
+  PetscCall(CheckTransferReads(settings, scene, "aflip_ratio"));
+  PetscCall(ReadFilterTime(settings, scene));
   if (scene->scheme.transfer->affine)
     PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,6 +14,8 @@ static const char *const other[][2] = {
     {"xpic_order", "-transfer xpic -xpic_order 3"},
     {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
     {"spline_ends", "-basis quadratic -boundary fixed -spline_ends open"},
+    {"aflip_ratio", "-formulation usl -transfer aflip -aflip_ratio 0.5"},
+    {"pic_filter", "-formulation elastic -transfer pic -pic_filter before"},
     {"boundary", "-boundary fixed,free"},
     {"cells", "-cells 9"},
     {"dim", "-dim 2"},

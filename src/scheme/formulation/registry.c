@@ -47,6 +47,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_GRAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
       [MPM_GRAD_MLS]   = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
+      [MPM_G2P_SLOPE]  = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_SCALE]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_ADD]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LAP]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
