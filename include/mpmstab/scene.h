@@ -15,6 +15,9 @@
    boundary             - the conditions at the ends, as text
    length, cell_width   - of the domain in each direction, and of a cell, in units of length
    wave_speed, dt       - c in length / time, and the time step
+   density              - of the material; 0: not given, and nothing depends on it
+   physical             - the user gave units: density, a modulus, sound_speed, cell_width or dt
+   has_step             - the user gave a time step or a Courant number; else they are those of the default
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -26,9 +29,9 @@ typedef struct {
   MpmStep         step;
   char            boundary[128];
   PetscInt        mode[MPM_MAX_DIM];
-  PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, amplitude;
+  PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, density, amplitude;
   MpmInitial      initial;
-  PetscBool       stagger;
+  PetscBool       stagger, physical, has_step;
   MpmPolarisation polarisation;
 } MpmScene;
 
@@ -54,6 +57,34 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene);
 
 /* Not collective. Frees a scene and sets the pointer to NULL. */
 PetscErrorCode MpmSceneDestroy(MpmScene **scene);
+
+/*
+   MpmSceneIsPhysical - whether the scene is in physical units: density, a modulus, sound_speed, cell_width or dt is
+   given. Reports then have times and speeds in these units beside Courant numbers and drifts.
+
+   Not collective.
+*/
+static inline PetscBool MpmSceneIsPhysical(const MpmScene *scene)
+{
+  return scene->physical;
+}
+
+/*
+   MpmSceneHasStep - whether the scene's own time step is one to answer for. That of a scene in physical units is not,
+   when neither dt nor courant is given: the default Courant number says nothing of the user's time step.
+
+   Not collective.
+*/
+static inline PetscBool MpmSceneHasStep(const MpmScene *scene)
+{
+  return !scene->physical || scene->has_step ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. The time step k h / c of a Courant number k, in the scene's unit of time. */
+static inline PetscReal MpmSceneTimeStep(const MpmScene *scene, PetscReal courant)
+{
+  return courant * scene->cell_width / scene->wave_speed;
+}
 
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmSceneDrifts(const MpmScene *scene)

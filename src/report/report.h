@@ -9,6 +9,24 @@
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
 
 /*
+   MpmReportUnits - prints wave speed, width of a cell, density and Poisson's ratio of a scene in physical units in one
+   line. Where the Courant number is not one number, the line also has what a time step is.
+
+   Collective. Prints nothing of other scenes.
+*/
+PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
+
+/*
+   MpmReportLimit - prints a limit of the Courant number as the largest time step, in the scene's unit of time. A second
+   line has the scene's own time step over the limit, if one was given. Beyond the limit it also says growth per step at
+   the scene's own Courant number; NaN: it is not known.
+
+   Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
+   may be 0 or infinite, as in MpmCritical.
+*/
+PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth);
+
+/*
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
    the reason.
 */

@@ -77,6 +77,8 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint(
         "  any layout   of such particles at rest is stable up to %.10g = 2 sqrt(D / chi), jittered or with gaps\n",
         c->bound);
+  if (c->bound > 0 && MpmSceneIsPhysical(s))
+    MpmPrint("               which is dt %.6g\n", MpmSceneTimeStep(s, c->bound));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,8 +196,10 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   MpmPrint("\n");
   PetscCall(PrintLimit(s, request->tolerance, c));
   PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
-  PetscCall(PrintAsked(s, request->tolerance, c));
-  PetscCall(MpmReportFinding(&c->asked, NAN));
+  if (MpmSceneHasStep(s)) {
+    PetscCall(PrintAsked(s, request->tolerance, c));
+    PetscCall(MpmReportFinding(&c->asked, NAN));
+  }
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
              c->order, c->evaluations);
@@ -209,6 +213,7 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
     MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
              c->evaluations, c->order);
   MpmPrint("time: %.3g s\n", c->seconds);
+  PetscCall(MpmReportLimit(s, request->tolerance, c->courant, c->asked.growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,8 +240,9 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
-  MpmJsonSetFinding(object, &c->asked);
+  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, &c->asked);
   MpmJsonSet(critical, "critical_courant", c->courant);
+  if (MpmSceneIsPhysical(s)) MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, c->courant));
   if (dim == 1)
     MpmJsonSet(critical, "limited_by_beta", c->beta[0]);
   else
@@ -384,6 +390,7 @@ PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene, const MpmRequest *r
 
   PetscFunctionBegin;
   if (request->csv[0]) PetscCall(CsvOpen(request->csv, scene->layout.dim, &survey.csv));
+  PetscCall(MpmReportUnits(scene, request));
   PetscCall(PrintHeading(scene));
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);
   PetscCall(MpmCriticalSurvey(&of, PrintCell, &survey));

@@ -11,6 +11,7 @@
 /* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
+  if (!strcmp(name, "drift") && MpmRequestKeepsMach(request)) return PETSC_TRUE;
   for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
     if (!strcmp(MpmAxisNames[kind], name)) return MpmRequestVaries(request, (MpmAxisKind)kind);
   return PETSC_FALSE;
@@ -60,6 +61,44 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether the Courant number of the scene is that of the task. */
+static PetscBool HasOneStep(const MpmScene *s, const MpmRequest *request)
+{
+  return MpmSceneHasStep(s) || strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmReportUnits(const MpmScene *s, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (!MpmSceneIsPhysical(s)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrintFields(s, request, "units of the scene: wave speed {wave_speed}, cells {cell_width} wide"));
+  if (s->density > 0) PetscCall(PrintFields(s, request, ", density {density}"));
+  if (MpmSceneHasPoisson(s)) PetscCall(PrintFields(s, request, ", Poisson's ratio {poisson}"));
+  if (request->survey || IsVaried(request, "courant") || !HasOneStep(s, request))
+    MpmPrint("; dt is %.6g times the Courant number", MpmSceneTimeStep(s, 1));
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints Courant number and drift, in physical units beside time step and velocity where these have one value. */
+static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
+{
+  const PetscBool both = MpmSceneIsPhysical(s) && !IsVaried(request, "courant") ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       velocity[MPM_MAX_DIM];
+  char            text[96];
+
+  PetscFunctionBegin;
+  if (HasOneStep(s, request)) PetscCall(PrintFields(s, request, "Courant number {courant}, "));
+  if (HasOneStep(s, request) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
+  PetscCall(PrintFields(s, request, "drift {drift} cells per step, "));
+  if (!HasOneStep(s, request) || !both || IsVaried(request, "drift") || IsVaried(request, "drift_angle"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < s->layout.dim; a++) velocity[a] = s->step.drift[a].value * s->cell_width / s->dt;
+  PetscCall(MpmReportVector(s->layout.dim, velocity, 6, sizeof text, text));
+  MpmPrint("velocity %s, ", text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, PetscMPIInt ranks)
 {
   PetscFunctionBegin;
@@ -67,10 +106,11 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
   PetscCall(PrintFields(s, request, "{formulation}, {basis} basis, {transfer} transfer"));
   if (s->scheme.transfer->option)
     MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
-  PetscCall(PrintFields(s, request,
-                        ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "
-                        "Courant number {courant}, drift {drift} cells per step, "));
+  PetscCall(PrintFields(
+      s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
+  PetscCall(PrintStep(s, request));
   MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -110,6 +110,13 @@ static const char *BetaName(PetscInt dim, PetscInt axis)
   return dim == 1 ? "beta" : names[axis];
 }
 
+static const char *DriftName(PetscInt dim, PetscInt axis)
+{
+  static const char *const names[] = {"drift_x", "drift_y", "drift_z"};
+
+  return dim == 1 ? "drift" : names[axis];
+}
+
 PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
 {
   const PetscInt dim = map->scene->layout.dim;
@@ -121,12 +128,14 @@ PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
     fprintf(csv.stream, "%s,%s,growth", MpmAxisNames[map->request->axes[0].kind],
             MpmAxisNames[map->request->axes[1].kind]);
     for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
+    for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", DriftName(dim, a));
     fprintf(csv.stream, ",verdict\n");
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
       fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
       MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
       MpmTextFileCell(&csv, map->growth[i]);
       for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, map->beta[a][i]);
+      for (PetscInt a = 0; a < dim && map->drift[a]; a++) MpmTextFileCell(&csv, map->drift[a][i]);
       fprintf(csv.stream, ",%s\n", MpmVerdictNames[map->verdict[i]]);
     }
   }
@@ -146,6 +155,9 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
   for (PetscInt a = 0; a < map->scene->layout.dim; a++)
     PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->scene->layout.dim, a), map->points[0], map->points[1],
                                map->beta[a]));
+  for (PetscInt a = 0; a < map->scene->layout.dim && map->drift[a]; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", DriftName(map->scene->layout.dim, a), map->points[0], map->points[1],
+                               map->drift[a]));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

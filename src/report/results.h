@@ -1,5 +1,6 @@
 /* Results of the tasks: a table for people, JSON for programs, and CSV. */
 #pragma once
+#include "analysis/critical_mach.h"
 #include "analysis/ensemble.h"
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
@@ -43,6 +44,12 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *scene, co
 
 /* Collective. Writes the row of one scene to a CSV file. */
 PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical);
+
+/* Collective. Print what was searched at a fixed Mach number; write the JSON object, and the CSV with a row for each Courant number. */
+PetscErrorCode MpmCriticalMachPrint(const MpmScene *scene, const MpmRequest *request, const MpmCriticalMach *found);
+PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmCriticalMach *found,
+                                        PetscReal wall_s);
+PetscErrorCode MpmCriticalMachWriteCsv(const MpmScene *scene, const MpmRequest *request, const MpmCriticalMach *found);
 
 /*
    Collective. Prints the limits of every formulation, transfer and basis at a scene's layout as a table, and writes

@@ -158,6 +158,28 @@ static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
   return MpmSceneHasPoisson(scene);
 }
 
+static PetscBool HasDensity(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->density > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool IsPhysical(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneIsPhysical(scene);
+}
+
+static PetscBool HasSpeed(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || MpmSceneIsPhysical(scene) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasTimeStep(const MpmScene *scene, MpmRecord record)
+{
+  return record != MPM_IN_JSON || (MpmSceneIsPhysical(scene) && MpmSceneHasStep(scene)) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -207,6 +229,7 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 /* clang-format off */
 #define BETWEEN(a, b)      .lo = a, .hi = b
 #define ABOVE(a)           .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
+#define FROM(a)            .lo = a, .hi = PETSC_MAX_REAL
 #define ANY                .lo = -PETSC_MAX_REAL, .hi = PETSC_MAX_REAL
 #define NO_RANGE           .word = NULL
 #define KEPT(kind, member) .value = MPM_##kind, .at = offsetof(MpmScene, member)
@@ -233,11 +256,13 @@ const MpmField MpmOptions[] = {
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
    .word = GradientWord, TEXT(GradientOf), IN(33, 22, 28, 23), .shown = HasGradient},
   {"poisson", MPM_REAL, "0.3", "momentum schemes with dim 2 or 3: Poisson's ratio, plane strain with dim 2; 0.5 is a fluid with pressure only",
-   BETWEEN(0, 0.5), KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
+   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
   {"cells", MPM_INTEGER, "64", "cells of the grid",
    BETWEEN(1, 2147483646), EACH(AS_COUNT, layout.grid[0].cells, layout.grid[0]), IN(11, 6, 7, 5)},
   {"length", MPM_REAL, "1", "length L of the domain",
-   ABOVE(0), EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
+   ABOVE(0), .rival = "cell_width", EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
+  {"cell_width", MPM_REAL, NULL, "width h of a cell, instead of length",
+   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), .shown = IsPhysical},
   {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
@@ -265,15 +290,27 @@ const MpmField MpmOptions[] = {
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
-   ABOVE(0), KEPT(AS_REAL, wave_speed), IN(17, 0, 20, 0)},
-  {"courant", MPM_REAL, "0.5", "Courant number k = c dt / h",
+   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), .shown = HasSpeed},
+  {"sound_speed", MPM_REAL, NULL, "wave speed c (of pressure waves, with dim 2 or 3), instead of moduli; another word for wave_speed",
+   ABOVE(0), .rival = "wave_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed)},
+  {"density", MPM_REAL, NULL, "density rho, with young, with bulk and shear, or beside the wave speed",
+   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), .shown = HasDensity},
+  {"young", MPM_REAL, NULL, "Young's modulus E: c = sqrt(E / rho) of a bar with dim 1, else with poisson, plane strain with dim 2",
+   ABOVE(0), .rival = "wave_speed,sound_speed,bulk,shear"},
+  {"bulk", MPM_REAL, NULL, "bulk modulus K, with shear: c = sqrt((K + 4/3 G) / rho); Poisson's ratio follows",
+   ABOVE(0), .rival = "wave_speed,sound_speed,young,poisson"},
+  {"shear", MPM_REAL, NULL, "shear modulus G, with bulk; 0 is a fluid",
+   FROM(0), .rival = "wave_speed,sound_speed,young,poisson"},
+  {"courant", MPM_FRACTION, "0.5", "Courant number k = c dt / h; a number or 1/3",
    ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
-   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 0, 0, 0)},
+   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = HasTimeStep},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
-   BETWEEN(-1e6, 1e6), .rival = "velocity", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
+   BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",
-   ANY, .rival = "drift"},
+   ANY, .rival = "drift,mach"},
+  {"mach", MPM_FRACTION, NULL, "U0 / c, instead of drift, which is then M k; of critical: as the Courant number changes, so does the drift",
+   BETWEEN(-1e6, 1e6), .rival = "drift,velocity"},
   {"steps", MPM_INTEGER, "100", "time steps",
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
@@ -300,7 +337,9 @@ const MpmField MpmOptions[] = {
    ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0)},
   {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells)",
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt)},
-  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson and drift_angle",
+  {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
+   .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach",
    .word = AxisWord, .tasks = "map"},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
    ABOVE(0), .tasks = "map"},
@@ -314,6 +353,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 0.5), .tasks = "map"},
   {"map_drift_angle", MPM_SPAN, "0,90", "directions lo,hi of the drift in a map, in degrees from x to y",
    BETWEEN(0, 90), .tasks = "map"},
+  {"map_mach", MPM_SPAN, "0.01,1", "U0 / c lo,hi of a map; fractions",
+   ABOVE(0), .tasks = "map"},
   {"map_points", MPM_LIST, "50,33", "points along the two axes of a map",
    BETWEEN(2, 100000), .tasks = "map"},
   {"modes", MPM_INTEGER, "8", "leading eigenvectors that go to output",

@@ -52,7 +52,7 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    help       - its meaning, as 'mpmstab list options' prints it
    lo, hi     - bounds of a number; lo itself is out when lo_open
    word(i)    - the words that are allowed, NULL after the last
-   rival      - an option that says the same in another way, so that giving both is an error
+   rival      - an option that says the same in another way, so that giving both is an error; several with commas
    tasks      - those that read it (NULL: all); the others refuse it on the command line
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
    owner, at  - where: the offset in its owner. A text is what the function text says

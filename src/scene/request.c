@@ -11,7 +11,9 @@
 /* Refuses a run whose end is at a time out of the range of doubles, and blames the option that is farthest from 1. */
 static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const given[] = {"length", "courant", "dt", "wave_speed", "steps", "time"};
+  static const char *const given[]  = {"length",     "courant",     "dt",      "wave_speed", "steps", "time",
+                                       "cell_width", "sound_speed", "density", "young",      "bulk",  "shear"};
+  static const char        faster[] = "wave_speed sound_speed young bulk shear";
   const char              *blamed;
   char                     why[128];
 
@@ -19,7 +21,7 @@ static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scen
   if (isfinite((PetscReal)request->steps * scene->dt)) PetscFunctionReturn(PETSC_SUCCESS);
   blamed = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
   PetscCall(PetscSNPrintf(why, sizeof why, "steps times dt is out of range; allowed: a %s %s",
-                          strcmp(blamed, "wave_speed") ? "smaller" : "larger", blamed));
+                          strstr(faster, blamed) ? "larger" : "smaller", blamed));
   PetscCall(MpmSettingsRefuse(settings, blamed, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -65,28 +67,68 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. */
+/*
+   Reads the Mach number. Of tasks that go over a period of steps, those that take the scene's own Courant number need a
+   drift M k with a short one.
+*/
+static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool map = !strcmp(request->task, "map") ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
+  request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
+  if (!request->at_mach || !strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
+                MpmRequestVaries(request, MPM_AXIS_MACH)))
+    PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
+  if (request->survey)
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
+  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
+   is sought at one drift, too; it must not be that of the default Courant number.
+*/
 static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
+      !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                                "would change; allowed: drift"));
+                                "would change; allowed: drift or mach"));
+  if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
+    PetscCall(MpmSettingsRefuse(settings, "velocity",
+                                "how many cells particles move per step depends on the time step; allowed: with dt or "
+                                "courant, or drift"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- axes of a map ---- */
 
-const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", NULL};
+const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", "mach", NULL};
 
-static const char *const spans[] = {"map_courant", "map_drift",   "map_offset",
-                                    "map_ppc",     "map_poisson", "map_drift_angle"};
+static const char *const spans[] = {"map_courant", "map_drift",       "map_offset", "map_ppc",
+                                    "map_poisson", "map_drift_angle", "map_mach"};
 
-/* The options, by either name, whose place an axis takes. An angle turns the drift that is given. */
-static const char *const replaced[][2] = {{"courant", "dt"}, {"drift", "velocity"},  {"offset", "offset"},
-                                          {"ppc", "ppc"},    {"poisson", "poisson"}, {NULL, NULL}};
+/* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
+static const char *const replaced[][3] = {{"courant", "dt"},
+                                          {"drift", "velocity", "mach"},
+                                          {"offset"},
+                                          {"ppc"},
+                                          {"poisson"},
+                                          {NULL},
+                                          {"mach", "velocity", "drift"}};
+
+/* Whether an axis says how particles move. */
+static PetscBool IsMotion(PetscInt kind)
+{
+  return kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* In more dimensions than one the scene's drift still says along which axes the map's goes. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
@@ -95,7 +137,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = kind == MPM_AXIS_DRIFT && scene->layout.dim > 1 ? 1 : 0; i < 2 && replaced[kind][i]; i++)
+  for (int i = IsMotion(kind) && scene->layout.dim > 1 ? 1 : 0; i < 3 && replaced[kind][i]; i++)
     if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,13 +162,23 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
 /* Refuses axes that the scene does not have. */
 static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
+  static const char *const moduli[] = {"young", "bulk"};
+
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
     PetscCall(MpmSettingsRefuse(
         settings, "map_axes",
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  for (int i = 0; i < 2 && MpmRequestVaries(request, MPM_AXIS_POISSON); i++)
+    if (MpmSettingsGiven(settings, moduli[i]))
+      PetscCall(MpmSettingsRefuse(settings, moduli[i],
+                                  "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
+                                  "change; allowed: sound_speed"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
+  if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
+      (MpmRequestVaries(request, MPM_AXIS_DRIFT) || MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)))
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "mach makes the drift; allowed: mach with another axis"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
       scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
     PetscCall(MpmSettingsRefuse(settings, "map_axes",
@@ -142,8 +194,9 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
   PetscFunctionBegin;
   PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
   if (kinds[0] == kinds[1])
-    PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                "allowed: two different ones of courant, drift, offset, ppc, poisson and drift_angle"));
+    PetscCall(
+        MpmSettingsRefuse(settings, "map_axes",
+                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
   for (int a = 0; a < 2; a++) {
@@ -222,7 +275,21 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
 
 /* ---- what must come out ---- */
 
-static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, MpmExpect *expect)
+/* A scene's verdict may be that of a run; critical has none for a time step that was not given. */
+static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmScene *scene, const char task[],
+                                        MpmExpect *expect)
+{
+  PetscFunctionBegin;
+  if (strcmp(task, "critical") || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
+    PetscCall(
+        MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
+  expect->has_verdict = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, const char task[],
+                                 MpmExpect *expect)
 {
   PetscInt i;
 
@@ -235,6 +302,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
+  if (expect->has_verdict) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -264,9 +332,10 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckSurvey(settings, request));
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckVelocity(settings, scene, request));
+  PetscCall(ReadMach(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
-  PetscCall(ReadExpect(settings, scene, &request->expect));
+  PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 */
 #pragma once
 #include "base/progress.h"
+#include "scene/mach.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -28,7 +29,8 @@ typedef enum {
   MPM_AXIS_OFFSET,
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
-  MPM_AXIS_DRIFT_ANGLE
+  MPM_AXIS_DRIFT_ANGLE,
+  MPM_AXIS_MACH
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
@@ -46,12 +48,15 @@ typedef struct {
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
+   refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
    layouts           - how many random layouts an ensemble has
    axes              - of a map
+   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
+                       the Courant number changes, and so does a map over the Courant number
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
@@ -59,10 +64,12 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance;
-  PetscBool       weights, source_term, ringing, measure, survey;
+  PetscBool       weights, source_term, ringing, measure, survey, refine;
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
   MpmProgressWish progress;
   MpmAxis         axes[2];
+  PetscBool       at_mach;
+  MpmMach         mach;
   MpmExpect       expect;
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
@@ -73,6 +80,15 @@ typedef struct {
 static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind kind)
 {
   return !strcmp(request->task, "map") && (request->axes[0].kind == kind || request->axes[1].kind == kind)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Not collective. Whether the request is for a map that keeps a Mach number at each point: its drift then is M k. */
+static inline PetscBool MpmRequestKeepsMach(const MpmRequest *request)
+{
+  if (MpmRequestVaries(request, MPM_AXIS_MACH)) return PETSC_TRUE;
+  return request->at_mach && MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT)
              ? PETSC_TRUE
              : PETSC_FALSE;
 }

@@ -35,6 +35,19 @@ static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- units, grid and time ---- */
 
+/* The domain has the length of its cells, whose width is given. */
+static PetscErrorCode ReadLengths(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    scene->length[a] = scene->cell_width * scene->layout.grid[a].cells;
+    if (!isnormal(scene->cell_width) || !isfinite(scene->length[a]))
+      PetscCall(MpmSettingsRefuse(settings, "cell_width",
+                                  "the domain's length is out of range; allowed: a number nearer to 1"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* All directions have cells of one width. Where no length is given, the first direction has that of the default. */
 static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 {
@@ -43,7 +56,11 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   scene->scheme.space.dim = l->dim;
-  scene->cell_width       = scene->length[0] / l->grid[0].cells;
+  if (MpmSettingsGiven(settings, "cell_width")) {
+    PetscCall(ReadLengths(settings, scene));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  scene->cell_width = scene->length[0] / l->grid[0].cells;
   if (!isnormal(scene->cell_width))
     PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
   for (PetscInt a = 1; a < l->dim; a++) {
@@ -66,20 +83,41 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 /* Of time step and Courant number one was given; the other follows. */
 static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
 {
-  static const char *const with_dt[] = {"dt", "wave_speed", "length"}, *const with_courant[] = {"courant", "wave_speed",
-                                                                                                "length"};
+  static const char *const given[] = {"dt",      "courant", "wave_speed", "length", "sound_speed",
+                                      "density", "young",   "bulk",       "shear",  "cell_width"};
+  const PetscInt           n       = PETSC_STATIC_ARRAY_LENGTH(given);
 
   PetscFunctionBegin;
   if (MpmSettingsGiven(settings, "dt")) {
     scene->step.courant = scene->wave_speed * scene->dt / scene->cell_width;
     if (!isnormal(scene->step.courant))
-      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, 3, with_dt),
+      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, n, given),
                                   "c dt / h is out of range; allowed: a finite Courant number"));
   } else {
     scene->dt = scene->step.courant * scene->cell_width / scene->wave_speed;
     if (!isnormal(scene->dt))
-      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, 3, with_courant),
+      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, n, given),
                                   "dt = k h / c is out of range; allowed: a finite time step"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   What the numbers that are a fraction's text are divided by: with the time step the width of a cell, or the length of
+   which it is a part; with the Courant number the wave speed, which is no such text where moduli are given.
+*/
+static PetscErrorCode Divisor(const MpmSettings *settings, const MpmScene *scene, PetscBool has_dt,
+                              MpmFraction *divisor)
+{
+  const char *const names[] = {has_dt ? "cell_width" : "wave_speed", has_dt ? "length" : "sound_speed"};
+  MpmFraction       each[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  *divisor = (MpmFraction){.value = scene->wave_speed};
+  for (int i = 0; i < 2; i++) {
+    if (!MpmSettingsGiven(settings, names[i])) continue;
+    PetscCall(MpmSettingsEachFraction(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
+    *divisor = each[0];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -94,20 +132,19 @@ static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene
 {
   const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
   const char *const step      = has_dt ? "dt" : "courant";
-  MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over[MPM_MAX_DIM];
+  MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over;
   PetscBool         ok;
 
   PetscFunctionBegin;
   factor[1] = *velocity;
   PetscCall(MpmFractionParse(MpmSettingsText(settings, step), &factor[2], &ok));
-  if (has_dt) {
+  if (has_dt && MpmSettingsGiven(settings, "length")) {
     const PetscInt cells = scene->layout.grid[0].cells;
 
     factor[0] = (MpmFraction){.num = cells, .den = 1, .value = cells};
-    PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, over));
-  } else
-    PetscCall(MpmFractionParse(MpmSettingsText(settings, "wave_speed"), &over[0], &ok));
-  factor[3] = (MpmFraction){.num = over[0].den, .den = over[0].num, .value = 1 / over[0].value};
+  }
+  PetscCall(Divisor(settings, scene, has_dt, &over));
+  factor[3] = (MpmFraction){.num = over.den, .den = over.num, .value = 1 / over.value};
   *drift    = MpmFractionProduct(4, factor);
   if (!drift->den) *drift = MpmFractionNear(velocity->value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
   if (!(PetscAbsReal(drift->value) <= MOST_DRIFT))
@@ -442,8 +479,9 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
 /* Refuses units in which the amplitude of a field is out of the range of doubles. */
 static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *scene)
 {
-  static const char *const given[] = {"wave_speed", "amplitude", "length"};
-  const char *const        blamed  = MpmSettingsFarthest(settings, 3, given);
+  static const char *const given[] = {"wave_speed", "amplitude", "length", "sound_speed", "density",
+                                      "young",      "bulk",      "shear",  "cell_width"};
+  const char *const        blamed  = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
   const MpmProfile         profile = MpmSceneProfile(scene, scene->amplitude);
 
   PetscFunctionBegin;
@@ -464,10 +502,12 @@ PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *sce
   PetscFunctionBegin;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
+  PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
   PetscCall(ReadGrid(settings, scene));
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
   PetscCall(ReadVelocity(settings, scene));
+  PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));

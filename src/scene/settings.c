@@ -1,22 +1,32 @@
 /* Gathers what the user said: in the scene file, then where PETSc finds options, then on the command line. */
 #include "scene/settings.h"
 #include "scene/settings_place.h"
+#include <string.h>
+
+/* Takes away what a weaker source said in another way; the same source must not say it twice. */
+static PetscErrorCode Displace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source)
+{
+  PetscFunctionBegin;
+  MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
+                MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
+                source == MPM_FROM_SCENE     ? "in "
+                : source == MPM_FROM_OUTSIDE ? "outside command line and scene"
+                                             : "on the command line",
+                source == MPM_FROM_SCENE ? settings->scene : "");
+  PetscCall(PetscFree(settings->text[other]));
+  settings->source[other] = MPM_FROM_DEFAULT;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
 {
-  const char    *rival = MpmOptions[option].rival;
-  const PetscInt other = rival ? MpmOptionIndex(rival) : MPM_NOT_AN_OPTION;
-
   PetscFunctionBegin;
-  if (rival) {
-    MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
-                  MpmOptions[PetscMin(option, other)].name, MpmOptions[PetscMax(option, other)].name,
-                  source == MPM_FROM_SCENE     ? "in "
-                  : source == MPM_FROM_OUTSIDE ? "outside command line and scene"
-                                               : "on the command line",
-                  source == MPM_FROM_SCENE ? settings->scene : "");
-    PetscCall(PetscFree(settings->text[other]));
-    settings->source[other] = MPM_FROM_DEFAULT;
+  for (const char *rival = MpmOptions[option].rival; rival && *rival; rival += strcspn(rival, ",")) {
+    char name[64];
+
+    if (*rival == ',') rival++;
+    PetscCall(PetscStrncpy(name, rival, strcspn(rival, ",") + 1));
+    PetscCall(Displace(settings, option, MpmOptionIndex(name), source));
   }
   PetscCall(PetscFree(settings->text[option]));
   PetscCall(PetscStrallocpy(text, &settings->text[option]));

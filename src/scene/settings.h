@@ -29,7 +29,7 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[]);
 PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
 
-/* Collective. Sets an option's text, and takes away that of its rival. line: in the scene, from 1. */
+/* Collective. Sets an option's text, and takes away those of its rivals. line: in the scene, from 1. */
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
@@ -83,7 +83,8 @@ const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
    MpmSettingsFarthest - of the options that were given the one whose number is farthest from 1; it is to blame when a
    product of them is out of the range of doubles.
 
-   Not collective. Of several that are as far the first in the list; the first of all when none was given.
+   Not collective. Of several that are as far the first in the list; the first of all when none was given. A number that
+   is 0 is not to blame.
 */
 const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const char *const names[]);
 
@@ -96,9 +97,24 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 */
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
+/*
+   Collective. Reads mach for each direction, 0 where it is not given. Forms the drift M k of a scene whose Courant number
+   is known, if mach is given. Refuses a drift M k without a short period, and names the nearest Courant number that has
+   one.
+*/
+PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
+PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
+
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
+
+/*
+   Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
+   the scene is in physical units. The fields that are kept as they stand, the formulation and the dimension must be known.
+*/
+PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene);
 
 /*
    Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for

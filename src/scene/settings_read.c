@@ -51,6 +51,8 @@ static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[
   PetscFunctionBegin;
   if (option->lo_open && option->hi == PETSC_MAX_REAL)
     PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g", what, (double)option->lo));
+  else if (option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL)
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g", what, (double)option->lo));
   else if (option->hi == PETSC_MAX_REAL)
     PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s", what));
   else if (option->kind == MPM_FRACTION && option->hi < 1)
@@ -80,9 +82,9 @@ const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const c
   PetscReal   most     = -1;
 
   for (PetscInt i = 0; i < n; i++) {
-    const PetscReal distance = MpmSettingsSource(settings, names[i]) == MPM_FROM_DEFAULT
-                                   ? -1
-                                   : fabs(log(strtod(MpmSettingsText(settings, names[i]), NULL)));
+    const PetscBool given    = MpmSettingsSource(settings, names[i]) != MPM_FROM_DEFAULT ? PETSC_TRUE : PETSC_FALSE;
+    const PetscReal value    = given ? strtod(MpmSettingsText(settings, names[i]), NULL) : 0;
+    const PetscReal distance = value == 0 ? -1 : fabs(log(value));
 
     if (distance > most) {
       most     = distance;
@@ -124,9 +126,19 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
 
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
 {
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  MpmFraction     fraction;
+  PetscBool       ok;
+
   PetscFunctionBegin;
-  if (!ParseReal(MpmSettingsText(settings, name), value) || !InRange(&MpmOptions[MpmOptionIndex(name)], *value))
-    PetscCall(RefuseNumber(settings, name, "a finite number"));
+  if (option->kind == MPM_FRACTION) {
+    PetscCall(MpmFractionParse(MpmSettingsText(settings, name), &fraction, &ok));
+    *value = fraction.value;
+  } else
+    ok = ParseReal(MpmSettingsText(settings, name), value);
+  if (!ok || !InRange(option, *value))
+    PetscCall(
+        RefuseNumber(settings, name, option->kind == MPM_FRACTION ? "a finite number or fraction" : "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -21,6 +21,25 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The Mach number is kept, so that the drift changes with the Courant number. */
+static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
+  MpmExpect             expect = request->expect;
+  MpmCriticalMach       found;
+
+  PetscFunctionBegin;
+  expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
+  PetscCall(MpmCriticalMachCreate(&of, &request->mach, &found));
+  if (request->csv[0]) PetscCall(MpmCriticalMachWriteCsv(scene, request, &found));
+  if (request->json[0]) PetscCall(MpmCriticalMachWriteJson(scene, request, &found, MPI_Wtime() - started));
+  PetscCall(MpmCriticalMachPrint(scene, request, &found));
+  PetscCall(MpmExpectFinding(&expect, &found.asked, missed));
+  PetscCall(MpmExpectCritical(&expect, found.stable ? found.points[found.stable - 1].courant : NAN, missed));
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
@@ -29,6 +48,8 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   *missed = 0;
   if (request->survey)
     PetscCall(MpmCriticalPrintSurvey(scene, request));
+  else if (request->at_mach)
+    PetscCall(AtMach(scene, request, started, missed));
   else
     PetscCall(One(scene, request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);

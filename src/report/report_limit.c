@@ -1,0 +1,42 @@
+/*
+   A limit of the Courant number as a time step of a scene in physical units, and how far the scene's own time step is
+   from it.
+*/
+#include "report/report.h"
+#include <mpmstab/critical.h>
+#include <math.h>
+
+#define NEAR_LIMIT 0.005 /* this near to the limit three digits of the ratio do not tell on which side a step is */
+
+static void PrintGrowth(PetscReal tolerance, PetscReal growth)
+{
+  if (isinf(growth))
+    MpmPrint(": growth per step is beyond the range of doubles");
+  else if (growth > 1 + tolerance)
+    MpmPrint(": it grows by a factor %.6g per step", growth);
+  else if (!isnan(growth))
+    MpmPrint(", but growth is still within tolerance");
+}
+
+PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth)
+{
+  const PetscReal   limit = MpmSceneTimeStep(scene, courant), ratio = scene->step.courant / courant;
+  const char *const name = MpmSceneDrifts(scene) ? "largest dt with growth within tolerance" : "largest stable dt";
+
+  PetscFunctionBegin;
+  if (!MpmSceneIsPhysical(scene) || isnan(courant)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (isinf(courant)) {
+    MpmPrint("%s: none up to %.6g is unstable\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmPrint("%s: %.6g\n", name, limit);
+  if (!MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (courant == 0)
+    MpmPrint("dt %.6g is beyond it", scene->dt);
+  else
+    MpmPrint("dt %.6g is %.*g %s %.6g", scene->dt, fabs(ratio - 1) < NEAR_LIMIT ? 6 : 3, ratio,
+             ratio <= 1 ? "of the limit" : "times the limit", limit);
+  if (ratio > 1) PrintGrowth(tolerance, growth);
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
