@@ -275,7 +275,9 @@ static PetscErrorCode Find(Patch *p, PetscInt surfaces, MpmPatchSpot *spot, Pets
     p->search.f       = LimitOfSpot;
     p->search.context = p;
     if (p->slow) PetscCall(FindNone(p, spot, limit));
-    if (p->slow && *limit == 0) break;
+    if (p->slow && *limit > 0 && p->lattice.plan->dim > (p->lattice.end[0] == MPM_PATCH_SINGLE ? 2 : 1))
+      *limit = NAN; /* rows of Courant numbers would take minutes */
+    if (p->slow && !(*limit > 0)) break;
     PetscCall(MpmPatchLeast(&p->search, spot, limit));
     if (p->slow) break;
     if (isfinite(*limit)) PetscCall(Check(p, spot, *limit, &holds));
@@ -298,6 +300,8 @@ static PetscErrorCode Growth(Patch *p, PetscReal courant, PetscReal limit, const
   p->courant       = courant;
   p->search.f      = MinusGrowth;
   p->lattice.depth = p->search.fine;
+  *growth          = NAN;
+  if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
   if (courant > limit) {
     p->search.fine = p->search.coarse; /* waves that grow stay near the surface */
     PetscCall(MpmPatchLeast(&p->search, &spot, growth));
@@ -335,7 +339,7 @@ static void Keep(const Patch *p, const MpmPatchSpot *spot, PetscReal limit, Pets
 {
   const MpmLayout *layout = p->lattice.of->layout;
 
-  if (limit >= out->courant) return;
+  if (limit >= out->courant || isnan(out->courant)) return;
   out->courant    = limit;
   out->approached = approached;
   out->inside     = inside;
@@ -360,9 +364,9 @@ static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *pl
   for (PetscInt a = 0; a < plan->dim; a++) p.lattice.end[a] = set >> a & 1 ? end : MPM_PATCH_ENDLESS;
   PetscCall(Find(&p, end == MPM_PATCH_SINGLE ? 0 : Bits(set), &spot, &limit, &approached));
   Keep(&p, &spot, limit, approached, Bits(set) < wanted ? PETSC_TRUE : PETSC_FALSE, out);
-  if (Bits(set) == wanted) {
+  if (Bits(set) == wanted || limit == 0) {
     PetscCall(Growth(&p, of->step.courant, limit, &spot, &growth));
-    out->growth = PetscMax(out->growth, growth);
+    out->growth = isnan(growth) ? growth : PetscMax(out->growth, growth);
   }
   count = p.lattice.count;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
@@ -388,7 +392,7 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
   if (kind == MPM_PATCH_LONE)
     PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, out));
   else
-    for (PetscInt n = 0; n <= wanted; n++)
+    for (PetscInt n = 0; n <= wanted && out->courant > 0; n++) /* no limit is less than 0 */
       for (PetscInt set = 0; set <= all; set++) {
         if (Bits(set) != n) continue;
         PetscCall(FindEnds(of, plan, MPM_PATCH_SURFACE, set, wanted, out));

@@ -10,6 +10,7 @@
 #define WITHIN 1.3 /* starts have at most so many times the least value */
 #define FIRST_STEP 0.125
 #define ROUGH 1e-4 /* the step with which the search from each start ends */
+#define ROUNDS 100 /* values that are rounding would go down without an end */
 #define FINEST 1e-8
 #define LEVEL 1e-13 /* relative; less than this is rounding, not a way down */
 #define FLAT 1e-10  /* relative */
@@ -254,7 +255,7 @@ static PetscErrorCode Descend(const MpmPatchSearch *s, PetscReal step, PetscReal
 
   PetscFunctionBegin;
   PetscCall(ValueAt(s, at, value));
-  while (step >= finest) {
+  for (PetscInt rounds = 0; step >= finest && rounds < ROUNDS; rounds++) {
     PetscBool down = PETSC_FALSE;
 
     for (PetscInt v = 0; v < n; v++)
@@ -328,7 +329,7 @@ PetscErrorCode MpmPatchLeast(MpmPatchSearch *s, MpmPatchSpot *spot, PetscReal *v
   PetscCall(MpmFarmSumReals(size, w.value));
   n      = Starts(&w);
   *value = INFINITY;
-  *spot  = (MpmPatchSpot){.j = {0}};
+  (void)MpmPatchGridSpot(s, 0, spot);
   if (n > 0) {
     if (IsFlat(&w, size))
       *value = w.value[0];
