@@ -386,7 +386,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
-  if (expect->has_verdict) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
+  if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
