@@ -57,11 +57,11 @@ typedef struct {
    survey            - whether critical goes through all schemes
    layouts           - how many random layouts an ensemble has
    axes              - of a map
-   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
-                       the Courant number changes, and so does a map over the Courant number
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
    write_matrix, write_blocks - files to which operator and blocks go
+   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
+                       the Courant number changes, and so does a map over the Courant number
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/

@@ -119,6 +119,19 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Writes the blocks of a scene's lattice, of which its cells are a part. */
+static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
+{
+  MpmBlocks blocks;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
+  blocks.cell_width = scene->cell_width;
+  PetscCall(MpmBlocksWrite(path, &blocks));
+  PetscCall(MpmBlocksFree(&blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What the symbol says of growth, at its phases or at those of the refined search. */
 static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, MpmRefined *r,
                            MpmFinding *finding)
@@ -137,19 +150,6 @@ static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, con
   if (!request->refine) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, r));
   if (r->growth > s->growth) PetscCall(MpmRefinedFinding(r, request->tolerance, finding));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Writes the blocks of a scene's lattice, of which its cells are a part. */
-static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
-{
-  MpmBlocks blocks;
-
-  PetscFunctionBegin;
-  PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
-  blocks.cell_width = scene->cell_width;
-  PetscCall(MpmBlocksWrite(path, &blocks));
-  PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
