@@ -107,11 +107,9 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
+static PetscErrorCode PrintBulk(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  PetscCall(s->scene ? MpmReportScene(s->scene, s->request, s->ranks)
-                     : MpmReportFile(s->request, "the matrix", s->ranks));
   MpmPrint("\ngrowth per step\n");
   if (s->scene) PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
   if (s->scene) PetscCall(PrintSymbol(s));
@@ -119,7 +117,22 @@ PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
   if (s->scene) PetscCall(PrintMeasured(s));
   PetscCall(PrintOperator(s));
   PetscCall(MpmTransientPrint(s));
-  PetscCall(MpmReportFinding(&s->finding, s->condition));
-  PetscCall(PrintCost(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                const MpmNeighbourhoods *all)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(scene ? MpmReportScene(scene, request, ranks) : MpmReportFile(request, "the matrix", ranks));
+  if (s) PetscCall(PrintBulk(s));
+  if (all)
+    PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));
+  else
+    PetscCall(MpmReportFinding(&s->finding, s->condition));
+  if (s) PetscCall(PrintCost(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,6 +73,11 @@ static const char *FilterTimeWord(PetscInt i)
   return MpmFilterTimeNames[i];
 }
 
+static const char *NeighbourhoodWord(PetscInt i)
+{
+  return MpmNeighbourhoodNames[i];
+}
+
 static const char *SplineEndsWord(PetscInt i)
 {
   return MpmSplineEndNames[i];
@@ -447,8 +452,12 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "symbol", OF_MATRIX},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
-  {"layouts", MPM_INTEGER, "100", "random layouts: of seed and the seeds after it",
-   BETWEEN(1, 1000000), .tasks = "ensemble", ASKED(AS_COUNT, layouts)},
+  {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
+   .word = NeighbourhoodWord, .tasks = "critical, spectrum"},
+  {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
+   BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
+  {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
+   BETWEEN(1, 1000000), .tasks = "ensemble, critical, spectrum", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
    NO_RANGE, .tasks = "run, spectrum, symbol, map", OF_MATRIX},
   {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",

@@ -419,6 +419,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckSpans(settings, request));
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
+  PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));

@@ -5,6 +5,7 @@
 #pragma once
 #include "base/progress.h"
 #include "scene/mach.h"
+#include "scene/neighbourhood.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -58,7 +59,9 @@ typedef struct {
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
-   layouts           - how many random layouts an ensemble has
+   neighbourhood     - those that critical and spectrum look at
+   layouts           - how many random layouts an ensemble, or neighbourhood random, has
+   voids             - the share of sites without a particle in neighbourhood random
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
@@ -71,8 +74,9 @@ S*/
 typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
-  PetscReal       tolerance;
+  PetscReal       tolerance, voids;
   PetscBool       weights, source_term, ringing, measure, survey, refine;
+  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   MpmProgressWish progress;
   MpmAxis         axes[2];

@@ -99,7 +99,7 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
-   List: whole numbers with commas between them, at most room.
+   List: whole numbers with commas between them, at most room. Words: the same of words, as their indices.
 
    Each: the values of dim directions, which are one for all or one for each with commas between them. The Ends of
    several directions have a hyphen between the two words of one: periodic,fixed-free.
@@ -119,6 +119,8 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[]);
+PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscInt index[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether an option has a value, who gave it, and the value as text. */
@@ -156,6 +158,9 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
+
+/* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
+PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 
 /*
    MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.

@@ -48,6 +48,8 @@ static const char *AllowedFor(const MpmField *option)
     return "two numbers [lo, hi]";
   case MPM_LIST:
     return "a list of whole numbers";
+  case MPM_WORDS:
+    return "one or more of its words";
   default:
     return "one of its words";
   }
@@ -94,8 +96,9 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
   const yaml_node_item_t *item = NULL, *end = NULL;
   PetscBool               first = PETSC_TRUE;
   const PetscBool         two   = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool many = kind == MPM_LIST || MpmOptions[option].each || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
-  size_t          used = 0;
+  const PetscBool         many =
+      kind == MPM_LIST || kind == MPM_WORDS || MpmOptions[option].each || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
+  size_t used = 0;
 
   PetscFunctionBegin;
   MpmCheckInput(value->type != YAML_MAPPING_NODE, "%s:%d: key '%s' holds a block; allowed: a value", settings->scene,
