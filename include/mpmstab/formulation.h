@@ -36,8 +36,9 @@
 
    P2G_AFFINE, DIV, LAP, G2P_AFFINE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
 
-   On particles, and on nodes. f is another node field:
+   On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
+   MPM_ADD        - particle += a f, f a particle field
    MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
    MPM_COPY       - node = a f
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
@@ -60,6 +61,7 @@ typedef enum {
   MPM_GRAD,
   MPM_GRAD_MLS,
   MPM_SCALE,
+  MPM_ADD,
   MPM_LAP,
   MPM_COPY,
   MPM_SOLVE,
@@ -192,6 +194,9 @@ typedef struct {
   double complex mu;
 } MpmCellSymbols;
 
+/* A scheme as it is written in a scene or in a file of its own. */
+typedef struct MpmWritten_ MpmWritten;
+
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
@@ -207,6 +212,8 @@ typedef struct {
    materials       - particles may differ in density and stiffness
    nenergy, energy - the terms of the energy
    wave            - the continuous problem
+   like            - like[n]: 1 + the node field whose mirror images node field n has, too; 0: its own, which IMPOSE gives
+   written         - the text that the scheme was made from; NULL for one of MpmFormulations
    published       - abs(G) at a phase as the slides print it, NaN where the formula says nothing; NULL where the slides
                      do not treat the formulation
    published_limit - the Courant number up to which the slides say that it is stable; 0: never
@@ -232,6 +239,8 @@ typedef struct {
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
+  PetscInt             like[MPM_MAX_FIELDS];
+  const MpmWritten    *written;
   PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred, mls_bound;
@@ -245,6 +254,13 @@ extern const MpmFormulation *const MpmFormulations[];
 
 /* Not collective. The formulation of a name, or NULL when there is none. */
 const MpmFormulation *MpmFormulationFind(const char name[]);
+
+/*
+   MpmFormulationKeepsUnseen - whether particle data that no node feels stay as they are, but for the transfer's filter.
+
+   Not collective. They do where particles change by what nodes send alone, and a field goes to nodes by one map only.
+*/
+PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation);
 
 /* Not collective. Whether a formulation's table has an operation of a kind. */
 PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);

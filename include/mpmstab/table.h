@@ -28,6 +28,7 @@
    affine        - the first register of the vector that has an affine part, or MPM_NONE
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
    ends          - the kinds of the left and of the right end of each direction
+   where, transfer - what messages call the formulation and the transfer
 S*/
 struct MpmTable_ {
   PetscInt    dim, nops, room;
@@ -40,7 +41,11 @@ struct MpmTable_ {
   PetscBool   filtered[MPM_MAX_FIELDS];
   PetscInt    affine, affine_part;
   MpmEnd      ends[MPM_MAX_DIM][2];
+  char        where[512];
+  const char *transfer;
 };
+
+#define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */
 
 /*E
    MpmGradient - the weights of DIV and GRAD.
@@ -92,6 +97,8 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
 
      P2G, G2P, SCALE, COPY   one for each component
      DIV of a stress         a_a = sum_b DIV_b s_ab
+     DIV of a number         a_a = DIV_a r
+     DIV of a vector         a = sum_b DIV_b u_b
      GRAD to a stress        s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), for a fluid
                              s += sum_c GRAD_c v_c
      GRAD to a vector        u_a += GRAD_a r
@@ -101,7 +108,7 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
    With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
    that part, one for each direction.
 
-   Errors: PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
+   Errors: PETSC_ERR_USER_INPUT for a written scheme with more registers or operations than fit. PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
    none of these: an operation to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own
    result, an axis that the table does not have, a sum that is continued after something else than sums, a node field
    that is read before the step has written to it, and fields of ranks that do not go together.

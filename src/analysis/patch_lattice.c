@@ -61,7 +61,7 @@ static void FillRows(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscIn
     PetscReal      xi, weight[MPM_MAX_REACH];
     const PetscInt cell = PlaceOf(spot, axis, l->of->layout->ppc[axis], p, &xi);
 
-    MpmMapRow(basis, kind, xi, l->of->layout->half_width[axis], weight);
+    MpmMapRow(basis, kind, xi, l->of->layout->half_width[axis], MpmNoWalls, weight);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt node = cell - basis->reach_left + d, i = wave ? 0 : node - first;
 

@@ -10,7 +10,7 @@ static json_t *Operator(const MpmSpectrum *s)
   json_object_set_new(object, "unknowns", json_integer(s->op->order));
   json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
   json_object_set_new(object, "period_steps", json_integer(s->op->period));
-  MpmJsonSet(object, "assemble_s", s->op->assemble_s);
+  if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);
   json_object_set_new(object, "solver", json_string(s->eigen->solver));
   json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
@@ -53,10 +53,12 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
   json_t *object, *run;
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s, &object));
+  PetscCall(s->scene ? MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s, &object)
+                     : MpmJsonFile(s->request, s->ranks, s->wall_s, &object));
   MpmJsonSetFinding(object, &s->finding);
-  json_object_set_new(object, "predicted",
-                      MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
+  if (s->scene)
+    json_object_set_new(object, "predicted",
+                        MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
   json_object_set_new(object, "spectrum", Operator(s));
   if (s->symbol) json_object_set_new(object, "symbol", MpmJsonSymbol(s->symbol));
   if (s->run && s->run->growth.measured) {

@@ -68,6 +68,11 @@ static const char *GradientWord(PetscInt i)
   return MpmGradientNames[i];
 }
 
+static const char *SplineEndsWord(PetscInt i)
+{
+  return MpmSplineEndNames[i];
+}
+
 static const char *AxisWord(PetscInt i)
 {
   return MpmAxisNames[i];
@@ -78,6 +83,16 @@ static const char *AxisWord(PetscInt i)
 static const char *FormulationOf(const MpmScene *scene)
 {
   return scene->scheme.formulation->name;
+}
+
+static const char *SchemeHashOf(const MpmScene *scene)
+{
+  return scene->scheme_hash;
+}
+
+static const char *ParametersOf(const MpmScene *scene)
+{
+  return scene->parameters;
 }
 
 static const char *BasisOf(const MpmScene *scene)
@@ -93,6 +108,11 @@ static const char *TransferOf(const MpmScene *scene)
 static const char *GradientOf(const MpmScene *scene)
 {
   return MpmGradientNames[scene->scheme.space.gradient];
+}
+
+static const char *SplineEndsOf(const MpmScene *scene)
+{
+  return MpmSplineEndNames[scene->scheme.basis->spline_ends];
 }
 
 static const char *LayoutOf(const MpmScene *scene)
@@ -127,6 +147,18 @@ static PetscBool TransferReads(const MpmScene *scene, const char option[])
   return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool HasScheme(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->written ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasParameters(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->parameters[0] ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -150,6 +182,12 @@ static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
   return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
              ? PETSC_TRUE
              : PETSC_FALSE;
+}
+
+static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmBasisIsAltered(scene->scheme.basis);
 }
 
 static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
@@ -237,14 +275,20 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 #define EACH(kind, member, element) KEPT(kind, member), .each = STRIDE(element)
 #define MADE(kind, member) KEPT(kind, member), .by_hand = PETSC_TRUE
 #define ASKED(kind, member) .value = MPM_##kind, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member)
+#define OF_MATRIX          .of_matrix = PETSC_TRUE
 #define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
+#define FILE_IN(member)    .value = MPM_AS_TEXT, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member), .by_hand = PETSC_TRUE
 #define IN(file, json, checkpoint, mode_file) .place = {file, json, checkpoint, mode_file}
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, .rival = "scheme", TEXT(FormulationOf), IN(1, 1, 1, 1)},
+  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
+   NO_RANGE, .rival = "formulation", TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
+  {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
+   .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
    .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
   {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
@@ -334,9 +378,9 @@ const MpmField MpmOptions[] = {
   {"ringing", MPM_SWITCH, "false", "measure the ringing content, the part of particle data that P2G does not see, at each sampled step",
    .tasks = "run", ASKED(AS_SWITCH, ringing)},
   {"tolerance", MPM_REAL, "1e-6", "exponential growth per step above 1 + tolerance is unstable",
-   ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0)},
-  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells)",
-   BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt)},
+   ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0), OF_MATRIX},
+  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells; of matrix_blocks 64, 32 or 16 in 1, 2 or 3 dimensions)",
+   BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
    .tasks = "symbol", ASKED(AS_SWITCH, refine)},
   {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach",
@@ -358,19 +402,29 @@ const MpmField MpmOptions[] = {
   {"map_points", MPM_LIST, "50,33", "points along the two axes of a map",
    BETWEEN(2, 100000), .tasks = "map"},
   {"modes", MPM_INTEGER, "8", "leading eigenvectors that go to output",
-   BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes)},
+   BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes), OF_MATRIX},
   {"measure", MPM_SWITCH, "true", "also march random data and measure growth",
    .tasks = "spectrum", ASKED(AS_SWITCH, measure)},
   {"powers", MPM_INTEGER, NULL, "steps n up to which norm(A^n) is taken",
-   BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers)},
+   BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers), OF_MATRIX},
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
-   BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum)},
+   BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
+  {"matrix", MPM_PATH, NULL, "file with the matrix of anybody's step in place of a scene: Matrix Market, PETSc's binary, HDF5 or scipy's .npz",
+   NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
+  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A",
+   NO_RANGE, .tasks = "symbol", FILE_IN(matrix_blocks), IN(62, 44, 0, 0), OF_MATRIX},
+  {"matrix_steps", MPM_INTEGER, NULL, "steps that the matrix or the blocks cover, so that growth is per step (default: what the file says, else 1)",
+   BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX},
+  {"write_matrix", MPM_PATH, NULL, "file for the operator: .mtx (Matrix Market), .npz (scipy), .h5, .hdf5 or .petsc",
+   NO_RANGE, .tasks = "spectrum", OF_MATRIX},
+  {"write_blocks", MPM_PATH, NULL, "file for the blocks A_d, of which the symbol is sum_d A_d e^(-i beta.d): .npz, .h5 or .hdf5",
+   NO_RANGE, .tasks = "symbol", OF_MATRIX},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
   {"layouts", MPM_INTEGER, "100", "random layouts: of seed and the seeds after it",
    BETWEEN(1, 1000000), .tasks = "ensemble", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
-   NO_RANGE, .tasks = "run, spectrum, symbol, map"},
+   NO_RANGE, .tasks = "run, spectrum, symbol, map", OF_MATRIX},
   {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, output_every)},
   {"checkpoint", MPM_PATH, NULL, "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps",
@@ -379,17 +433,17 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, checkpoint_every)},
   {"restart", MPM_PATH, NULL, "checkpoint to go on from",
    NO_RANGE, .tasks = "run"},
-  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE},
-  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE},
-  {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE},
+  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, OF_MATRIX},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
+  {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
-   .word = VerdictWord},
+   .word = VerdictWord, OF_MATRIX},
   {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
    .word = GrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
    ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
-   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum)},
+   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum), OF_MATRIX},
   {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number lies in lo,hi",
    ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical)},
   {"expect_share", MPM_RANGE, NULL, "fail unless the share of unstable layouts lies in lo,hi",
@@ -404,6 +458,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
+  {"parameters", TEXT(ParametersOf), IN(60, 42, 48, 41), .shown = HasParameters, .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */

@@ -21,7 +21,8 @@ typedef struct {
 
 /*S
    MpmAxis - one axis of a map: points numbers at equal distances from one to another. They are exact fractions where
-   these have short terms. The angle of the drift is in degrees, from x to y.
+   these have short terms. The angle of the drift is in degrees, from x to y. A parameter is one
+   of the scheme's, by its number; other kinds have MPM_NONE there. name: as map_axes has it.
 S*/
 typedef enum {
   MPM_AXIS_COURANT,
@@ -30,15 +31,19 @@ typedef enum {
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
   MPM_AXIS_DRIFT_ANGLE,
-  MPM_AXIS_MACH
+  MPM_AXIS_MACH,
+  MPM_AXIS_PARAMETER
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
 typedef struct {
   MpmAxisKind kind;
   MpmFraction from, to;
-  PetscInt    points;
+  PetscInt    points, parameter;
+  char        name[32];
 } MpmAxis;
+
+#define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
 
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
@@ -57,6 +62,9 @@ typedef struct {
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
+   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
+                       that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
+   write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
@@ -65,7 +73,7 @@ typedef struct {
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance;
   PetscBool       weights, source_term, ringing, measure, survey, refine;
-  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
+  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   MpmProgressWish progress;
   MpmAxis         axes[2];
   PetscBool       at_mach;
@@ -73,7 +81,8 @@ typedef struct {
   MpmExpect       expect;
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
-  char            restart[PETSC_MAX_PATH_LEN];
+  char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
+  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN];
 } MpmRequest;
 
 /* Not collective. Whether the request is for a map that goes over this. */
@@ -98,6 +107,7 @@ static inline PetscBool MpmRequestKeepsMach(const MpmRequest *request)
    PETSc's database of options.
 
    Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h). request NULL: not wanted.
-   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it.
+   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it. *scene is NULL where the options name a
+   matrix, or blocks of a lattice, in its place; request then has their file.
 */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request);

@@ -2,7 +2,9 @@
    MpmTableCreate makes a table from a formulation, a transfer and a space, and checks it. It writes the operations on
    scalars, vectors and stresses out as operations on numbers, so that those who interpret a table know only numbers.
 */
+#include "scheme/language.h"
 #include "scheme/table_check.h"
+#include <mpmstab/errors.h>
 
 const char *const MpmGradientNames[] = {"basis", "mls", NULL};
 
@@ -67,7 +69,7 @@ static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
     } else if (of.kind == MPM_G2P && IsAffine(t, of.dst)) {
       op.kind = MPM_G2P_AFFINE;
       op.dst  = t->affine_part + t->dim * (of.dst - t->affine) + axis;
-    } else if (of.kind == MPM_SCALE && IsAffine(t, of.dst)) {
+    } else if ((of.kind == MPM_SCALE || of.kind == MPM_ADD) && of.dst == of.src && IsAffine(t, of.dst)) {
       op.dst = op.src = t->affine_part + t->dim * (of.dst - t->affine) + axis;
       op.axis         = 0;
     } else
@@ -92,10 +94,21 @@ PetscErrorCode MpmTableAppend(MpmTable *t, MpmOp op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses a written scheme that needs more registers than there are. Those of the program fit. */
+static PetscErrorCode CheckRoom(const MpmTable *t, PetscInt used, const char place[])
+{
+  PetscFunctionBegin;
+  MpmCheckInput(used < MPM_MAX_FIELDS,
+                "%s: more than the %d numbers that fit at a %s, with dim %" PetscInt_FMT
+                " and transfer %s; allowed: fewer fields, dimensions or terms of xpic",
+                t->where, MPM_MAX_FIELDS, place, t->dim, t->transfer);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 {
   PetscFunctionBegin;
-  PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, t->nnodes, "node"));
   *node = t->nnodes++;
   PetscCall(PetscArraycpy(t->parity[*node], t->parity[like], MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,7 +117,7 @@ PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
 {
   PetscFunctionBegin;
-  PetscCheck(t->nparticles < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, t->nparticles, "particle"));
   *particle = t->nparticles++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -232,12 +245,21 @@ static PetscErrorCode Div(Builder *b, const MpmOp *op)
 {
   const PetscInt dim = b->space->dim, dst = b->node[op->dst], src = b->particle[op->src];
   const MpmRank  to = b->formulation->node_ranks[op->dst], from = b->formulation->particle_ranks[op->src];
+  PetscBool      accumulates = op->accumulates;
 
   PetscFunctionBegin;
-  PetscCheck(dim == 1 || (to == MPM_VECTOR && from == MPM_TENSOR), PETSC_COMM_SELF, PETSC_ERR_SUP,
-             "the table: DIV makes a vector of a stress");
+  PetscCheck(dim == 1 || (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR),
+             PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: DIV makes a vector of a stress or a number, and a number of a vector");
+  if (from != MPM_TENSOR) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(Term(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1, accumulates));
+      if (to != MPM_VECTOR) accumulates = PETSC_TRUE;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < dim; a++) {
-    PetscBool accumulates = op->accumulates;
+    accumulates = op->accumulates;
 
     for (PetscInt axis = 0; axis < dim; axis++) {
       const PetscInt component = Stress(b->space, a, axis);
@@ -401,7 +423,7 @@ static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, P
   const PetscInt r = t->nstate;
 
   PetscFunctionBegin;
-  PetscCheck(r < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, r, "particle"));
   PetscCall(PetscStrncpy(t->names[r], name, sizeof t->names[r]));
   t->fields[r]    = t->names[r];
   t->field[r]     = field;
@@ -465,7 +487,7 @@ static MpmParity ParityOf(const Builder *b, PetscInt node, PetscInt component, P
 
   for (PetscInt o = 0; o < f->nops; o++)
     if ((f->ops[o].kind == MPM_IMPOSE || f->ops[o].kind == MPM_REACT) && f->ops[o].dst == node) imposed = PETSC_TRUE;
-  if (!imposed) return MPM_EVEN;
+  if (!imposed) return f->like[node] ? ParityOf(b, f->like[node] - 1, component, axis) : MPM_EVEN;
   if (b->space->dim > 1 && f->node_ranks[node] != MPM_VECTOR) return MPM_TANGENTIAL;
   return component == axis ? MPM_NORMAL : MPM_TANGENTIAL;
 }
@@ -478,11 +500,40 @@ static PetscErrorCode AddNodes(Builder *b)
   for (PetscInt n = 0; b->formulation->node_fields[n]; n++) {
     b->node[n] = t->nnodes;
     for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, n); c++) {
-      PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+      PetscCall(CheckRoom(t, t->nnodes, "node"));
       for (PetscInt axis = 0; axis < t->dim; axis++) t->parity[t->nnodes][axis] = ParityOf(b, n, c, axis);
       t->nnodes++;
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a written scheme with more operations on nodes in a row than march has room for. */
+static PetscErrorCode CheckRuns(const MpmTable *t)
+{
+  PetscInt run = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    run = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES ? run + 1 : 0;
+    MpmCheckInput(run <= MPM_MAX_NODE_OPS,
+                  "%s: more than %d operations on nodes follow one another, with dim %" PetscInt_FMT
+                  "; allowed: fewer lines or dimensions",
+                  t->where, MPM_MAX_NODE_OPS, t->dim);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What messages call a formulation: a written scheme stands in a line of a file. */
+static PetscErrorCode WhereOf(const MpmFormulation *f, size_t room, char where[])
+{
+  PetscFunctionBegin;
+  if (f->written)
+    (void)snprintf(where, room, "%.400s:%d: scheme %.60s", f->written->file, f->written->line, f->name);
+  else
+    PetscCall(PetscSNPrintf(where, room, "formulation %s", f->name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -497,6 +548,8 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   t       = *table;
   b.table = t;
   t->dim  = space->dim;
+  PetscCall(WhereOf(formulation, sizeof t->where, t->where));
+  t->transfer = transfer->name;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = MPM_NONE;
   PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
   for (PetscInt f = 0; formulation->particle_fields[f]; f++) PetscCall(AddField(&b, f));
@@ -505,6 +558,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   t->nparticles = t->nstate;
   PetscCall(AddNodes(&b));
   PetscCall(Translate(&b));
+  PetscCall(CheckRuns(t));
   PetscCall(MpmTableCheck(t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -324,7 +324,7 @@ PetscErrorCode MpmPredictCompare(MPI_Comm comm, const MpmPredictor *p, const Mpm
   *comparison = (MpmComparison){.published      = mine[0].distance < 0 ? NAN : mine[0].distance,
                                 .published_beta = mine[0].beta[0],
                                 .corrected      = mine[1].distance < 0 ? NAN : mine[1].distance,
-                                .allowed        = s->layout->dim > 1 ? AGREE_IN_SPACE : AGREE};
+                                .allowed        = s->dim > 1 ? AGREE_IN_SPACE : AGREE};
   PetscCall(PetscArraycpy(comparison->corrected_beta, mine[1].beta, MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -68,7 +68,7 @@ static const MpmCodeOption karamelo[] = {
     {"method(ulmpm, FLIP, ..., a), 0.99 at first", "-transfer blend -blend_ratio a; -transfer flip for 1",
      "src/update.cpp"},
     {"linear, the default", "-basis linear", "src/update.cpp"},
-    {"quadratic-spline, cubic-spline", "-basis quadratic, -basis cubic; modified next to walls",
+    {"quadratic-spline, cubic-spline", "-basis quadratic, -basis cubic; -spline_ends modified",
      "src/basis_functions.h"},
     {"scheme(usl), method(ulmpm, MLS, ...)", "-formulation usl -transfer apic -gradient mls", "src/ulmpm.cpp"},
     {"scheme(usl), method(ulmpm, APIC, ...)", "none: strains by mls, forces by the basis", "src/ulmpm.cpp"},

@@ -1,15 +1,17 @@
-/* The task symbol: mpmstab symbol [SCENE.yaml] [-option value]... */
+/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE] [-option value]... */
 #include "task/expect.h"
 #include "report/report.h"
+#include "io/blocks_file.h"
 #include "io/symbol_files.h"
 #include "analysis/refined.h"
+#include "task/symbol_blocks.h"
 #include "task/task.h"
 #include <math.h>
 
 /* Where growth is largest: the phase, and the length of its waves in cells. */
 static PetscErrorCode DescribeMaximum(const MpmSymbol *s, size_t room, char text[])
 {
-  const PetscInt dim  = s->layout->dim;
+  const PetscInt dim  = s->dim;
   PetscReal      size = 0;
   char           beta[96], phases[64];
 
@@ -64,6 +66,7 @@ static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, co
   PetscCall(MpmReportPredictions(p, predictions));
   PetscCall(DescribeMaximum(s, sizeof text, text));
   PetscCall(MpmReportGrowth("symbol", s->growth, text));
+  if (scene->written && !MpmSceneDrifts(scene)) PetscCall(MpmReportNodal(scene->scheme.table, "  nodal       "));
   PetscCall(PrintRefined(scene->layout.dim, r));
   MpmPrint("\n");
   PetscCall(MpmReportComparison(p, comparison));
@@ -138,7 +141,20 @@ static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+/* Writes the blocks of a scene's lattice, of which its cells are a part. */
+static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
+{
+  MpmBlocks blocks;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
+  blocks.cell_width = scene->cell_width;
+  PetscCall(MpmBlocksWrite(path, &blocks));
+  PetscCall(MpmBlocksFree(&blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   const PetscInt dim  = scene->layout.dim;
   MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
@@ -163,6 +179,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   if (MpmPredictDisagrees(&comparison, symbol->growth))
     PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
   PetscCall(WriteFiles(scene, request, symbol, &predictor));
+  if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
   if (request->json[0])
     PetscCall(
         WriteJson(request->json, scene, symbol, r, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
@@ -170,6 +187,13 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  PetscCall(scene ? OfScene(scene, request, started, missed) : MpmSymbolOfBlocks(request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
