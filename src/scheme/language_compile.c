@@ -45,6 +45,7 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
   if (traits.dst == MPM_ON_NODES) {
     c->holds[op.dst]      = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
+    c->lost[op.dst]       = PETSC_FALSE;
   }
   if (traits.dst == MPM_ON_NODES && !itself)
     c->at_wall[op.dst] = traits.src == MPM_ON_NODES && op.kind != MPM_SOLVE && c->at_wall[op.src] &&
@@ -142,7 +143,7 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
            makes[term->kind == MPM_DIV    ? 0
                  : term->kind == MPM_GRAD ? 1
                                           : 2]);
-  if (term->place == MPM_ON_NODES && !c->written_to[term->field])
+  if (term->place == MPM_ON_NODES && (!c->written_to[term->field] || c->lost[term->field]))
     Refuse(c, "%s is read before the step has set it; allowed: after a line '%s = ...'", src, src);
   if (term->kind == MPM_LAP && !c->at_wall[term->field] && !c->lap[term->field]) c->lap[term->field] = c->text;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -349,21 +350,29 @@ static PetscErrorCode SetParticles(MpmCompiler *c, MpmLine *line)
 
 /* ---- statements ---- */
 
+/*
+   Of FILTER_BEFORE and FILTER_AFTER the option pic_filter takes one, so a field may have both. Where the nodes do not
+   hold P2G of the field, that of AFTER puts it there: lines after it may not read what was there.
+*/
 static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
 {
+  PetscBool *filtered = line->filter == MPM_FILTER_BEFORE ? c->filtered_before : c->filtered;
+
   const char *particle = c->f->particle_fields[line->field], *node = c->f->node_fields[line->other];
 
   PetscFunctionBegin;
   if (c->f->particle_ranks[line->field] != c->f->node_ranks[line->other])
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", particle,
            rank_names[c->f->particle_ranks[line->field]], node, rank_names[c->f->node_ranks[line->other]]);
-  if (c->filtered[line->field]) Refuse(c, "%s is filtered a second time; allowed: once", particle);
-  if (c->written_to[line->other] && c->holds[line->other] != line->field)
+  if (filtered[line->field]) Refuse(c, "%s is filtered a second time; allowed: once", particle);
+  if (line->filter == MPM_FILTER_AFTER && c->holds[line->other] != line->field)
+    c->lost[line->other] = PETSC_TRUE;
+  else if (c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
            node, particle);
-  c->filtered[line->field]  = PETSC_TRUE;
+  filtered[line->field]     = PETSC_TRUE;
   c->node_read[line->other] = PETSC_TRUE;
-  PetscCall(Emit(c, (MpmOp)FILTER(line->field, line->other)));
+  PetscCall(Emit(c, (MpmOp){.kind = line->filter, .dst = line->field, .src = line->other, .factor = 1}));
   for (PetscInt n = 0; n < c->nnodes; n++)
     if (c->holds[n] == line->field) c->holds[n] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
