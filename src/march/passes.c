@@ -100,14 +100,18 @@ static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp 
   return pass->nops >= MPM_MAX_PASS_OPS - MPM_MAX_FIELDS && !scratch ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. */
-static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
+/*
+   A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. A
+   scratch field begins in a pass that has completed what the field will be made of.
+*/
+static PetscBool EndsBefore(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   begins = op->kind == MPM_SCALE && op->dst >= table->nstate ? PETSC_TRUE : PETSC_FALSE;
 
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
   if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
-  if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
+  if (traits.dst == MPM_NOWHERE || begins) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
   if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && op->accumulates)) return PETSC_FALSE;
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
 }
@@ -253,7 +257,7 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
     if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
-    if (EndsBefore(pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
+    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }
   JoinPasses(schedule);
