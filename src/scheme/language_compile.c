@@ -25,6 +25,15 @@ static MpmRank RankOf(const MpmCompiler *c, MpmPlace place, PetscInt field)
 
 /* ---- one operation ---- */
 
+/* Fields of nodes that are combined have the same mirror images, so they and all that they are linked to are a group. */
+static void Link(MpmCompiler *c, PetscInt a, PetscInt b)
+{
+  const PetscInt from = c->group[a], to = c->group[b];
+
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++)
+    if (c->group[n] == from) c->group[n] = to;
+}
+
 /* Appends an operation and notes what it reads and writes. */
 static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
 {
@@ -40,8 +49,7 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
   c->ops[c->nops++] = op;
   if (traits.src == MPM_ON_NODES && !itself) c->node_read[op.src] = PETSC_TRUE;
   if (traits.src == MPM_ON_PARTICLES && !itself) c->particle_read[op.src] = PETSC_TRUE;
-  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself && !c->from[op.dst])
-    c->from[op.dst] = 1 + op.src;
+  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself) Link(c, op.dst, op.src);
   if (traits.dst == MPM_ON_NODES) {
     c->holds[op.dst]      = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
@@ -84,8 +92,8 @@ static PetscErrorCode Unnamed(MpmCompiler *c, PetscInt like, PetscInt *node)
   c->f->node_fields[*node]     = "(unnamed)";
   c->f->node_ranks[*node]      = c->f->node_ranks[like];
   c->f->node_fields[*node + 1] = NULL;
-  c->from[*node]               = 1 + like;
-  c->holds[*node]              = MPM_NONE;
+  Link(c, *node, like);
+  c->holds[*node] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -11,13 +11,13 @@
    holds    - holds[n]: the particle field that node field n is P2G of as it stands, or MPM_NONE
    at_wall  - at_wall[n]: node field n is 0 at fixed walls, as IMPOSE sets it
    lap      - lap[n]: the line in which LAP first reads node field n without such values; NULL: none
-   from     - from[n]: 1 + the node field that node field n is first made of; 0: of none
+   group    - group[n]: the number of the group of node field n; combinations are of fields of one group
 */
 typedef struct {
   const MpmWritten     *written;
   MpmFormulation       *f;
   const MpmWrittenText *text;
-  PetscInt              nnodes, nops, room, holds[MPM_MAX_FIELDS], from[MPM_MAX_FIELDS];
+  PetscInt              nnodes, nops, room, holds[MPM_MAX_FIELDS], group[MPM_MAX_FIELDS];
   MpmOp                *ops;
   PetscBool             has_mass, drifts, written_to[MPM_MAX_FIELDS], imposed[MPM_MAX_FIELDS], reacts[MPM_MAX_FIELDS];
   PetscBool             node_read[MPM_MAX_FIELDS], particle_read[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];

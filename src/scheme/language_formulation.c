@@ -160,15 +160,12 @@ static PetscErrorCode CheckLaps(const MpmCompiler *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A field that is not imposed has the mirror images of the first field that it is made of and that is. */
+/* A field that is not imposed has the mirror images of one of its group that is. */
 static void FindLike(MpmCompiler *c)
 {
-  for (PetscInt n = 0; n < c->nnodes; n++) {
-    PetscInt at = n, steps = 0;
-
-    while (!c->imposed[at] && !c->reacts[at] && c->from[at] && steps++ < c->nnodes) at = c->from[at] - 1;
-    if (at != n && (c->imposed[at] || c->reacts[at])) c->f->like[n] = 1 + at;
-  }
+  for (PetscInt n = 0; n < c->nnodes; n++)
+    for (PetscInt other = 0; other < c->nnodes && !c->imposed[n] && !c->reacts[n] && !c->f->like[n]; other++)
+      if (c->group[other] == c->group[n] && (c->imposed[other] || c->reacts[other])) c->f->like[n] = 1 + other;
 }
 
 /* ---- what all lines together must do ---- */
@@ -266,7 +263,10 @@ PetscErrorCode MpmCompilerBegin(MpmCompiler *c)
     c->f->node_ranks[i]  = w->nodes[i].rank;
   }
   c->nnodes = w->nnodes;
-  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c->holds[n] = MPM_NONE;
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) {
+    c->holds[n] = MPM_NONE;
+    c->group[n] = n;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -317,6 +317,16 @@ static PetscErrorCode CheckParameters(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   What a march must not leave out: sums that set a field anew before particles have changed, multiples of a sum that the
+   field holds, and at walls combinations of fields of which only one is imposed.
+*/
+static const char anew[] = "scheme:\n  name: anew\n  particles: {v: vector, s: stress}\n"
+                           "  nodes: {v_i: vector, a_i: vector, w_i: vector}\n  step:\n"
+                           "    - v_i = P2G v\n    - IMPOSE v_i\n    - a_i = -k DIV s\n    - w_i = v_i + 0.3 a_i\n"
+                           "    - v_i = 1.1 P2G v\n    - v_i = v_i - 0.2 P2G v + 0.1 w_i\n"
+                           "    - v += G2P a_i\n    - s += k STRESS GRAD v_i\n    - DRIFT\n";
+
 /* A transfer's filter written as lines makes the operations of that transfer. */
 static PetscErrorCode CheckFilters(void)
 {
@@ -502,6 +512,9 @@ static PetscErrorCode Test(int argc, char **argv)
   if (ranks == 1)
     PetscCall(
         CheckReaders(fluid, "dim: 2\ncells: [2, 6]\nppc: [2, 1]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
+  PetscCall(CheckMarch(anew, "cells: 12\njitter: 0.4\nbasis: quadratic\n"));
+  PetscCall(CheckMarch(anew, "cells: 12\ndrift: 1/2\n"));
+  PetscCall(CheckMarch(anew, "cells: 13\nboundary: fixed\nbasis: cubic\njitter: 0.4\n"));
   PetscCall(CheckMarch(every, "dim: 2\ncells: [3, 9]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.2\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.5\n"));
