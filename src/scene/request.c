@@ -67,6 +67,24 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The waves are those of the phases along x, without those of 2 cells, which do not travel. */
+static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (!request->damping && MpmSettingsSource(settings, "damping_divisors") == MPM_FROM_COMMAND_LINE)
+    PetscCall(MpmSettingsRefuse(settings, "damping_divisors", "allowed: only with damping"));
+  if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->scheme.formulation->wave)
+    PetscCall(MpmSettingsRefuse(settings, "damping",
+                                "the formulation names no continuous problem whose waves could be followed; allowed: a "
+                                "formulation with an exact solution"));
+  if (request->phases[0] < 3)
+    PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                                "damping needs a wave of more than 2 cells; allowed: 3 or more along x"));
+  PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
    is sought at one drift, too; it must not be that of the default Courant number.
@@ -293,6 +311,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
+  PetscCall(ReadDamping(settings, scene, request));
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));

@@ -38,6 +38,8 @@ typedef struct {
   PetscInt    points;
 } MpmAxis;
 
+#define MPM_MAX_DIVISORS 16
+
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
 
@@ -51,6 +53,7 @@ typedef struct {
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
    layouts           - how many random layouts an ensemble has
+   damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
@@ -59,8 +62,9 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance;
-  PetscBool       weights, source_term, ringing, measure, survey;
+  PetscBool       weights, source_term, ringing, measure, survey, damping;
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
+  PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
   MpmExpect       expect;
