@@ -11,7 +11,7 @@
 #include "symbol/bloch.h"
 #include <math.h>
 
-#define AS_NEAR 0.8 /* modes with this share of the largest match are about as near to the exact wave */
+#define AS_NEAR 0.6 /* modes with this share of the largest match are about as near to the exact wave */
 #define EQUAL 1e-9  /* relative: abs that differ by less are taken for equal */
 #define WHOLE 1e-3  /* turns that differ less from a whole number are taken for it */
 
@@ -220,7 +220,7 @@ PetscErrorCode MpmDampingCreate(const MpmScene *scene, const MpmRequest *request
   PetscFunctionBegin;
   PetscCall(PetscNew(damping));
   d = s.damping = *damping;
-  d->nwaves     = (request->phases[0] - 1) / 2;
+  d->nwaves     = request->phases[0] / 3;
   d->nsteps     = request->ndivisors;
   d->divisor    = request->divisors;
   n             = d->nwaves * d->nsteps;

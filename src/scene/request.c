@@ -67,7 +67,7 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The waves are those of the phases along x, without those of 2 cells, which do not travel. */
+/* The waves are those of the phases along x that are at least 3 cells long. */
 static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
@@ -80,7 +80,7 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
                                 "formulation with an exact solution"));
   if (request->phases[0] < 3)
     PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
-                                "damping needs a wave of more than 2 cells; allowed: 3 or more along x"));
+                                "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
   PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
