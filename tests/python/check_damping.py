@@ -16,6 +16,7 @@ from checks import check, loaded, text_of
 
 import h5py
 import numpy
+import pictures
 
 WAVES = 2  # in the domain of a run
 CELLS = 16
@@ -104,7 +105,33 @@ def check_files():
     check(sum("does not travel" in line for line in still) == 2, "the waves of 8 and 4 cells are overdamped")
 
 
+def check_laws():
+    """What DAMPING.md says of long waves and small steps: decay goes like 1 / k, with a power of the wavelength."""
+    for transfer, power in (("pic", 2), ("apic", 4)):
+        run(f"symbol -formulation usl -basis quadratic -transfer {transfer} -cells 256 -damping -damping_divisors 1,4 "
+            "-json laws.json -output laws.h5")
+        decay = loaded("laws.json")["symbol"]["damping"]["decay"]
+        check(math.isclose(decay[0][1] / decay[0][0], 2**power, rel_tol=2e-3), f"{transfer}: waves of 256 and 128 cells")
+        check(math.isclose(decay[1][0] / decay[0][0], 4, rel_tol=2e-3), f"{transfer}: k and k / 4")
+    for formulation in ("usf", "musl", "usavg"):
+        run(f"symbol -formulation {formulation} -damping -json laws.json")
+        decay = loaded("laws.json")["symbol"]["damping"]["decay"]
+        check(numpy.abs(decay).max() < 1e-12, f"{formulation} with flip damps")
+
+
+def check_picture():
+    """The picture of the last file has its numbers."""
+    figure = pictures.damping("laws.h5")
+    with h5py.File("laws.h5", "r") as file:
+        for axes, name in zip(figure.axes, ("decay", "frequency_error")):
+            drawn = [line.get_ydata() for line in axes.lines]
+            check(numpy.array_equal(drawn, file[f"symbol/damping_{name}"][()]), f"the picture of {name}")
+    check(all("k = " in text.get_text() for text in figure.axes[1].get_legend().get_texts()), "the legend")
+
+
 def main():
+    check_laws()
+    check_picture()
     for words, period in SCENES:
         check_run(words, period)
     check_files()
