@@ -2,7 +2,7 @@
 # missing.
 # shellcheck shell=sh disable=SC2034 # used where this is sourced
 common_packages="gcc libc6-dev make cmake pkg-config git libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
-                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev python3 python3-numpy python3-h5py
+                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev zlib1g-dev python3 python3-numpy python3-h5py
                  python3-matplotlib"
 test_packages="clang-format valgrind chromium chromium-driver python3-selenium python3-scipy"
 

@@ -12,6 +12,8 @@
    xi         - xi[p] in [0,1): the place of particle p in its cell, in cells
    first      - first[p]: the local index of the first node that particle p has a weight at
    half_width - half of a particle's width, in cells; only bases with wide set use it
+   wall       - the local indices of the first and the last node of the direction, or MpmNoWalls; only bases whose
+                functions differ near walls use it
    begin, end, length - particles [begin, end) come in runs of length particles each. Those of a run have the same first
                 node; the first node of the next run is one further on. begin = end = n: there are no such runs.
 S*/
@@ -19,7 +21,22 @@ typedef struct {
   PetscInt         n, begin, end, length, first[MPM_BLOCK];
   const PetscReal *xi;
   PetscReal        half_width;
+  PetscInt         wall[2];
 } MpmBlock;
+
+/*E
+   MpmSplineEnds - the B-splines next to the ends of a direction that is not periodic.
+
+   MPM_SPLINES_MIRRORED - all splines have one shape, and nodes beyond the end are mirror images of those inside
+   MPM_SPLINES_MODIFIED - a node beyond the end has the value that continues the last two nodes in a straight line. So
+                          the functions of these two nodes change shape, and there are no nodes beyond the end (Steffen,
+                          Kirby and Berzins 2008; Karamelo). At the end itself the function of the last node is 1.
+   MPM_SPLINES_OPEN     - open knot vectors: the knots are the ends of cells, and those at the ends of the direction are
+                          repeated. There are as many functions as cells and the degree together. x_i is the mean of a
+                          function's inner knots (Greville), so that linear functions are reproduced.
+E*/
+typedef enum { MPM_SPLINES_MIRRORED, MPM_SPLINES_MODIFIED, MPM_SPLINES_OPEN } MpmSplineEnds;
+extern const char *const MpmSplineEndNames[];
 
 /*
    MpmKernel - a map between the particles of a block and the nodes. phi_ip is the basis function of node i at particle
@@ -33,6 +50,7 @@ typedef struct {
      G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
      GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
      GRAD_MLS    particle[p] += as G2P_AFFINE
+     G2P_SLOPE   particle[p] += as GRAD
 
    Not collective. The kernel does not divide the sums at nodes by the nodal masses. Node i is the left end of cell i.
    No two arrays overlap.
@@ -50,11 +68,13 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
 
 /*S
    MpmBasis - a family of basis functions, one function a node. The function of node i is centred on the node, which is
-   the left end of cell i.
+   the left end of cell i. With open ends, node i is the i-th function.
 
    name, summary, reference - the word of the option basis, a line about it, and its source
    reach_left, reach_right  - a particle in cell i has weights at nodes i - reach_left to i + reach_right at most
    nodes       - the number of nodes that a particle has weights at in each direction
+   wall_nodes  - between walls there are so many nodes more than cells
+   spline_ends - how functions next to walls differ from all others
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
    kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
    p2g_mass    - P2G with the nodal masses
@@ -64,7 +84,8 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
 S*/
 typedef struct {
   const char   *name, *summary, *reference;
-  PetscInt      reach_left, reach_right, nodes;
+  PetscInt      reach_left, reach_right, nodes, wall_nodes;
+  MpmSplineEnds spline_ends;
   PetscReal     slope_sum;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
@@ -75,6 +96,15 @@ typedef struct {
 
 /* Not collective. All bases, NULL-terminated. */
 extern const MpmBasis *const MpmBases[];
+
+/* Not collective. Whether a basis has other functions next to walls than elsewhere. */
+static inline PetscBool MpmBasisIsAltered(const MpmBasis *basis)
+{
+  return basis->spline_ends != MPM_SPLINES_MIRRORED ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. A basis of the list with other functions next to walls, or NULL when it has no such choice. */
+const MpmBasis *MpmBasisWithEnds(const MpmBasis *basis, MpmSplineEnds ends);
 
 /* Not collective. The basis of a name, or NULL when there is none. */
 const MpmBasis *MpmBasisFind(const char name[]);

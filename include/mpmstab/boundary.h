@@ -16,7 +16,8 @@
    MPM_SYMMETRY       - a wall along which particles slip: as MPM_FIXED for the component normal to it, and nothing is
                         imposed on the others. In one dimension it is MPM_FIXED.
 
-   Nodes beyond a wall are mirror images of those inside. Fields that are imposed at the wall have the other sign there,
+   Nodes beyond a wall are mirror images of those inside, unless the basis has other functions there (MpmSplineEnds).
+   Fields that are imposed at the wall have the other sign there,
    and all others the same sign (MpmParity). So every basis keeps its one shape, partition of unity and linear reproduction up to
    the wall; a fixed wall's velocity is 0 at the wall itself; and LAP at a free end is 2 (f_{N-1} - f_N).
 E*/
@@ -55,12 +56,24 @@ static inline PetscBool MpmEndImposes(MpmEnd end, MpmParity parity)
 /*S
    MpmDirection - one direction of the grid: its numbers of cells and nodes, and the conditions at its two ends.
 
-   A periodic direction has as many nodes as cells; between walls there is one node more.
+   A periodic direction has as many nodes as cells; between walls there are more, one for most bases (wall_nodes of
+   MpmBasis).
 S*/
 typedef struct {
   PetscInt cells, nodes;
   MpmEnd   ends[2];
 } MpmDirection;
+
+/* Not collective. For MpmDirectionWalls: there is no wall in reach. */
+extern const PetscInt MpmNoWalls[2];
+
+/*
+   MpmDirectionWalls - the first and the last node of a direction, counted from a node of its grid. In a periodic
+   direction they are MpmNoWalls.
+
+   Not collective.
+*/
+void MpmDirectionWalls(const MpmDirection *direction, PetscInt node, PetscInt wall[2]);
 
 /*
    MpmDirectionMirror - the sign of a node field beyond each end, relative to the nodes inside that are mirrored there:

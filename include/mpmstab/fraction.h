@@ -57,3 +57,10 @@ MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[]);
    Not collective.
 @*/
 MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most);
+
+/*@C
+   MpmFractionNearest - the fraction nearest to value of those with a denominator up to most.
+
+   Not collective. abs(value) may be at most 1e6, and most at most 1e4: then rounding decides nothing but ties.
+@*/
+MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most);

@@ -11,7 +11,7 @@
    MpmOperator - the assembled operator of a scheme on a layout: the map of one step or, under drift, of the period
    after which the particles have the same places in cells again.
 
-   layout, scheme, step - as given to MpmOperatorCreate
+   layout, scheme, step - as given to MpmOperatorCreate; layout and scheme are NULL for a matrix that was given
    assembled - A is a parallel AIJ matrix: in one dimension, and in more up to order MPM_MATRIX_ORDER. Else it is a
               MATSHELL, with products A x and A^T x, and exponent is 0. A step couples a particle to all those that share
               a node with it, and in three dimensions a matrix would not fit.
@@ -22,10 +22,11 @@
               by orders of magnitude, A is badly scaled, and rounding spoils its eigenvalues. Where particles are alike,
               balanced is A.
    unit     - the diagonal of D: powers of two, so that nothing is rounded. NULL where particles are alike.
-   p2g      - P2G at the first step: nodes x particles
-   fields   - the number of fields of the state
+   p2g      - P2G at the first step: nodes x particles; NULL for a matrix that was given
+   fields   - the number of fields of the state; 1 for a matrix that was given
    order    - the order of A: fields x particles
-   period   - the number of steps in a period (MpmStepPeriod)
+   period   - the number of steps in a period (MpmStepPeriod), which A covers
+   parts    - the number of matrices that MpmOperatorStep has: period, or 1 for a matrix that was given
    exponent - see A
    nonzeros - the number of nonzeros of A, or of the maps of all its steps
    bytes    - the memory that they take on all ranks together
@@ -39,7 +40,7 @@ typedef struct {
   MpmStep          step;
   Mat              A, balanced, p2g;
   Vec              unit;
-  PetscInt         fields, order, period, exponent;
+  PetscInt         fields, order, period, parts, exponent;
   PetscReal        nonzeros, bytes, assemble_s;
   PetscBool        assembled;
 } MpmOperator;
@@ -59,6 +60,17 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
 PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
 
 /*
+   MpmOperatorFromMatrix - makes an operator of a square matrix, wherever it comes from, that covers so many steps. All
+   that an operator is asked is then asked of it, but for what needs a scene: p2g, MpmOperatorMismatch.
+
+   Collective. The operator keeps a reference to A, which is AIJ and has every entry of its diagonal, if only as 0, and is destroyed with MpmOperatorDestroy. balanced is
+   D A D^-1 with powers of two for D that make rows and columns of about the same size (Parlett and Reinsch 1969), where
+   this divides the norm of A by more than 4: in SI units a stress is 1e9 times a strain, and rounding would hide what
+   strains do.
+*/
+PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op);
+
+/*
    MpmOperatorWeigh - computes W A W^-1 with W diagonal. W^2 is m for a velocity, a displacement or the affine part of
    apic, and V / E for a stress. The 2-norm of the result is then the norm of A in which a state is measured by its
    energy, if every field has a part in the energy.
@@ -72,7 +84,8 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed);
 const char    *MpmOperatorNorm(const MpmOperator *op);
 
 /*
-   MpmOperatorStep - the matrix of one step of the period, or its shell; the step's operator is A times 2^exponent.
+   MpmOperatorStep - the matrix of one of the parts of the period, or its shell; the operator of the part is A times
+   2^exponent. A part is one step; of a matrix that was given it is the whole period.
 
    Collective. A is destroyed with MatDestroy.
 */

@@ -27,7 +27,9 @@ typedef struct {
    conjugate ones. They are one class, of which only the phase with the least number is computed. In one dimension these
    are the phases up to pi.
 
-   layout, scheme, step, wish - as given to MpmSymbolCreate
+   layout, scheme, step - as given to MpmSymbolCreate. layout and scheme are NULL where the matrices come from elsewhere.
+   wish         - what was asked for
+   dim          - the number of directions
    phases, all  - the number of phases in each direction, and their product
    reflects     - reflects[a]: beta_a and -beta_a have the same amplification factors, because particles are centred in
                   their cells (offset 1/2) and do not move in this direction
@@ -64,7 +66,7 @@ typedef struct {
   const MpmScheme *scheme;
   MpmStep          step;
   MpmSymbolWish    wish;
-  PetscInt         phases[MPM_MAX_DIM], alike[MPM_MAX_DIM];
+  PetscInt         dim, phases[MPM_MAX_DIM], alike[MPM_MAX_DIM];
   PetscBool        reflects[MPM_MAX_DIM];
   PetscInt         all, classes, *list, first, count, size, period, exponent;
   PetscReal        growth, beta_at_max[MPM_MAX_DIM], condition, uncertainty, defective_error, seconds;

@@ -21,7 +21,7 @@ static PetscReal LeastSpread(const MpmBasis *basis, PetscReal half_width)
     const PetscReal xi = (PetscReal)place / PLACES;
     PetscReal       row[MPM_MAX_REACH], spread = 0;
 
-    MpmMapRow(basis, MPM_G2P, xi, half_width, row);
+    MpmMapRow(basis, MPM_G2P, xi, half_width, MpmNoWalls, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) spread += row[d] * PetscSqr(d - basis->reach_left - xi);
     least = PetscMin(least, spread);
   }
@@ -33,8 +33,8 @@ PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
   const MpmSpace *space = &scheme->space;
   PetscReal       least = INFINITY, chi = 1;
 
-  if (!scheme->formulation->mls_bound || !scheme->transfer->affine || space->gradient != MPM_GRADIENT_MLS ||
-      layout->material.kind != MPM_MATERIAL_UNIFORM)
+  if (!scheme->formulation->mls_bound || !scheme->transfer->mls_bound || space->gradient != MPM_GRADIENT_MLS ||
+      layout->material.kind != MPM_MATERIAL_UNIFORM || MpmBasisIsAltered(scheme->basis))
     return 0;
   for (PetscInt a = 0; a < layout->dim; a++) least = PetscMin(least, LeastSpread(scheme->basis, layout->half_width[a]));
   if (layout->dim > 1) chi += (PetscReal)(layout->dim - 1) * space->poisson / (1 - space->poisson);

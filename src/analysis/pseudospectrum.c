@@ -10,7 +10,6 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "analysis/pseudospectrum.h"
-#include "scene/layout.h"
 #include <math.h>
 
 #define HALF_WIDTH 1.3 /* of the square; a spectrum that needs more gets WIDER times its own */
@@ -23,17 +22,13 @@
 #define ROUNDS 3        /* rounds of golden section in angle and distance */
 #define BEYOND 1e-9     /* relative difference by which one quotient counts as larger than another */
 
-PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene)
+PetscErrorCode MpmPseudospectrumCheck(const char what[], PetscInt64 order)
 {
-  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
-  char             size[MPM_SIZE_TEXT];
-
   PetscFunctionBegin;
-  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
   MpmCheckInput(order <= MPM_RESOLVENT_ORDER,
                 "%s: the pseudospectrum of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells ('-powers' has no such limit)",
-                size, order, MPM_RESOLVENT_ORDER);
+                what, order, MPM_RESOLVENT_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,7 +1,6 @@
 /* Pseudospectrum: sigma(z), the smallest singular value of z - A, and the bounds on norm(A^n) that follow from it. */
 #pragma once
 #include "linalg/resolvent.h"
-#include <mpmstab/scene.h>
 
 /*S
    MpmPseudospectrum - sigma at points x points of a square around the unit circle and the spectrum. sigma[i points + j]
@@ -24,8 +23,8 @@ typedef struct {
   double complex kreiss_at;
 } MpmPseudospectrum;
 
-/* Collective. Refuses a scene with too many unknowns, before any work is done. */
-PetscErrorCode MpmPseudospectrumCheck(const MpmScene *scene);
+/* Collective. Refuses too many unknowns, before any work is done. what: has them, for the message. */
+PetscErrorCode MpmPseudospectrumCheck(const char what[], PetscInt64 order);
 
 /*
    MpmPseudospectrumCreate - computes the pseudospectrum of a finite matrix of order at most MPM_RESOLVENT_ORDER.

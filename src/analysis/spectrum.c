@@ -1,4 +1,7 @@
-/* The task spectrum: it makes operator, symbol and march of one scene from the same table, and compares them. */
+/*
+   The task spectrum: eigenvalues of an operator, a verdict, and how norms grow. Of a scene it makes operator, symbol and
+   march from the same table, and compares them; a matrix that was given has only its operator.
+*/
 #include "scene/layout.h"
 #include "base/progress.h"
 #include "analysis/bloch_modes.h"
@@ -51,7 +54,8 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
     if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
         AT_ONE)
       s->at_one++;
-  if (MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->scene || MpmSceneDrifts(s->scene) || !MpmFormulationKeepsUnseen(s->scene->scheme.formulation))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmModesNullity(s->op, &s->nullity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,7 +182,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
                                          : "none, the solver did not converge (up to order 4096 all are found)";
   }
   PetscCall(PetscStrncpy(f->evidence, evidence, sizeof f->evidence));
-  if (s->scene->layout.jitter != 0 && s->eigen->n) {
+  if (s->scene && s->scene->layout.jitter != 0 && s->eigen->n) {
     PetscCall(
         PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->layout.seed));
     PetscCall(PetscStrlcat(f->evidence, seed, sizeof f->evidence));
@@ -188,7 +192,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   if (f->growth == s->growth)
     f->defective_error =
         PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
-  if (!(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
+  if (s->scene && !(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one is wrong */
     f->uncertainty = f->defective_error = INFINITY;
@@ -261,58 +265,102 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses options of the solvers before the work: SLEPc reads them when it solves. */
-static PetscErrorCode TryOptions(const MpmScene *scene, const MpmRequest *request)
+/* Refuses options of the solvers, and too many unknowns, before the work. SLEPc reads its options when it solves. */
+static PetscErrorCode TryOptions(const char what[], PetscInt64 order, PetscBool has_symbol, const MpmRequest *request)
 {
-  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
-
   PetscFunctionBegin;
-  PetscCall(MpmEigenTryOptions(MpmEigenChoose((PetscInt)PetscMin(order, PETSC_MAX_INT),
-                                              MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE)));
+  PetscCall(MpmEigenTryOptions(MpmEigenChoose((PetscInt)PetscMin(order, PETSC_MAX_INT), has_symbol)));
+  if (request->pseudospectrum) PetscCall(MpmPseudospectrumCheck(what, order));
   if (request->powers) PetscCall(MpmTransientTryOptions());
   PetscCall(MpmEigenRefuseUnread());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
-                                 MpmSpectrum **spectrum)
+static PetscErrorCode Begin(const MpmRequest *request, MpmSpectrum **spectrum)
 {
-  const MPI_Comm comm = PETSC_COMM_WORLD;
-  PetscReal      before;
-  MpmSpectrum   *s;
+  MpmSpectrum *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(spectrum));
   s             = *spectrum;
-  s->scene      = scene;
   s->request    = request;
   s->comparison = (MpmComparison){.published = NAN, .published_beta = NAN, .corrected = NAN};
-  s->radius = s->growth = s->max_residual = s->symbol_mismatch = s->condition = NAN;
+  s->radius = s->growth = s->max_residual = s->step_mismatch = s->symbol_mismatch = s->condition = NAN;
   s->at_one = s->nullity = MPM_UNCOUNTED;
-  PetscCallMPI(MPI_Comm_size(comm, &s->ranks));
-  PetscCall(TryOptions(scene, request));
-  PetscCall(PeakMemory(comm, &before));
-  if (request->pseudospectrum)
-    PetscCall(MpmPseudospectrumCheck(scene)); /* first come the checks that refuse what is too large */
-  PetscCall(MpmOperatorCreate(comm, &scene->layout, &scene->scheme, &scene->step, &s->op));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &s->ranks));
+  PetscCall(PeakMemory(PETSC_COMM_WORLD, &s->before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes what a scene has and an operator alone has not: symbol, closed forms, and the march that it is checked against. */
+static PetscErrorCode Compare(MPI_Comm comm, MpmSpectrum *s)
+{
+  const MpmScene *scene = s->scene;
+
+  PetscFunctionBegin;
   PetscCall(MpmPredict(scene, &s->predictions));
   PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));
   if (!MpmSymbolWhyNot(&scene->layout)) {
-    MpmSymbolWish wish = {.keep = PETSC_TRUE, .tolerance = request->tolerance};
+    MpmSymbolWish wish = {.keep = PETSC_TRUE, .tolerance = s->request->tolerance};
 
     for (PetscInt a = 0; a < scene->layout.dim; a++) wish.phases[a] = scene->layout.grid[a].cells;
     PetscCall(MpmSymbolCreate(comm, &scene->layout, &scene->scheme, &scene->step, &wish, &s->symbol));
     PetscCall(MpmPredictCompare(comm, &s->predictor, s->symbol, &s->comparison));
   }
   PetscCall(MpmOperatorMismatch(s->op, &s->step_mismatch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Asks what can be asked of an operator. */
+static PetscErrorCode Finish(MPI_Comm comm, PetscReal started, MpmSpectrum *s)
+{
+  PetscFunctionBegin;
   PetscCall(Solve(comm, s));
   PetscCall(Judge(s));
-  PetscCall(Measure(s));
+  if (s->scene) PetscCall(Measure(s));
   PetscCall(Transient(s));
-  if (scene->layout.dim > 1) PetscCall(MpmModesCreateLeading(s->op, s->eigen, LEADING, &s->leading));
+  if (s->scene && s->scene->layout.dim > 1) PetscCall(MpmModesCreateLeading(s->op, s->eigen, LEADING, &s->leading));
   PetscCall(PeakMemory(comm, &s->memory));
-  s->memory -= before;
+  s->memory -= s->before;
   s->wall_s = MPI_Wtime() - started;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum)
+{
+  const MPI_Comm   comm  = PETSC_COMM_WORLD;
+  const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
+  char             size[MPM_SIZE_TEXT];
+  MpmSpectrum     *s;
+
+  PetscFunctionBegin;
+  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
+  PetscCall(TryOptions(size, order, MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE, request));
+  PetscCall(Begin(request, spectrum));
+  s        = *spectrum;
+  s->scene = scene;
+  PetscCall(MpmOperatorCreate(comm, &scene->layout, &scene->scheme, &scene->step, &s->op));
+  PetscCall(Compare(comm, s));
+  PetscCall(Finish(comm, started, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmRequest *request,
+                                   PetscReal started, MpmSpectrum **spectrum)
+{
+  PetscInt order;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(A, &order, NULL));
+  PetscCall(TryOptions(what, order, PETSC_FALSE, request));
+  MpmCheckInput(!request->powers || request->powers >= period,
+                "-powers %" PetscInt_FMT ": %s covers %" PetscInt_FMT " steps, and its powers whole multiples of them; "
+                "allowed: at least %" PetscInt_FMT,
+                request->powers, what, period, period);
+  PetscCall(Begin(request, spectrum));
+  PetscCall(MpmOperatorFromMatrix(A, period, &(*spectrum)->op));
+  PetscCall(Finish(PETSC_COMM_WORLD, started, *spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,7 +369,7 @@ PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
   MpmSpectrum *s = *spectrum;
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorDestroy(&s->predictor));
+  if (s->scene) PetscCall(MpmPredictorDestroy(&s->predictor));
   if (s->run) PetscCall(MpmRunDestroy(&s->run));
   PetscCall(MpmTransientDestroy(&s->transient));
   PetscCall(MpmPseudospectrumDestroy(&s->pseudospectrum));

@@ -1,4 +1,7 @@
-/* Spectrum: the published, corrected, symbol's, operator's and measured growth of a scene, compared. */
+/*
+   Spectrum: eigenvalues and growth of an operator; of a scene the published, corrected, symbol's, operator's and measured
+   growth, compared.
+*/
 #pragma once
 #include "analysis/modes.h"
 #include "symbol/predict.h"
@@ -9,12 +12,15 @@
 /*S
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
+   scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
+   nullity or leading modes.
+
    radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
    that are not uniform. symbol_mismatch: the largest distance of a listed eigenvalue from the symbol's set. at_one: the
    number of listed eigenvalues within 1e-6 of 1. nullity: the dimension of the null space (see MpmModesNullity). Both
    are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
    on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
-   ranks.
+   ranks, beyond those that it had before.
    run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
    NULL when not asked for, or when the operator's numbers leave the range of doubles. leading: the modes of the first
    listed eigenvalues, in two and three dimensions; none in one.
@@ -34,7 +40,7 @@ typedef struct {
   MpmPredictions     predictions;
   MpmComparison      comparison;
   PetscReal          target[2], radius, growth, max_residual, step_mismatch, symbol_mismatch, condition;
-  PetscReal          memory, wall_s;
+  PetscReal          before, memory, wall_s;
   PetscInt           at_one, nullity;
   MpmFinding         finding;
   MpmModes           leading;
@@ -48,4 +54,12 @@ typedef struct {
 */
 PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                  MpmSpectrum **spectrum);
+
+/*
+   MpmSpectrumOfMatrix - solves for the eigenvalues of a matrix that covers so many steps, wherever it comes from.
+
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. what: the matrix, for messages.
+*/
+PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmRequest *request,
+                                   PetscReal started, MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);

@@ -3,6 +3,7 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "scene/layout.h"
+#include "scheme/language.h"
 #include "analysis/stability_map.h"
 #include <math.h>
 
@@ -10,25 +11,36 @@
 
 /*
    The components of a drift that is turned are fractions with a common denominator, the least one from here on that the
-   scene's own drift has too. A period is so many steps.
+   scene's own drift has too. A period is so many steps. A drift M k has a denominator of at most this, or of a step for
+   each part of a cell where it is slower.
 */
 #define DENOMINATOR 240
 
 /*
    What the symbol of a point depends on: the scene's own layout, step and scheme, except for the two numbers that the
-   map varies. turned, angle: the drift is turned to this angle. own: the point has its own table.
+   map varies. turned, angle: the drift is turned to this angle. fixed, mach: the drift is M k. own: the point has its
+   own table. nset, parameter, value: parameters of a written scheme, of which the point has its own formulation.
 */
 typedef struct {
   MpmLayout layout;
   MpmStep   step;
   MpmScheme scheme;
-  PetscBool turned, own;
+  PetscBool turned, fixed, own;
   PetscReal angle;
+  MpmMach   mach;
+
+  PetscInt        nset, parameter[2];
+  PetscReal       value[2];
+  MpmFormulation *formulation;
 } Point;
 
-static Point OwnPoint(const MpmScene *scene)
+static Point OwnPoint(const MpmStabilityMap *map)
 {
-  return (Point){.layout = scene->layout, .step = scene->step, .scheme = scene->scheme};
+  return (Point){.layout = map->scene->layout,
+                 .step   = map->scene->step,
+                 .scheme = map->scene->scheme,
+                 .mach   = map->request->mach,
+                 .fixed  = MpmRequestKeepsMach(map->request)};
 }
 
 /* A drift goes along the axes that the scene's drift has, or along all. One that is turned begins along x. */
@@ -42,9 +54,24 @@ static void SetDrift(Point *at, const MpmStabilityMap *map, const MpmFraction *v
   if (turn) at->step.drift[1] = (MpmFraction){.den = 1};
 }
 
-static void SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind, const MpmFraction *value)
+/* A Mach number goes along the axes that the scene's drift has, or along all. */
+static PetscErrorCode SetMach(Point *at, const MpmScene *scene, const MpmFraction *value)
 {
-  switch (kind) {
+  MpmFraction number[MPM_MAX_DIM];
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < at->layout.dim; a++)
+    number[a] = !MpmSceneDrifts(scene) || scene->step.drift[a].value != 0 ? *value : (MpmFraction){.den = 1};
+  PetscCall(MpmMachCreate(at->layout.dim, number, &at->mach, &ok));
+  if (!ok) at->mach.unit.den = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SetParameter(Point *at, const MpmStabilityMap *map, const MpmAxis *axis, const MpmFraction *value)
+{
+  PetscFunctionBegin;
+  switch (axis->kind) {
   case MPM_AXIS_COURANT:
     at->step.courant = value->value;
     break;
@@ -65,7 +92,16 @@ static void SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind
     at->angle  = value->value * PETSC_PI / 180;
     at->turned = PETSC_TRUE;
     break;
+  case MPM_AXIS_PARAMETER:
+    at->parameter[at->nset] = axis->parameter;
+    at->value[at->nset++]   = value->value;
+    at->own                 = PETSC_TRUE;
+    break;
+  case MPM_AXIS_MACH:
+    PetscCall(SetMach(at, map->scene, value));
+    break;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Turns the drift in the plane of x and y. */
@@ -85,6 +121,15 @@ static void Turn(Point *at)
   }
 }
 
+/* The drift M k, rounded to a fraction with a small denominator; its own is 0 where there is none. */
+static void SetMachDrift(Point *at)
+{
+  const MpmFraction part =
+      at->mach.unit.den ? MpmMachNearest(&at->mach, at->step.courant, DENOMINATOR) : (MpmFraction){.value = 1};
+
+  MpmMachDrift(&at->mach, &part, at->step.drift);
+}
+
 /* Ends what SetParameter has begun. PointDestroy frees what this allocates. */
 static PetscErrorCode PointFinish(Point *at)
 {
@@ -92,6 +137,11 @@ static PetscErrorCode PointFinish(Point *at)
 
   PetscFunctionBegin;
   if (at->turned) Turn(at);
+  if (at->fixed) SetMachDrift(at);
+  if (at->nset) {
+    PetscCall(MpmWrittenCompile(scheme->formulation->written, at->nset, at->parameter, at->value, &at->formulation));
+    scheme->formulation = at->formulation;
+  }
   if (at->own)
     PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &scheme->space, &scheme->table));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -101,6 +151,7 @@ static PetscErrorCode PointDestroy(Point *at)
 {
   PetscFunctionBegin;
   if (at->own) PetscCall(MpmTableDestroy(&at->scheme.table));
+  PetscCall(MpmWrittenFormulationDestroy(&at->formulation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,13 +165,33 @@ static PetscErrorCode PointCreate(const MpmStabilityMap *map, PetscInt point, Po
   const PetscInt i[2] = {point / map->points[1], point % map->points[1]};
 
   PetscFunctionBegin;
-  *at = OwnPoint(map->scene);
+  *at = OwnPoint(map);
   for (int a = 0; a < 2; a++) {
     const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    SetParameter(at, map, map->request->axes[a].kind, &value);
+    PetscCall(SetParameter(at, map, &map->request->axes[a], &value));
   }
   PetscCall(PointFinish(at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses points at which a drift that follows from a direction or from a Mach number has no short period. */
+static PetscErrorCode CheckDrifts(const MpmStabilityMap *map)
+{
+  PetscInt period;
+  Point    at;
+
+  PetscFunctionBegin;
+  for (PetscInt point = 0; point < map->points[0] * map->points[1]; point++) {
+    PetscCall(PointCreate(map, point, &at));
+    for (PetscInt a = 0; a < at.layout.dim && at.fixed; a++)
+      MpmCheckInput(at.step.drift[a].den,
+                    "%s: at Courant number %.6g particles take more than %d steps for a cell; allowed: a larger Mach "
+                    "number, or a larger Courant number",
+                    map->request->at_mach ? "mach" : "map_mach", at.step.courant, MPM_LONGEST_PERIOD);
+    PetscCall(MpmStepPeriod(&at.step, &period));
+    PetscCall(PointDestroy(&at));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -132,7 +203,7 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
 {
   const MpmStabilityMap map = {
       .scene = scene, .request = request, .points = {request->axes[0].points, request->axes[1].points}};
-  Point    at = OwnPoint(scene);
+  Point    at = OwnPoint(&map);
   PetscInt period;
 
   PetscFunctionBegin;
@@ -148,16 +219,12 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
                     map.points[0], map.points[1], value.value, MPM_LONGEST_PERIOD);
-      SetParameter(&at, &map, request->axes[a].kind, &value);
-      PetscCall(MpmStepPeriod(&at.step, &period));
+      at.nset = 0;
+      PetscCall(SetParameter(&at, &map, &request->axes[a], &value));
+      if (!at.fixed) PetscCall(MpmStepPeriod(&at.step, &period));
     }
   PetscCall(MpmSymbolCheck(&at.layout));
-  if (!MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt point = 0; point < map.points[0] * map.points[1]; point++) {
-    PetscCall(PointCreate(&map, point, &at));
-    PetscCall(MpmStepPeriod(&at.step, &period));
-    PetscCall(PointDestroy(&at));
-  }
+  if (at.fixed || at.turned) PetscCall(CheckDrifts(&map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -180,6 +247,7 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
   map->growth[i]    = symbol->growth;
   f.verdict         = MpmVerdictOf(&f);
   for (PetscInt a = 0; a < dim; a++) {
+    if (map->drift[a]) map->drift[a][i] = at.step.drift[a].value;
     map->beta[a][i] = symbol->beta_at_max[a];
     PetscCall(MpmFindingOfPhases(&f, symbol->phases[a], at.layout.grid[a].cells));
   }
@@ -196,7 +264,10 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   PetscFunctionBegin;
   PetscCall(MpmFarm("point", n, SolvePoint, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
-  for (PetscInt a = 0; a < map->scene->layout.dim; a++) PetscCall(MpmFarmSumReals(n, map->beta[a]));
+  for (PetscInt a = 0; a < map->scene->layout.dim; a++) {
+    PetscCall(MpmFarmSumReals(n, map->beta[a]));
+    if (map->drift[a]) PetscCall(MpmFarmSumReals(n, map->drift[a]));
+  }
   PetscCall(MpmFarmSumInts(n, map->verdict));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -233,6 +304,9 @@ static PetscErrorCode Sum(MpmStabilityMap *map)
   if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
     PetscCall(
         PetscStrlcat(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));
+  if (map->drift[0])
+    PetscCall(
+        PetscStrlcat(f->evidence, "; drifts M k are rounded to fractions with small denominators", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,7 +362,10 @@ PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *re
   }
   n = m->points[0] * m->points[1];
   PetscCall(PetscCalloc2(n, &m->growth, n, &m->verdict));
-  for (PetscInt a = 0; a < scene->layout.dim; a++) PetscCall(PetscCalloc1(n, &m->beta[a]));
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    PetscCall(PetscCalloc1(n, &m->beta[a]));
+    if (MpmRequestKeepsMach(request)) PetscCall(PetscCalloc1(n, &m->drift[a]));
+  }
   PetscCall(Solve(m));
   PetscCall(Sum(m));
   PetscCall(PublishedLimit(m));
@@ -301,6 +378,7 @@ PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map)
   PetscFunctionBegin;
   for (int a = 0; a < 2; a++) PetscCall(PetscFree((*map)->at[a]));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*map)->beta[a]));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*map)->drift[a]));
   PetscCall(PetscFree2((*map)->growth, (*map)->verdict));
   PetscCall(PetscFree((*map)->limits));
   PetscCall(PetscFree(*map));

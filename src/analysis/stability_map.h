@@ -7,8 +7,9 @@
    varying fastest.
 
    at[a]: the points[a] numbers along axis a. growth (per step, the largest over the phases), beta (the least phase that
-   has it, beta[a] in direction a) and verdict are those of each point, on every rank. unstable, undecided: the number of such points. worst:
-   the point that grows fastest. finding: unstable when any point is, stable when all are.
+   has it, beta[a] in direction a) and verdict are those of each point, on every rank. drift[a]: where the map keeps a
+   Mach number M, the drift of each point in direction a, which is M k rounded to a fraction (MpmMachNearest); else NULL.
+   unstable, undecided: the number of such points. worst: the point that grows fastest. finding: unstable when any point is, stable when all are.
 
    published_limit: where one axis is the Courant number, the largest at which, according to the slides, particles at
    rest are stable wherever they are; NaN when the slides do not treat the scene. limits: NULL until
@@ -18,7 +19,7 @@ typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request;
   PetscInt          points[2], unstable, undecided, worst;
-  PetscReal        *at[2], *growth, *beta[MPM_MAX_DIM], *limits, published_limit, seconds;
+  PetscReal        *at[2], *growth, *beta[MPM_MAX_DIM], *drift[MPM_MAX_DIM], *limits, published_limit, seconds;
   PetscInt         *verdict; /* an MpmVerdict for each point */
   MpmFinding        finding;
 } MpmStabilityMap;

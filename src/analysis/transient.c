@@ -71,7 +71,7 @@ static PetscErrorCode MultiplyTranspose(Mat matrix, Vec x, Vec y)
 static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Product *p)
 {
   PetscFunctionBegin;
-  *p = (Product){.period = PetscMin(op->period, last)};
+  *p = (Product){.period = PetscMin(op->parts, last)};
   PetscCall(PetscMalloc2(p->period, &p->step, last, &p->shift));
   for (PetscInt k = 0; k < p->period; k++) {
     Mat     A;
@@ -82,7 +82,7 @@ static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Produc
     PetscCall(MatDestroy(&A));
     PetscCall(MatGetInfo(p->step[k], MAT_GLOBAL_SUM, &info));
     p->nonzeros += info.nz_used;
-    if (k == 0)
+    if (k == 0 && op->layout)
       PetscCall(MpmLayoutCheckMemory(PetscObjectComm((PetscObject)op->A), op->layout,
                                      OF_NONZERO * p->nonzeros * p->period, "powers, with all steps of the period,"));
   }
@@ -265,6 +265,7 @@ static void Judge(PetscReal growth, MpmTransient *t)
 PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient)
 {
   const PetscReal begin = MPI_Wtime();
+  const PetscInt  each  = op->period / op->parts;
   Product         product;
   MpmTransient   *t;
 
@@ -272,6 +273,7 @@ PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscRea
   PetscCall(PetscNew(transient));
   t    = *transient;
   t->n = 1;
+  last /= each;
   for (PetscInt step = 0; step < last; step = Next(step, last)) t->n++;
   PetscCall(PetscMalloc3(t->n, &t->steps, t->n, &t->norm, t->n, &t->log_norm));
   t->steps[0]    = 0;
@@ -281,6 +283,7 @@ PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscRea
   PetscCall(ProductCreate(op, last, &product));
   PetscCall(Norms(op, &product, last, t));
   PetscCall(ProductDestroy(&product));
+  for (PetscInt i = 0; i < t->n; i++) t->steps[i] *= each;
   Judge(growth, t);
   t->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);

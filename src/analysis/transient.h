@@ -20,7 +20,8 @@ typedef struct {
 } MpmTransient;
 
 /*
-   MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter.
+   MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter. Of
+   a matrix that was given and covers several steps, these are periods, and last is at least one period.
 
    Collective; needs SLEPc initialized. growth: per step, that of the spectrum (NaN: not known). The relative error of a
    norm is at most 1e-6, and that of rounding where it is separate from the next singular value.

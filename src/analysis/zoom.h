@@ -1,4 +1,4 @@
-/* Zoom: the least value of a function of the phases of two or three directions. */
+/* Zoom: the least value of a function of the phases of one, two or three directions. */
 #pragma once
 #include <mpmstab/boundary.h>
 

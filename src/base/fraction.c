@@ -150,6 +150,14 @@ MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
   return f;
 }
 
+static void Exchange(PetscInt64 pair[2])
+{
+  const PetscInt64 kept = pair[0];
+
+  pair[0] = pair[1];
+  pair[1] = kept;
+}
+
 /* The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. */
 MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
 {
@@ -177,6 +185,41 @@ MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
     if (rest == (PetscReal)whole) break;
     rest = 1 / (rest - (PetscReal)whole);
   }
+  return f;
+}
+
+/*
+   The nearest is the last convergent within most, or the largest fraction between it and the next one: with the terms
+   (m p1 + p0) / (m q1 + q0), m as large as most allows.
+*/
+MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most)
+{
+  const PetscReal size   = PetscAbsReal(value);
+  PetscReal       rest   = size;
+  PetscInt64      num[2] = {0, 1}, den[2] = {1, 0}, m, whole; /* the last two convergents */
+  MpmFraction     f;
+
+  while (PETSC_TRUE) {
+    whole = (PetscInt64)floor(rest);
+    m     = den[1] ? (most - den[0]) / den[1] : whole;
+    if (whole > m) break;
+    num[0] += whole * num[1];
+    den[0] += whole * den[1];
+    Exchange(num);
+    Exchange(den);
+    if ((PetscReal)num[1] / (PetscReal)den[1] == size) break;
+    rest = 1 / (rest - (PetscReal)whole);
+    if (!(rest <= (PetscReal)LARGEST_TERM)) break;
+  }
+  f = (MpmFraction){num[1], den[1], (PetscReal)num[1] / (PetscReal)den[1]};
+  m = (most - den[0]) / den[1];
+  if (f.value != size && m > 0) {
+    const MpmFraction between = {m * num[1] + num[0], m * den[1] + den[0],
+                                 (PetscReal)(m * num[1] + num[0]) / (PetscReal)(m * den[1] + den[0])};
+
+    if (PetscAbsReal(between.value - size) < PetscAbsReal(f.value - size)) Reduce(&f, between.num, between.den);
+  }
+  if (value < 0) Reduce(&f, -f.num, f.den);
   return f;
 }
 

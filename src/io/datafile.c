@@ -69,15 +69,22 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmReque
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file)
+PetscErrorCode MpmDataFileCreate(MPI_Comm comm, const char path[], MpmDataFile *file)
 {
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, request->output, sizeof file->path));
+  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
   PetscCall(MpmFileCreate(comm, file->path, file->part, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscCall(MpmHdf5Create(comm, file->part, 0, &file->hdf5));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileCreate(comm, request->output, file));
   PetscCall(WriteSceneAttributes(scene, request, &file->hdf5));
   PetscCall(MpmDataFileCheck(file));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,9 +10,12 @@ typedef struct {
 
 /*
    Collective. Opens the output file that a request names, under a temporary name, and writes scene and request as
-   attributes.
+   attributes. scene NULL: a matrix takes its place, which the request names.
 */
 PetscErrorCode MpmDataFileOpen(MPI_Comm comm, const MpmScene *scene, const MpmRequest *request, MpmDataFile *file);
+
+/* Collective. Opens an empty file under a temporary name. */
+PetscErrorCode MpmDataFileCreate(MPI_Comm comm, const char path[], MpmDataFile *file);
 
 /* Collective. Removes the file and refuses in one line when anything could not be written so far. */
 PetscErrorCode MpmDataFileCheck(MpmDataFile *file);

@@ -43,15 +43,22 @@ static hid_t Try(MpmHdf5 *f, hid_t result)
 }
 
 /*
-   HDF5's locks are switched off. Some file systems do not have them, and they are not needed: no other program uses the
+   Comes before HDF5's first call, which reads the variable. Its locks are switched off. Some file systems do not have them, and they are not needed: no other program uses the
    temporary name of a file that is being written.
 */
+static PetscErrorCode Prepare(void)
+{
+  PetscFunctionBegin;
+  (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
+  PetscCheck(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "HDF5 cannot be kept silent");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Begin(MPI_Comm comm, MpmHdf5 *f)
 {
   PetscFunctionBegin;
   *f = (MpmHdf5){.comm = comm, .file = -1, .descriptor = -1};
-  (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
-  PetscCheck(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, comm, PETSC_ERR_LIB, "HDF5 cannot be kept silent");
+  PetscCall(Prepare());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,6 +114,14 @@ PetscErrorCode MpmHdf5Create(MPI_Comm comm, const char path[], PetscInt reserved
   f->file = Try(f, H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT));
   (void)Try(f, H5Pclose(creation));
   Reserve(f, 0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHdf5Is(const char path[], PetscBool *is)
+{
+  PetscFunctionBegin;
+  PetscCall(Prepare());
+  *is = H5Fis_hdf5(path) > 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -393,4 +408,86 @@ PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64
   if (space >= 0) (void)H5Sclose(space);
   if (array >= 0) (void)H5Dclose(array);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define DENSEST 1100 /* filters pack at most about so many bytes into one */
+#define MOST_DIMS 32 /* of HDF5 */
+
+PetscBool MpmHdf5Array(const MpmHdf5 *f, const char name[], int room, int *dims, PetscInt64 shape[])
+{
+  hid_t     array, space, type;
+  hsize_t   extent[MOST_DIMS] = {0}, bytes = 0;
+  PetscReal claimed;
+  PetscBool ok;
+
+  if (!MpmHdf5Has(f, name)) return PETSC_FALSE;
+  array = H5Dopen2(f->file, name, H5P_DEFAULT);
+  if (array < 0) return PETSC_FALSE; /* a group */
+  space   = H5Dget_space(array);
+  type    = H5Dget_type(array);
+  *dims   = H5Sget_simple_extent_ndims(space);
+  ok      = *dims >= 0 && *dims <= room && (H5Tget_class(type) == H5T_INTEGER || H5Tget_class(type) == H5T_FLOAT) &&
+               H5Fget_filesize(f->file, &bytes) >= 0 && H5Sget_simple_extent_dims(space, extent, NULL) == *dims
+                ? PETSC_TRUE
+                : PETSC_FALSE;
+  claimed = (PetscReal)H5Tget_size(type) / DENSEST;
+  for (int d = 0; d < *dims && ok; d++) {
+    shape[d] = (PetscInt64)extent[d];
+    claimed *= (PetscReal)extent[d];
+  }
+  (void)H5Tclose(type);
+  (void)H5Sclose(space);
+  (void)H5Dclose(array);
+  return ok && claimed <= (PetscReal)bytes ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
+{
+  hid_t array;
+
+  PetscFunctionBegin;
+  array = Try(f, H5Dopen2(f->file, name, H5P_DEFAULT));
+  (void)Try(f, H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
+  if (array >= 0) (void)H5Dclose(array);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmHdf5ReadText(const MpmHdf5 *f, const char object[], const char name[], size_t room, char text[])
+{
+  const hid_t attribute = H5Aopen_by_name(f->file, object, name, H5P_DEFAULT, H5P_DEFAULT);
+  hid_t       type, space;
+  char       *variable = NULL, fixed[64] = "";
+  PetscBool   ok;
+
+  text[0] = '\0';
+  if (attribute < 0) return PETSC_FALSE;
+  type  = H5Aget_type(attribute);
+  space = H5Aget_space(attribute);
+  ok    = H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1 ? PETSC_TRUE : PETSC_FALSE;
+  if (ok && H5Tis_variable_str(type) > 0) {
+    ok = H5Aread(attribute, type, &variable) >= 0 && variable ? PETSC_TRUE : PETSC_FALSE;
+    if (ok) (void)PetscStrncpy(text, variable, room);
+    (void)H5free_memory(variable);
+  } else if (ok) {
+    ok = H5Tget_size(type) < sizeof fixed && H5Aread(attribute, type, fixed) >= 0 ? PETSC_TRUE : PETSC_FALSE;
+    if (ok) (void)PetscStrncpy(text, fixed, room);
+  }
+  (void)H5Tclose(type);
+  (void)H5Sclose(space);
+  (void)H5Aclose(attribute);
+  return ok;
+}
+
+PetscBool MpmHdf5Group(const MpmHdf5 *f, PetscInt i, size_t room, char name[])
+{
+  const ssize_t length =
+      f->file < 0 ? -1
+                  : H5Lget_name_by_idx(f->file, "/", H5_INDEX_NAME, H5_ITER_INC, (hsize_t)i, name, room, H5P_DEFAULT);
+  hid_t object;
+
+  if (length < 0) return PETSC_FALSE;
+  object = (size_t)length < room ? H5Oopen(f->file, name, H5P_DEFAULT) : -1;
+  if (object < 0 || H5Iget_type(object) != H5I_GROUP) name[0] = '\0';
+  if (object >= 0) (void)H5Oclose(object);
+  return PETSC_TRUE;
 }

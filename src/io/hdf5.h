@@ -26,6 +26,9 @@ typedef struct {
 /* Collective. Opens an empty file that exists, to write. The HDF5 part begins after reserved bytes. */
 PetscErrorCode MpmHdf5Create(MPI_Comm comm, const char path[], PetscInt reserved, MpmHdf5 *file);
 
+/* Not collective. Whether a file is HDF5. */
+PetscErrorCode MpmHdf5Is(const char path[], PetscBool *is);
+
 /* Collective. Opens a file to read. */
 PetscErrorCode MpmHdf5Open(MPI_Comm comm, const char path[], MpmHdf5 *file);
 
@@ -77,3 +80,18 @@ PetscErrorCode MpmHdf5Length(MpmHdf5 *file, const char name[], hid_t type, Petsc
 
 /* Not collective. Reads n numbers of such an array, starting at begin. If there are fewer, the file has failed. */
 PetscErrorCode MpmHdf5Read(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part);
+
+/*
+   MpmHdf5Array - finds the extents of an array of numbers, whole or real, of at most room dimensions. Returns whether there
+   is one that does not claim more than the file can hold.
+   MpmHdf5ReadArray - reads all its numbers as doubles. If that fails, the file has failed.
+   MpmHdf5ReadText - reads the text of an attribute, of fixed or variable length. Returns whether it has been read.
+   MpmHdf5Group - the name of the i-th member of the root, if it is a group; "" if it is none. Returns whether there is an
+   i-th member.
+
+   Not collective.
+*/
+PetscBool      MpmHdf5Array(const MpmHdf5 *file, const char name[], int room, int *dims, PetscInt64 shape[]);
+PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *file, const char name[], PetscReal numbers[]);
+PetscBool      MpmHdf5ReadText(const MpmHdf5 *file, const char object[], const char name[], size_t room, char text[]);
+PetscBool      MpmHdf5Group(const MpmHdf5 *file, PetscInt i, size_t room, char name[]);

@@ -31,3 +31,11 @@ PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march);
 */
 PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
                              MpmDataFile *file);
+
+/*
+   MpmVectorsWrite - writes the first count listed eigenvectors of a matrix that was given, as /modes/NNNN/vector_re and
+   vector_im in the order of its rows, with the same attributes.
+
+   Collective.
+*/
+PetscErrorCode MpmVectorsWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file);

@@ -82,3 +82,26 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const 
   PetscCall(VecDestroy(&field));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmVectorsWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
+{
+  static const char *const parts[] = {"re", "im"};
+  Vec                      x[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
+  for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
+    PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
+    PetscCall(MpmOperatorToState(op, x[0], x[1]));
+    for (int part = 0; part < 2; part++) {
+      char name[64];
+
+      PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/vector_%s", j + 1, parts[part]));
+      PetscCall(WriteField(name, x[part], file));
+    }
+    PetscCall(WriteEigenvalue(op, eigen, j, file));
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -18,23 +18,24 @@ static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *mod
   }
   PetscCall(MpmDataFileArray(file, "/spectrum", "eigenvalues", n, 2, pairs));
   PetscCall(MpmDataFileArray(file, "/spectrum", "residuals", n, 1, s->eigen->residual));
-  PetscCall(MpmDataFileArray(file, "/spectrum", "beta", n, modes->dim, modes->beta));
+  if (modes->dim) PetscCall(MpmDataFileArray(file, "/spectrum", "beta", n, modes->dim, modes->beta));
   if (modes->dim > 1) PetscCall(MpmDataFileArray(file, "/spectrum", "p_share", n, 1, modes->p_share));
-  PetscCall(MpmDataFileArray(file, "/spectrum", "null_share", n, 1, modes->null_share));
+  if (modes->dim) PetscCall(MpmDataFileArray(file, "/spectrum", "null_share", n, 1, modes->null_share));
   PetscCall(PetscFree(pairs));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
 {
-  static const char *const names[MPM_MAX_DIM] = {"beta", "beta_x,beta_y,p_share", "beta_x,beta_y,beta_z,p_share"};
-  const int                exponent           = (int)s->op->exponent;
+  static const char *const names[]  = {"", ",beta,null_share", ",beta_x,beta_y,p_share,null_share",
+                                       ",beta_x,beta_y,beta_z,p_share,null_share"};
+  const int                exponent = (int)s->op->exponent;
   MpmTextFile              csv;
 
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(s->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "mode,re,im,abs,growth,residual,%s,null_share\n", names[modes->dim - 1]);
+    fprintf(csv.stream, "mode,re,im,abs,growth,residual%s\n", names[modes->dim]);
     for (PetscInt j = 0; j < s->eigen->n; j++) {
       const PetscReal size  = hypot(s->eigen->re[j], s->eigen->im[j]);
       const PetscReal row[] = {scalbn(s->eigen->re[j], exponent), scalbn(s->eigen->im[j], exponent),
@@ -45,7 +46,7 @@ static PetscErrorCode WriteCsv(const MpmSpectrum *s, const MpmModes *modes)
       for (size_t c = 0; c < PETSC_STATIC_ARRAY_LENGTH(row); c++) MpmTextFileCell(&csv, row[c]);
       for (PetscInt a = 0; a < modes->dim; a++) MpmTextFileCell(&csv, modes->beta[modes->dim * j + a]);
       if (modes->dim > 1) MpmTextFileCell(&csv, modes->p_share[j]);
-      MpmTextFileCell(&csv, modes->null_share[j]);
+      if (modes->dim) MpmTextFileCell(&csv, modes->null_share[j]);
       fprintf(csv.stream, "\n");
     }
   }
@@ -76,21 +77,24 @@ static PetscErrorCode WriteTransient(const MpmSpectrum *s, MpmDataFile *file)
 
 PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
 {
-  MpmModes    modes;
+  MpmModes    modes = {.n = 0}; /* a matrix that was given has no waves and no nodes */
   MpmDataFile file;
 
   PetscFunctionBegin;
   if (!s->request->output[0] && !s->request->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
+  if (s->scene) PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
   if (s->request->csv[0]) PetscCall(WriteCsv(s, &modes));
   if (s->request->output[0]) {
     PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, s->request, &file));
     PetscCall(WriteEigenvalues(s, &modes, &file));
-    PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->request->modes, &file));
+    if (s->scene)
+      PetscCall(MpmModesWrite(s->op, s->scene->cell_width, s->eigen, s->request->modes, &file));
+    else
+      PetscCall(MpmVectorsWrite(s->op, s->eigen, s->request->modes, &file));
     if (s->symbol) PetscCall(MpmSymbolWrite(s->symbol, &s->predictor, &file));
     PetscCall(WriteTransient(s, &file));
     PetscCall(MpmDataFileClose(&file));
   }
-  PetscCall(MpmModesDestroy(&modes));
+  if (s->scene) PetscCall(MpmModesDestroy(&modes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,24 +17,32 @@ static PetscErrorCode WriteCurve(const MpmSymbol *s, const char name[], const Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
+static PetscErrorCode WritePhases(const MpmSymbol *s, MpmDataFile *file)
 {
-  const PetscInt dim = s->layout->dim;
-  PetscReal     *published, *corrected, *beta;
+  PetscReal *beta;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(dim * s->all, &beta, s->classes, &published, s->classes, &corrected));
-  for (PetscInt m = 0; m < s->all; m++) MpmSymbolBeta(s, m, beta + dim * m);
-  for (PetscInt i = 0; i < s->classes; i++) {
-    const PetscInt m = MpmSymbolPhaseOfClass(s, i);
+  PetscCall(PetscMalloc1(s->dim * s->all, &beta));
+  for (PetscInt m = 0; m < s->all; m++) MpmSymbolBeta(s, m, beta + s->dim * m);
+  PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->all, s->dim, beta));
+  PetscCall(PetscFree(beta));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    published[i] = MpmPredictorPublished(p, s->step.courant, beta + dim * m);
-    corrected[i] = MpmPredictorCorrected(p, s->step.courant, beta + dim * m);
+static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
+{
+  PetscReal *published, *corrected, beta[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(s->classes, &published, s->classes, &corrected));
+  for (PetscInt i = 0; i < s->classes; i++) {
+    MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, i), beta);
+    published[i] = MpmPredictorPublished(p, s->step.courant, beta);
+    corrected[i] = MpmPredictorCorrected(p, s->step.courant, beta);
   }
-  PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->all, dim, beta));
   PetscCall(WriteCurve(s, "published", published, PETSC_TRUE, file));
   PetscCall(WriteCurve(s, "corrected", corrected, PETSC_TRUE, file));
-  PetscCall(PetscFree3(beta, published, corrected));
+  PetscCall(PetscFree2(published, corrected));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -46,7 +54,8 @@ PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmData
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCall(WriteFormulas(s, p, file));
+  PetscCall(WritePhases(s, file));
+  if (p) PetscCall(WriteFormulas(s, p, file));
   PetscCall(MpmSymbolGather(comm, s, s->per_phase, &growth));
   PetscCall(WriteCurve(s, "growth", growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
   PetscCall(PetscFree(growth));
@@ -68,20 +77,21 @@ PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, cons
   if (s->without_null) PetscCall(MpmSymbolGather(PETSC_COMM_WORLD, s, s->without_null, &seen));
   PetscCall(MpmTextFileOpen(path, &csv));
   if (csv.stream) {
-    const PetscInt rows = s->layout->dim == 1 ? s->classes : s->all;
+    const PetscInt rows = s->dim == 1 ? s->classes : s->all;
 
-    fprintf(csv.stream, "%s,growth%s,published,corrected\n", names[s->layout->dim - 1], seen ? ",growth_seen" : "");
+    fprintf(csv.stream, "%s,growth%s%s\n", names[s->dim - 1], seen ? ",growth_seen" : "",
+            p ? ",published,corrected" : "");
     for (PetscInt m = 0; m < rows; m++) {
       PetscReal      beta[MPM_MAX_DIM];
       PetscBool      conjugate;
       const PetscInt i = MpmSymbolClass(s, m, &conjugate);
 
       MpmSymbolBeta(s, m, beta);
-      for (PetscInt a = 0; a < s->layout->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "", beta[a]);
+      for (PetscInt a = 0; a < s->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "", beta[a]);
       MpmTextFileCell(&csv, growth[i]);
       if (seen) MpmTextFileCell(&csv, seen[i]);
-      MpmTextFileCell(&csv, MpmPredictorPublished(p, s->step.courant, beta));
-      MpmTextFileCell(&csv, MpmPredictorCorrected(p, s->step.courant, beta));
+      if (p) MpmTextFileCell(&csv, MpmPredictorPublished(p, s->step.courant, beta));
+      if (p) MpmTextFileCell(&csv, MpmPredictorCorrected(p, s->step.courant, beta));
       fprintf(csv.stream, "\n");
     }
   }

@@ -8,7 +8,7 @@
    /symbol/growth, /symbol/published and /symbol/corrected, and where the amplification factors are kept, /symbol/factors
    (phases x 2 size: real and imaginary part of each amplification factor in turn).
 
-   Collective. A number is NaN where a formula does not cover the phase.
+   Collective. A number is NaN where a formula does not cover the phase. predictor NULL: there are no formulas.
 */
 PetscErrorCode MpmSymbolWrite(const MpmSymbol *symbol, const MpmPredictor *predictor, MpmDataFile *file);
 

@@ -113,6 +113,6 @@ void MpmXdmfStep(FILE *xmf, const MpmScene *scene, const char file[], const char
   fprintf(xmf, "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"%.17g\"/>\n",
           time);
   Particles(&fields);
-  Nodes(&fields);
+  if (scene->scheme.basis->spline_ends != MPM_SPLINES_OPEN) Nodes(&fields);
   fprintf(xmf, "</Grid>\n");
 }

@@ -32,7 +32,7 @@ static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *ra
 {
   PetscInt node = axis->first + local;
 
-  if (!axis->periodic && (node < 0 || node > axis->cells)) return PETSC_FALSE;
+  if (!axis->periodic && (node < 0 || node >= axis->all)) return PETSC_FALSE;
   if (axis->periodic) node = (node % axis->cells + axis->cells) % axis->cells;
   *rank = 0;
   while (*rank + 1 < axis->ranks && node >= axis->starts[*rank + 1]) ++*rank;
@@ -43,7 +43,7 @@ static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *ra
 /* The number of nodes that the r-th rank along an axis owns. */
 static PetscInt NodesOf(const MpmGridAxis *axis, PetscInt r)
 {
-  return axis->starts[r + 1] - axis->starts[r] + (!axis->periodic && r == axis->ranks - 1 ? 1 : 0);
+  return axis->starts[r + 1] - axis->starts[r] + (r == axis->ranks - 1 ? axis->all - axis->cells : 0);
 }
 
 /* The owner of a local node, and its index in the owner's local array. Returns false for a node beyond a wall. */
@@ -100,13 +100,14 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
 
 /*
    Gives a rank its share of the cells of a direction, as DMDA does, and sets nodes[r], the nodes of the r-th rank.
-   Between walls the last rank has one node more than cells.
+   Between walls the last rank has more nodes than cells.
 */
 static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, PetscInt at, MpmGridAxis *axis,
                                 PetscInt **nodes)
 {
   PetscFunctionBegin;
   axis->cells    = direction->cells;
+  axis->all      = direction->nodes;
   axis->periodic = direction->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
   axis->ranks    = ranks;
   axis->at       = at;

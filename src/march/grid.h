@@ -8,15 +8,16 @@
    MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
 
    cells  - the number of cells of the grid
+   all    - the number of its nodes
    first  - the global index of local node 0
    count  - the number of cells of this rank
-   nodes  - the number of nodes that this rank owns: those of its cells, and on the last rank also the wall at the right
+   nodes  - the number of nodes that this rank owns: those of its cells, and on the last rank also those beyond them
    starts - starts[r]: the first cell of the r-th of the ranks along this direction
    ranks, at - the number of ranks along this direction, and which of them this rank is
    stride - the distance of neighbours along this direction in a local array
 S*/
 typedef struct {
-  PetscInt  cells, first, count, nodes, stride;
+  PetscInt  cells, all, first, count, nodes, stride;
   PetscInt *starts, ranks, at;
   PetscBool wall[2]; /* this rank has the wall at the left, at the right */
   PetscBool periodic;

@@ -114,15 +114,26 @@ static PetscErrorCode CreateVectors(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The class is registered once: PETSc has room for a hundred or so, and writes beyond it without a word. */
+static PetscClassId class_id;
+
+static PetscErrorCode ForgetClass(void)
+{
+  PetscFunctionBegin;
+  class_id = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode RegisterEvents(MpmMarch *march)
 {
-  PetscClassId id;
-
   PetscFunctionBegin;
-  PetscCall(PetscClassIdRegister("MpmMarch", &id));
-  PetscCall(PetscLogEventRegister("MpmPass", id, &march->pass_event));
-  PetscCall(PetscLogEventRegister("MpmGridSum", id, &march->sum_event));
-  PetscCall(PetscLogEventRegister("MpmMigrate", id, &march->migrate_event));
+  if (!class_id) {
+    PetscCall(PetscClassIdRegister("MpmMarch", &class_id));
+    PetscCall(PetscRegisterFinalize(ForgetClass));
+  }
+  PetscCall(PetscLogEventRegister("MpmPass", class_id, &march->pass_event));
+  PetscCall(PetscLogEventRegister("MpmGridSum", class_id, &march->sum_event));
+  PetscCall(PetscLogEventRegister("MpmMigrate", class_id, &march->migrate_event));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -39,14 +39,15 @@ static void Place(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after
   const MpmMarch  *march = s->arrays->march;
   const PetscInt  *cell  = s->arrays->cell + begin;
   const PetscReal *xi    = s->arrays->xi + begin;
-  PetscInt         moved[MPM_BLOCK];
+  PetscInt         moved[MPM_BLOCK], wall[2];
 
+  MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first, wall);
   if (s->moving) {
     MpmPlaceBlock(n, cell, xi, s->whole[after], s->part[after], moved, placed->xi);
     cell = moved;
     xi   = placed->xi;
   }
-  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width[0], &placed->block);
+  MpmBlockPlace(march->scheme->basis, n, cell, xi, march->layout->half_width[0], wall, &placed->block);
 }
 
 void MpmStagePlace(MpmStage *s)
@@ -60,14 +61,15 @@ void MpmStagePlace(MpmStage *s)
 
 /*
    The places of a block. Where cells are alike they are those of the first block, and shift is the number of nodes
-   between the two. Elsewhere, and for the last block if it is shorter, they are found anew.
+   between the two. Elsewhere, for the last block if it is shorter, and with bases whose functions differ near walls,
+   they are found anew.
 */
 static const MpmBlock *Placed(const MpmStage *s, PetscInt begin, PetscInt n, PetscBool after, MpmPlaced *room,
                               PetscInt *shift)
 {
   const PetscInt per_cell = s->arrays->march->particles->per_cell;
 
-  if (per_cell && n == s->placed[0].block.n) {
+  if (per_cell && n == s->placed[0].block.n && !MpmBasisIsAltered(s->arrays->march->scheme->basis)) {
     *shift = begin / per_cell;
     return &s->placed[after].block;
   }
@@ -86,6 +88,13 @@ static void RunWeighted(const MpmPassOp *op, const MpmBlock *block, PetscReal we
   op->kernel(block, op->a, weighed, node);
   if (op->kind == MPM_PASS_MASS) op->kernel(block, 1, weight, mass);
   for (PetscInt p = 0; p < block->n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
+}
+
+static PetscReal *FieldOf(const MpmMarchArrays *a, PetscInt field, PetscInt begin)
+{
+  const PetscInt nstate = a->march->scheme->table->nstate;
+
+  return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
 /* Fetches n numbers of an array from place on into the cache. */
@@ -109,9 +118,9 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
 
   block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    const PetscBool own = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
-    PetscReal *q    = own ? a->particle[op->particle] + begin : a->march->scratch + (op->particle - nstate) * MPM_BLOCK;
-    PetscReal *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
+    const PetscBool own  = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
+    PetscReal      *q    = FieldOf(a, op->particle, begin);
+    PetscReal      *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
 
     if (more && own) Prefetch(q, n, n);
     if (more && (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS))
@@ -124,6 +133,8 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
       op->mass_kernel(block, q, node, a->mass + shift);
     else if (op->kind == MPM_PASS_SCALE)
       MpmScale(n, op->a, q);
+    else if (op->kind == MPM_PASS_ADD)
+      MpmNodeAdd(0, n, op->a, FieldOf(a, op->other, begin), q);
     else if (op->kind == MPM_PASS_DRIFT)
       block = Placed(s, begin, n, PETSC_TRUE, &room, &shift);
     else if (s->sample)

@@ -28,7 +28,7 @@ void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM
 /* Sets the wall node of one end, if it is among this rank's nodes and ghosts. */
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
-  const PetscInt wall = (op->side ? grid->axis[0].cells : 0) - grid->axis[0].first;
+  const PetscInt wall = (op->side ? grid->axis[0].all - 1 : 0) - grid->axis[0].first;
 
   if (wall >= -grid->ghost && wall < grid->axis[0].nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
 }
@@ -36,7 +36,9 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
 /* Does a local node operation (MpmNodeOpIsLocal) on nodes [lo, hi). */
 static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
 {
-  if (op->kind == MPM_LAP && op->accumulates)
+  if (op->dst == op->src)
+    MpmScale(hi - lo, op->a, field[op->dst] + lo);
+  else if (op->kind == MPM_LAP && op->accumulates)
     MpmNodeAddLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
   else if (op->kind == MPM_LAP)
     MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);

@@ -83,8 +83,10 @@ static void RowAlong(const MpmNodalSolve *s, PetscInt a, PetscInt cell, PetscRea
                      PetscReal weight[])
 {
   const MpmGridAxis *axis = &s->grid->axis[a];
+  PetscInt           wall[2];
 
-  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[a], weight);
+  MpmDirectionWalls(&s->layout->grid[a], axis->first + cell, wall);
+  MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[a], wall, weight);
   for (PetscInt d = 0; d < MpmMapReach(s->basis); d++) {
     PetscInt  node = cell - s->basis->reach_left + d;
     PetscReal sign = 1;

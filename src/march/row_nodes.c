@@ -20,7 +20,7 @@ static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const Petsc
 static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
 {
   const MpmGridAxis *axis = &grid->axis[op->axis];
-  const PetscInt     wall = (op->side ? axis->cells : 0) - axis->first;
+  const PetscInt     wall = (op->side ? axis->all - 1 : 0) - axis->first;
   MpmGridBox         box  = MpmGridBoxOf(grid, grid->ghost);
 
   if (wall < -grid->ghost || wall >= axis->nodes + grid->ghost) return;
@@ -69,6 +69,10 @@ PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscI
       for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
         const PetscInt at = MpmGridRow(grid, &box, r) + box.lo[0];
 
+        if (op->dst == op->src) {
+          MpmScale(box.hi[0] - box.lo[0], op->a, field[op->dst] + at);
+          continue;
+        }
         RunRow(op, grid->axis[op->axis].stride, box.hi[0] - box.lo[0], field[op->src] + at, field[op->dst] + at);
       }
     }

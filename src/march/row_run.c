@@ -50,6 +50,7 @@ static PetscBool IsAlike(const MpmRowArrays *a, PetscInt begin, PetscInt n, cons
   PetscInt         differ = 0;
 
   if (placed->n != n) return PETSC_FALSE;
+  if (MpmBasisIsAltered(a->march->scheme->basis) && cell[0] != of[0]) return PETSC_FALSE;
   for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of[p] - of[0]) | (xi[p] != of_xi[p]);
   return differ ? PETSC_FALSE : PETSC_TRUE;
 }
@@ -76,7 +77,7 @@ static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscI
 {
   const MpmMarch *march  = a->march;
   const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
-  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK];
+  PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK], wall[2];
 
   if (IsAlike(a, begin, n, placed)) {
     placed->begin = begin;
@@ -85,7 +86,8 @@ static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscI
   moved[0] = 0; /* a row is never empty, but the compiler cannot know it */
   for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
   Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
-  MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], &placed->block);
+  MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + origin, wall);
+  MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], wall, &placed->block);
   placed->begin = begin;
   placed->n     = n;
   placed->lo = placed->hi = placed->block.first[0];
@@ -108,12 +110,13 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
 
   along[2][MPM_P2G][0] = 1; /* of a direction that is not there */
   for (PetscInt d = 1; d < dim; d++) {
-    PetscInt  cell;
+    PetscInt  cell, wall[2];
     PetscReal xi;
 
     Move(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
+    MpmDirectionWalls(&march->layout->grid[d], grid->axis[d].first + cell, wall);
     for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
-      first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], along[d][*k]);
+      first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], wall, along[d][*k]);
   }
   placed->rows = dim == 2 ? n : n * n;
   for (PetscInt r = 0; r < placed->rows; r++) {
@@ -222,6 +225,8 @@ static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
       RunSpread(a, step, placed, w);
     else if (step->kind == MPM_ROW_SCALE)
       MpmScale(n, step->a, FieldOf(a, step->particle, begin));
+    else if (step->kind == MPM_ROW_ADD)
+      MpmNodeAdd(0, n, step->a, FieldOf(a, step->other, begin), FieldOf(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
       Place(a, begin, n, 1, &w->placed[1]);
       placed = &w->placed[1];

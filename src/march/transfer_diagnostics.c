@@ -88,7 +88,7 @@ static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places,
     PetscReal xi, row[MPM_MAX_REACH];
 
     MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
-    MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width[0], row);
+    MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width[0], MpmNoWalls, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
       const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
@@ -176,11 +176,12 @@ static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, 
   for (PetscInt p = 0; p < march->particles->count; p++) {
     const PetscReal m    = places->mass ? places->mass[p] : 1;
     PetscReal       rest = q[p], xi;
-    PetscInt        cell;
+    PetscInt        cell, wall[2];
     MpmBlock        block;
 
     MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
-    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width[0], &block);
+    MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first, wall);
+    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width[0], wall, &block);
     march->scheme->basis->kernel[MPM_G2P](&block, -1, &rest, y);
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];

@@ -31,10 +31,11 @@ static PetscInt RowOf(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, cons
   column[0] = 0;
   weight[0] = 1;
   for (PetscInt a = 0; a < layout->dim; a++) {
-    PetscInt  node[MPM_MAX_REACH];
+    PetscInt  node[MPM_MAX_REACH], wall[2];
     PetscReal row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
 
-    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], row);
+    MpmDirectionWalls(&layout->grid[a], cell[a], wall);
+    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], wall, row);
     MpmNodesSeen(&layout->grid[a], basis, cell[a], parity[a], drop, node, sign);
     for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n products are read last */
       for (PetscInt i = 0; i < n; i++) {
@@ -425,6 +426,19 @@ PetscErrorCode MpmStepMapsDestroy(MpmStepMaps *maps)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* dst += a src, both registers of particles. */
+static PetscErrorCode AddParticles(MpmRegisters *r, const MpmOp *op, PetscReal a)
+{
+  Mat term;
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(r->particle[op->src], MAT_COPY_VALUES, &term));
+  PetscCall(Raise(r, op, &term));
+  PetscCall(MatAXPY(r->particle[op->dst], a, term, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&term));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, MpmStepMaps *maps)
 {
   const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
@@ -436,6 +450,8 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
   if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
   if (op->kind == MPM_WALL)
     PetscCall(SetWall(r, op, a));
+  else if (op->kind == MPM_ADD)
+    PetscCall(AddParticles(r, op, a));
   else if (op->kind == MPM_SCALE && a == 0)
     PetscCall(Empty(r, r->particles, &r->particle[op->dst]));
   else if (op->kind == MPM_SCALE) {

@@ -5,6 +5,7 @@
 #include "base/power_of_two.h"
 #include "march/march_private.h"
 #include "operator/assemble.h"
+#include "operator/given.h"
 #include "operator/shell.h"
 #include "scene/layout.h"
 #include "scene/material.h"
@@ -125,7 +126,7 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
 
   PetscFunctionBegin;
   *exponent = 0;
-  if (op->period == 1) {
+  if (op->parts == 1) {
     PetscCall(PetscObjectReference((PetscObject)op->A));
     *A        = op->A;
     *exponent = op->exponent;
@@ -166,9 +167,9 @@ static PetscReal RootOf(const MpmOperator *op, PetscInt r, PetscInt64 id)
 
 static PetscBool IsAlike(const MpmOperator *op)
 {
-  const PetscBool *varies = op->layout->varies;
+  const PetscBool *varies = op->layout ? op->layout->varies : NULL;
 
-  return !varies[MPM_MASS] && !varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+  return !varies || (!varies[MPM_MASS] && !varies[MPM_STIFFNESS]) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Computes D A D^-1 and D, whose diagonal has these roots, or with powers the powers of two next to them. */
@@ -232,13 +233,23 @@ static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOperatorCount(MpmOperator *op)
+{
+  MatInfo info;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetInfo(op->A, MAT_GLOBAL_SUM, &info));
+  op->nonzeros = info.nz_used;
+  op->bytes    = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * op->order * sizeof(PetscInt);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                  MpmOperator **op)
 {
   const PetscReal begin = MPI_Wtime();
   MpmOperator    *o;
   char            size[MPM_SIZE_TEXT];
-  MatInfo         info;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(op));
@@ -254,11 +265,10 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->order     = (PetscInt)(o->fields * layout->particles);
   o->assembled = layout->dim == 1 || o->order <= MPM_MATRIX_ORDER ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(MpmStepPeriod(step, &o->period));
+  o->parts = o->period;
   PetscCall(o->assembled ? CreateMatrix(comm, o) : CreateShell(comm, o));
   PetscCall(Balance(o));
-  PetscCall(MatGetInfo(o->A, MAT_GLOBAL_SUM, &info));
-  o->nonzeros   = info.nz_used;
-  o->bytes      = info.nz_used * (sizeof(PetscScalar) + sizeof(PetscInt)) + 2.0 * o->order * sizeof(PetscInt);
+  PetscCall(MpmOperatorCount(o));
   o->assemble_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -356,9 +366,10 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed)
 
 const char *MpmOperatorNorm(const MpmOperator *op)
 {
-  const MpmFormulation *f       = op->scheme->formulation;
+  const MpmFormulation *f       = op->scheme ? op->scheme->formulation : NULL;
   PetscInt              squares = 0;
 
+  if (!f) return "Euclidean, of the matrix's own unknowns";
   for (PetscInt t = 0; t < f->nenergy; t++) squares += f->energy[t].place == MPM_ON_PARTICLES;
   if (squares == op->fields) return "the energy's, of the particles";
   return IsAlike(op) ? "Euclidean over particles and fields, no energy"

@@ -5,8 +5,19 @@
 #include "symbol/predict.h"
 #include <jansson.h>
 
+/* Collective. Prints the task and the file that takes the place of a scene. what: a matrix, or blocks of a lattice. */
+PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks);
+
 /* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
+
+/*
+   MpmReportNodal - prints, after the text before, the order of the matrix that takes the nodes of particles at rest
+   through a step at a phase, and in one dimension what it acts on: what the nodes get of the particles.
+
+   Not collective. Prints nothing for a table without such a matrix, where particles change by more than nodes send.
+*/
+PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
 
 /*
    MpmReportUnits - prints wave speed, width of a cell, density and Poisson's ratio of a scene in physical units in one
@@ -54,13 +65,15 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmCompa
 PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
 
 /*
-   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid. MpmJsonSet adds a number, unless
+   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid, and MpmJsonFile one with version,
+   task and the file that takes the place of a scene. MpmJsonSet adds a number, unless
    it is not finite, which JSON cannot express. MpmJsonSetPrediction adds a growth, or null when the formula does not
    cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonPredicted makes the value of
    the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
 */
 PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s,
                             json_t **object);
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object);
 void           MpmJsonSet(json_t *object, const char key[], PetscReal value);
 void           MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth);
 void           MpmJsonSetFinding(json_t *object, const MpmFinding *finding);

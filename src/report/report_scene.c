@@ -11,6 +11,7 @@
 /* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
+  if (!strcmp(name, "drift") && MpmRequestKeepsMach(request)) return PETSC_TRUE;
   for (PetscInt kind = 0; MpmAxisNames[kind]; kind++)
     if (!strcmp(MpmAxisNames[kind], name)) return MpmRequestVaries(request, (MpmAxisKind)kind);
   return PETSC_FALSE;
@@ -57,6 +58,20 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   if (material != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
   if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
     MpmPrint("particles within %.17g to %.17g of their cells\n", s->layout.cluster[0], s->layout.cluster[1]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What tells a scheme as text from others. Of parameters that a map varies the scene's own values do not count. */
+static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
+{
+  const PetscBool varied = MpmRequestVaries(request, MPM_AXIS_PARAMETER);
+
+  PetscFunctionBegin;
+  if (!s->written) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrintFields(s, request, "scheme as text, hash {scheme}"));
+  if (s->parameters[0])
+    PetscCall(PrintFields(s, request, varied ? ", parameters varied" : ", parameters {parameters}"));
+  MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -109,8 +124,17 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
       s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
   PetscCall(PrintStep(s, request));
   MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(PrintScheme(s, request));
   PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks)
+{
+  PetscFunctionBegin;
+  MpmPrint("mpmstab %s %s: %s of %s, %d rank%s\n", MPMSTAB_VERSION, request->task, what,
+           request->matrix[0] ? request->matrix : request->matrix_blocks, ranks, ranks == 1 ? "" : "s");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,20 +287,35 @@ static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
 }
 
 /* Fields that only some scenes show come last. */
-PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const char task[], PetscMPIInt ranks,
+                           PetscReal wall_s, json_t **object)
 {
   MpmValue values[MPM_MAX_VALUES];
   PetscInt n;
 
   PetscFunctionBegin;
   *object = json_pack("{s:s, s:s}", "version", MPMSTAB_VERSION, "task", task);
-  PetscCall(MpmValuesIn(MPM_IN_JSON, s, NULL, &n, values));
+  PetscCall(MpmValuesIn(MPM_IN_JSON, s, request, &n, values));
   for (PetscInt i = 0; i < n; i++)
     if (!values[i].field->shown) SetValue(*object, s, &values[i]);
   json_object_set_new(*object, "ranks", json_integer(ranks));
   json_object_set_new(*object, "wall_s", json_real(wall_s));
   for (PetscInt i = 0; i < n; i++)
     if (values[i].field->shown) SetValue(*object, s, &values[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+{
+  PetscFunctionBegin;
+  PetscCall(Head(s, NULL, task, ranks, wall_s, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+{
+  PetscFunctionBegin;
+  PetscCall(Head(NULL, request, request->task, ranks, wall_s, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -317,7 +356,7 @@ json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison 
 
 json_t *MpmJsonSymbol(const MpmSymbol *symbol)
 {
-  const PetscInt dim    = symbol->layout->dim;
+  const PetscInt dim    = symbol->dim;
   json_t        *object = json_object(), *phases = json_array(), *beta = json_array();
 
   for (PetscInt a = 0; a < dim; a++) {

@@ -13,8 +13,8 @@ static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
     PetscCall(MpmReportGrowth("symbol", NAN, text));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmReportVector(s->symbol->layout->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
-  PetscCall(MpmReportCounts(s->symbol->layout->dim, s->symbol->phases, sizeof phases, phases));
+  PetscCall(MpmReportVector(s->symbol->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
+  PetscCall(MpmReportCounts(s->symbol->dim, s->symbol->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
   PetscCall(MpmReportGrowth("symbol", s->symbol->growth, text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,12 +73,14 @@ static PetscErrorCode PrintLeading(const MpmModes *modes)
 static PetscErrorCode PrintOperator(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros%s, of %" PetscInt_FMT " step%s; ", s->op->order,
+  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros%s, of %" PetscInt_FMT " step%s", s->op->order,
            s->op->nonzeros, s->op->assembled ? "" : " in its maps", s->op->period, s->op->period == 1 ? "" : "s");
-  if (isfinite(s->step_mismatch))
-    MpmPrint("it differs from the march by %.1e\n", s->step_mismatch);
+  if (!s->scene)
+    MpmPrint("%s\n", s->op->unit ? "; its unknowns are scaled, so that rows and columns have about the same size" : "");
+  else if (isfinite(s->step_mismatch))
+    MpmPrint("; it differs from the march by %.1e\n", s->step_mismatch);
   else
-    MpmPrint("not compared: the march leaves the range of doubles\n");
+    MpmPrint("; not compared: the march leaves the range of doubles\n");
   if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
@@ -91,32 +93,46 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
                s->nullity);
     MpmPrint("\n");
   }
-  PetscCall(MpmReportComparison(&s->predictor, &s->comparison));
+  if (s->scene) PetscCall(MpmReportComparison(&s->predictor, &s->comparison));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode PrintCost(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  MpmPrint("time: %.3g s to assemble, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->eigen->solve_s,
-           s->wall_s);
+  MpmPrint("time: %.3g s to %s, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->scene ? "assemble" : "balance",
+           s->eigen->solve_s, s->wall_s);
   MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown, of them %.3g for A\n", 1e-6 * s->memory,
            s->memory / s->op->order, s->op->bytes / s->op->order);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
+static PetscErrorCode PrintBulk(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s->scene, s->request, s->ranks));
   MpmPrint("\ngrowth per step\n");
-  PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
-  PetscCall(PrintSymbol(s));
+  if (s->scene) PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
+  if (s->scene) PetscCall(PrintSymbol(s));
   PetscCall(PrintSpectrum(s));
-  PetscCall(PrintMeasured(s));
+  if (s->scene) PetscCall(PrintMeasured(s));
   PetscCall(PrintOperator(s));
   PetscCall(MpmTransientPrint(s));
-  PetscCall(MpmReportFinding(&s->finding, s->condition));
-  PetscCall(PrintCost(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                const MpmNeighbourhoods *all)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(scene ? MpmReportScene(scene, request, ranks) : MpmReportFile(request, "the matrix", ranks));
+  if (s) PetscCall(PrintBulk(s));
+  if (all)
+    PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));
+  else
+    PetscCall(MpmReportFinding(&s->finding, s->condition));
+  if (s) PetscCall(PrintCost(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,7 +10,7 @@ static json_t *Operator(const MpmSpectrum *s)
   json_object_set_new(object, "unknowns", json_integer(s->op->order));
   json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
   json_object_set_new(object, "period_steps", json_integer(s->op->period));
-  MpmJsonSet(object, "assemble_s", s->op->assemble_s);
+  if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);
   json_object_set_new(object, "solver", json_string(s->eigen->solver));
   json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
@@ -48,15 +48,15 @@ static json_t *Modes(const MpmSpectrum *s)
   return list;
 }
 
-PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
+/* What was found of the bulk. */
+static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
 {
-  json_t *object, *run;
+  json_t *run;
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s, &object));
-  MpmJsonSetFinding(object, &s->finding);
-  json_object_set_new(object, "predicted",
-                      MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
+  if (s->scene)
+    json_object_set_new(object, "predicted",
+                        MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
   json_object_set_new(object, "spectrum", Operator(s));
   if (s->symbol) json_object_set_new(object, "symbol", MpmJsonSymbol(s->symbol));
   if (s->run && s->run->growth.measured) {
@@ -68,6 +68,26 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
   }
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
-  PetscCall(MpmJsonWrite(s->request->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                    const MpmNeighbourhoods *all, PetscReal wall_s)
+{
+  PetscMPIInt ranks;
+  json_t     *object, *spectrum;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(scene ? MpmJsonScene(scene, "spectrum", ranks, all ? wall_s : s->wall_s, &object)
+                  : MpmJsonFile(request, ranks, s->wall_s, &object));
+  MpmJsonSetFinding(object, all ? &all->finding : &s->finding);
+  if (s) PetscCall(SetBulk(object, s));
+  if (all) {
+    if (!s) json_object_set_new(object, "spectrum", json_object());
+    spectrum = json_object_get(object, "spectrum");
+    MpmNeighbourhoodsJson(scene, all, PETSC_FALSE, spectrum);
+  }
+  PetscCall(MpmJsonWrite(request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,7 +20,7 @@ static PetscErrorCode TakeOne(const MpmScene *scene, const void *place, PetscInt
   PetscFunctionBegin;
   switch (field->value) {
   case MPM_AS_TEXT:
-    PetscCall(PetscStrncpy(value->text, field->text(scene), sizeof value->text));
+    PetscCall(PetscStrncpy(value->text, field->text ? field->text(scene) : place, sizeof value->text));
     break;
   case MPM_AS_COUNT:
     value->whole[a] = *(const PetscInt *)place;
@@ -75,7 +75,10 @@ PetscErrorCode MpmValueOf(const char name[], const MpmScene *scene, const MpmReq
 
 static PetscBool IsShown(const MpmField *field, MpmRecord record, const MpmScene *scene, const MpmRequest *request)
 {
-  if (!field->place[record] || (field->owner == MPM_OF_REQUEST && !request)) return PETSC_FALSE;
+  const char *owner = field->owner == MPM_OF_REQUEST ? (const char *)request : (const char *)scene;
+
+  if (!field->place[record] || !owner) return PETSC_FALSE;
+  if (field->value == MPM_AS_TEXT && !field->text) return owner[field->at] ? PETSC_TRUE : PETSC_FALSE; /* a file */
   return field->shown ? field->shown(scene, record) : PETSC_TRUE;
 }
 

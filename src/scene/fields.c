@@ -68,6 +68,21 @@ static const char *GradientWord(PetscInt i)
   return MpmGradientNames[i];
 }
 
+static const char *FilterTimeWord(PetscInt i)
+{
+  return MpmFilterTimeNames[i];
+}
+
+static const char *NeighbourhoodWord(PetscInt i)
+{
+  return MpmNeighbourhoodNames[i];
+}
+
+static const char *SplineEndsWord(PetscInt i)
+{
+  return MpmSplineEndNames[i];
+}
+
 static const char *AxisWord(PetscInt i)
 {
   return MpmAxisNames[i];
@@ -78,6 +93,16 @@ static const char *AxisWord(PetscInt i)
 static const char *FormulationOf(const MpmScene *scene)
 {
   return scene->scheme.formulation->name;
+}
+
+static const char *SchemeHashOf(const MpmScene *scene)
+{
+  return scene->scheme_hash;
+}
+
+static const char *ParametersOf(const MpmScene *scene)
+{
+  return scene->parameters;
 }
 
 static const char *BasisOf(const MpmScene *scene)
@@ -93,6 +118,16 @@ static const char *TransferOf(const MpmScene *scene)
 static const char *GradientOf(const MpmScene *scene)
 {
   return MpmGradientNames[scene->scheme.space.gradient];
+}
+
+static const char *FilterTimeOf(const MpmScene *scene)
+{
+  return MpmFilterTimeNames[scene->scheme.space.filter];
+}
+
+static const char *SplineEndsOf(const MpmScene *scene)
+{
+  return MpmSplineEndNames[scene->scheme.basis->spline_ends];
 }
 
 static const char *LayoutOf(const MpmScene *scene)
@@ -127,6 +162,18 @@ static PetscBool TransferReads(const MpmScene *scene, const char option[])
   return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool HasScheme(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->written ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasParameters(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->parameters[0] ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -137,6 +184,18 @@ static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
   return TransferReads(scene, "blend_ratio");
+}
+
+static PetscBool HasAffineRatio(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return TransferReads(scene, "aflip_ratio");
+}
+
+static PetscBool HasFilterTime(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneChoosesFilter(scene);
 }
 
 /* Files that were written before there was more than one dimension have none of these three. */
@@ -150,6 +209,12 @@ static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
   return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
              ? PETSC_TRUE
              : PETSC_FALSE;
+}
+
+static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmBasisIsAltered(scene->scheme.basis);
 }
 
 static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
@@ -237,20 +302,30 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 #define EACH(kind, member, element) KEPT(kind, member), .each = STRIDE(element)
 #define MADE(kind, member) KEPT(kind, member), .by_hand = PETSC_TRUE
 #define ASKED(kind, member) .value = MPM_##kind, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member)
+#define OF_MATRIX          .of_matrix = PETSC_TRUE
 #define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
+#define FILE_IN(member)    .value = MPM_AS_TEXT, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member), .by_hand = PETSC_TRUE
 #define IN(file, json, checkpoint, mode_file) .place = {file, json, checkpoint, mode_file}
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, .rival = "scheme", TEXT(FormulationOf), IN(1, 1, 1, 1)},
+  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
+   NO_RANGE, .rival = "formulation", TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
+  {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
+   .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
    .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
-  {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
+  {"xpic_order", MPM_INTEGER, "2", "order of transfers xpic and fmpm, the terms of their sum; 1 is pic",
    BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = HasOrder},
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
+  {"aflip_ratio", MPM_REAL, "1", "share of flip in the velocities of transfers aflip and asflip, the rest is apic",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = HasAffineRatio},
+  {"pic_filter", MPM_WORD, "after", "gas and elastic: a transfer that filters does so after nodes take the values of the particles (the textbook's pic), or before",
+   .word = FilterTimeWord, TEXT(FilterTimeOf), IN(53, 36, 43, 36), .shown = HasFilterTime},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = HasDim},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
@@ -301,14 +376,16 @@ const MpmField MpmOptions[] = {
    ABOVE(0), .rival = "wave_speed,sound_speed,young,poisson"},
   {"shear", MPM_REAL, NULL, "shear modulus G, with bulk; 0 is a fluid",
    FROM(0), .rival = "wave_speed,sound_speed,young,poisson"},
-  {"courant", MPM_REAL, "0.5", "Courant number k = c dt / h",
+  {"courant", MPM_FRACTION, "0.5", "Courant number k = c dt / h; a number or 1/3",
    ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
    ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = HasTimeStep},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
-   BETWEEN(-1e6, 1e6), .rival = "velocity", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
+   BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",
-   ANY, .rival = "drift"},
+   ANY, .rival = "drift,mach"},
+  {"mach", MPM_FRACTION, NULL, "U0 / c, instead of drift, which is then M k; of critical: as the Courant number changes, so does the drift",
+   BETWEEN(-1e6, 1e6), .rival = "drift,velocity"},
   {"steps", MPM_INTEGER, "100", "time steps",
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
@@ -332,14 +409,16 @@ const MpmField MpmOptions[] = {
   {"ringing", MPM_SWITCH, "false", "measure the ringing content, the part of particle data that P2G does not see, at each sampled step",
    .tasks = "run", ASKED(AS_SWITCH, ringing)},
   {"tolerance", MPM_REAL, "1e-6", "exponential growth per step above 1 + tolerance is unstable",
-   ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0)},
-  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells)",
-   BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt)},
+   ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0), OF_MATRIX},
+  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells; of matrix_blocks 64, 32 or 16 in 1, 2 or 3 dimensions)",
+   BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
+  {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
+   .tasks = "symbol", ASKED(AS_SWITCH, refine)},
   {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
    .tasks = "symbol", ASKED(AS_SWITCH, damping)},
   {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
    BETWEEN(1, 1000000), .tasks = "symbol"},
-  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson and drift_angle",
+  {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach",
    .word = AxisWord, .tasks = "map"},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
    ABOVE(0), .tasks = "map"},
@@ -353,22 +432,38 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 0.5), .tasks = "map"},
   {"map_drift_angle", MPM_SPAN, "0,90", "directions lo,hi of the drift in a map, in degrees from x to y",
    BETWEEN(0, 90), .tasks = "map"},
+  {"map_mach", MPM_SPAN, "0.01,1", "U0 / c lo,hi of a map; fractions",
+   ABOVE(0), .tasks = "map"},
   {"map_points", MPM_LIST, "50,33", "points along the two axes of a map",
    BETWEEN(2, 100000), .tasks = "map"},
   {"modes", MPM_INTEGER, "8", "leading eigenvectors that go to output",
-   BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes)},
+   BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes), OF_MATRIX},
   {"measure", MPM_SWITCH, "true", "also march random data and measure growth",
    .tasks = "spectrum", ASKED(AS_SWITCH, measure)},
   {"powers", MPM_INTEGER, NULL, "steps n up to which norm(A^n) is taken",
-   BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers)},
+   BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers), OF_MATRIX},
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
-   BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum)},
+   BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
+  {"matrix", MPM_PATH, NULL, "file with the matrix of anybody's step in place of a scene: Matrix Market, PETSc's binary, HDF5 or scipy's .npz",
+   NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
+  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A",
+   NO_RANGE, .tasks = "symbol", FILE_IN(matrix_blocks), IN(62, 44, 0, 0), OF_MATRIX},
+  {"matrix_steps", MPM_INTEGER, NULL, "steps that the matrix or the blocks cover, so that growth is per step (default: what the file says, else 1)",
+   BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX},
+  {"write_matrix", MPM_PATH, NULL, "file for the operator: .mtx (Matrix Market), .npz (scipy), .h5, .hdf5 or .petsc",
+   NO_RANGE, .tasks = "spectrum", OF_MATRIX},
+  {"write_blocks", MPM_PATH, NULL, "file for the blocks A_d, of which the symbol is sum_d A_d e^(-i beta.d): .npz, .h5 or .hdf5",
+   NO_RANGE, .tasks = "symbol", OF_MATRIX},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
-  {"layouts", MPM_INTEGER, "100", "random layouts: of seed and the seeds after it",
-   BETWEEN(1, 1000000), .tasks = "ensemble", ASKED(AS_COUNT, layouts)},
+  {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
+   .word = NeighbourhoodWord, .tasks = "critical, spectrum"},
+  {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
+   BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
+  {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
+   BETWEEN(1, 1000000), .tasks = "ensemble, critical, spectrum", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
-   NO_RANGE, .tasks = "run, spectrum, symbol, map"},
+   NO_RANGE, .tasks = "run, spectrum, symbol, map", OF_MATRIX},
   {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, output_every)},
   {"checkpoint", MPM_PATH, NULL, "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps",
@@ -377,17 +472,17 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, checkpoint_every)},
   {"restart", MPM_PATH, NULL, "checkpoint to go on from",
    NO_RANGE, .tasks = "run"},
-  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE},
-  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE},
-  {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE},
+  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, OF_MATRIX},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
+  {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
-   .word = VerdictWord},
+   .word = VerdictWord, OF_MATRIX},
   {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
    .word = GrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
    ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
-   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum)},
+   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum), OF_MATRIX},
   {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number lies in lo,hi",
    ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical)},
   {"expect_share", MPM_RANGE, NULL, "fail unless the share of unstable layouts lies in lo,hi",
@@ -402,6 +497,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
+  {"parameters", TEXT(ParametersOf), IN(60, 42, 48, 41), .shown = HasParameters, .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */

@@ -7,7 +7,8 @@
 #pragma once
 #include "scene/request.h"
 
-/* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them. */
+/* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them;
+   words: any of its words with commas between them. */
 typedef enum {
   MPM_WORD,
   MPM_INTEGER,
@@ -18,7 +19,8 @@ typedef enum {
   MPM_RANGE,
   MPM_SPAN,
   MPM_ENDS,
-  MPM_LIST
+  MPM_LIST,
+  MPM_WORDS
 } MpmOptionKind;
 
 /*
@@ -55,7 +57,8 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    rival      - an option that says the same in another way, so that giving both is an error; several with commas
    tasks      - those that read it (NULL: all); the others refuse it on the command line
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
-   owner, at  - where: the offset in its owner. A text is what the function text says
+   owner, at  - where: the offset in its owner. A text is what the function text says, or is there itself
+   of_matrix  - the option is also read where a matrix from a file takes the place of the scene
    each       - of a value for each direction: the distance in bytes from one direction's place to the next one's. 0: it
                 has one value
    by_hand    - the value is not read from the option as it stands, but by the code that makes its owner
@@ -76,7 +79,7 @@ typedef struct {
   MpmValueKind value;
   MpmOwner     owner;
   size_t       at, each;
-  PetscBool    by_hand, real;
+  PetscBool    by_hand, real, of_matrix;
   const char *(*text)(const MpmScene *scene);
   int place[MPM_RECORDS];
   PetscBool (*shown)(const MpmScene *scene, MpmRecord record);
@@ -111,7 +114,7 @@ typedef struct {
 /*
    MpmValuesIn - the values that a record of a scene shows, in their order there.
 
-   Not collective. request NULL: without the fields of requests.
+   Not collective. scene NULL, request NULL: without the fields of scenes, or of requests.
 */
 PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmRequest *request, PetscInt *n,
                            MpmValue values[MPM_MAX_VALUES]);

@@ -57,7 +57,7 @@ static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmSce
 /* A survey goes through all schemes and does not depend on the scene's Courant number. */
 static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
 {
-  static const char *const idle[] = {"formulation", "basis",  "transfer",        "courant",
+  static const char *const idle[] = {"formulation", "scheme", "basis",           "transfer", "courant",
                                      "dt",          "expect", "expect_critical", "json"};
 
   PetscFunctionBegin;
@@ -86,6 +86,28 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
 }
 
 /*
+   Reads the Mach number. Of tasks that go over a period of steps, those that take the scene's own Courant number need a
+   drift M k with a short one.
+*/
+static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool map = !strcmp(request->task, "map") ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
+  request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
+  if (!request->at_mach || !strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
+                MpmRequestVaries(request, MPM_AXIS_MACH)))
+    PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
+  if (request->survey)
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
+  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
+    PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
    A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
    is sought at one drift, too; it must not be that of the default Courant number.
 */
@@ -93,10 +115,10 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
 {
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
+      !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                                "would change; allowed: drift"));
+                                "would change; allowed: drift or mach"));
   if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
     PetscCall(MpmSettingsRefuse(settings, "velocity",
                                 "how many cells particles move per step depends on the time step; allowed: with dt or "
@@ -106,14 +128,25 @@ static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene 
 
 /* ---- axes of a map ---- */
 
-const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", NULL};
+const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", "mach", NULL};
 
-static const char *const spans[] = {"map_courant", "map_drift",   "map_offset",
-                                    "map_ppc",     "map_poisson", "map_drift_angle"};
+static const char *const spans[] = {"map_courant", "map_drift",       "map_offset", "map_ppc",
+                                    "map_poisson", "map_drift_angle", "map_mach"};
 
-/* The options, by either name, whose place an axis takes. An angle turns the drift that is given. */
-static const char *const replaced[][2] = {{"courant", "dt"}, {"drift", "velocity"},  {"offset", "offset"},
-                                          {"ppc", "ppc"},    {"poisson", "poisson"}, {NULL, NULL}};
+/* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
+static const char *const replaced[][3] = {{"courant", "dt"},
+                                          {"drift", "velocity", "mach"},
+                                          {"offset"},
+                                          {"ppc"},
+                                          {"poisson"},
+                                          {NULL},
+                                          {"mach", "velocity", "drift"}};
+
+/* Whether an axis says how particles move. */
+static PetscBool IsMotion(PetscInt kind)
+{
+  return kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* In more dimensions than one the scene's drift still says along which axes the map's goes. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
@@ -122,7 +155,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = kind == MPM_AXIS_DRIFT && scene->layout.dim > 1 ? 1 : 0; i < 2 && replaced[kind][i]; i++)
+  for (int i = IsMotion(kind) && scene->layout.dim > 1 ? 1 : 0; i < 3 && replaced[kind][i]; i++)
     if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -161,6 +194,9 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
                                   "change; allowed: sound_speed"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
+  if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
+      (MpmRequestVaries(request, MPM_AXIS_DRIFT) || MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)))
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "mach makes the drift; allowed: mach with another axis"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
       scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
     PetscCall(MpmSettingsRefuse(settings, "map_axes",
@@ -169,31 +205,116 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+/* Tells the two words of map_axes from one another. A word that is no axis may be a parameter of the scheme. */
+static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request)
 {
-  PetscInt kinds[2], points[2], n;
+  const char *text = MpmSettingsText(settings, "map_axes"), *separators = ", ";
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
-  if (kinds[0] == kinds[1])
-    PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                "allowed: two different ones of courant, drift, offset, ppc, poisson and drift_angle"));
+  for (int a = 0; a < 2; a++) {
+    const size_t length = strcspn(text, separators);
+    MpmAxis     *axis   = &request->axes[a];
+
+    PetscCall(PetscStrncpy(axis->name, text, PetscMin(length + 1, sizeof axis->name)));
+    axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
+    text += length + strspn(text + length, separators);
+  }
+  if (request->axes[0].parameter == MPM_NONE && request->axes[1].parameter == MPM_NONE) {
+    PetscInt kinds[2];
+
+    PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
+    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[a];
+  } else
+    for (int a = 0; a < 2; a++) {
+      PetscInt kind = 0;
+
+      while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], request->axes[a].name)) kind++;
+      if (!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE)
+        PetscCall(MpmSettingsRefuse(settings, "map_axes",
+                                    "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
+                                    "mach and the parameters of the scheme"));
+      request->axes[a].kind = request->axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
+    }
+  for (int a = 0; a < 2; a++)
+    if (request->axes[a].kind != MPM_AXIS_PARAMETER)
+      PetscCall(PetscStrncpy(request->axes[a].name, MpmAxisNames[request->axes[a].kind], sizeof request->axes[a].name));
+  if (*text || !strcmp(request->axes[0].name, request->axes[1].name))
+    PetscCall(
+        MpmSettingsRefuse(settings, "map_axes",
+                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The span of a parameter, which has no default. The map takes the place of the parameter's value. */
+static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, MpmFraction span[2])
+{
+  const MpmSettingsParameter *own   = MpmSettingsParameterSaid(settings, "", axis->name);
+  const MpmSettingsParameter *said  = MpmSettingsParameterSaid(settings, "map_", axis->name);
+  const char                 *comma = said ? strchr(said->text, ',') : NULL;
+  char                        first[64];
+  PetscBool                   ok = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (own && own->source == MPM_FROM_COMMAND_LINE)
+    PetscCall(MpmSettingsRefuseParameter(settings, own, "the map goes over it; allowed: its span lo,hi, after map_"));
+  MpmCheckInput(said, "map_axes %s: allowed: with its span, as -map_%s lo,hi", MpmSettingsText(settings, "map_axes"),
+                axis->name);
+  if (comma && comma - said->text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, said->text, (size_t)(comma - said->text) + 1));
+    PetscCall(MpmFractionParse(first, &span[0], &ok));
+    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
+  }
+  if (!ok || !isfinite(span[0].value) || !isfinite(span[1].value) || span[0].value >= span[1].value)
+    PetscCall(MpmSettingsRefuseParameter(settings, said,
+                                         "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses the span of a parameter that is on the command line and that this map, or another task, does not read. */
+static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
+    const char                 *name = settings->scheme->parameters[i].name.text;
+    const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
+    const PetscBool             axis =
+        !strcmp(request->task, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
+
+    if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
+      PetscCall(
+          MpmSettingsRefuseParameter(settings, said, "allowed: with task map, where map_axes names the parameter"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscInt points[2], n;
+
+  PetscFunctionBegin;
+  PetscCall(ReadKinds(settings, request));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
   for (int a = 0; a < 2; a++) {
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
 
-    PetscCall(RefuseReplaced(settings, scene, kinds[a]));
-    axis->kind = (MpmAxisKind)kinds[a];
-    PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
+    if (axis->kind == MPM_AXIS_PARAMETER)
+      PetscCall(ReadParameterSpan(settings, axis, span));
+    else {
+      PetscCall(RefuseReplaced(settings, scene, axis->kind));
+      PetscCall(MpmSettingsSpan(settings, spans[axis->kind], span));
+    }
     axis->from   = span[0];
     axis->to     = span[1];
     axis->points = points[a];
     if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
   }
   for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
-    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != kinds[0] && i != kinds[1])
+    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != (PetscInt)request->axes[0].kind &&
+        i != (PetscInt)request->axes[1].kind)
       PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
   PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -240,12 +361,12 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscBool progress;
 
   PetscFunctionBegin;
-  PetscCall(ReadModeFile(settings, scene, request));
+  if (scene) PetscCall(ReadModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  if (request->output[0] && scene->layout.particles > PETSC_MAX_INT / 3)
+  if (request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3)
     PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
@@ -283,7 +404,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
-  if (expect->has_verdict) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
+  if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -292,7 +413,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
     expect->kind = (MpmGrowthKind)i;
   }
-  if (expect->has_error && !MpmSceneHasExact(scene)) {
+  if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
     if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
         !MpmSettingsOverruled(settings, "expect_error", "boundary"))
       PetscCall(
@@ -312,19 +433,49 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
   PetscCall(ReadDamping(settings, scene, request));
+  for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
+  PetscCall(CheckSpans(settings, request));
   PetscCall(CheckVelocity(settings, scene, request));
+  PetscCall(ReadMach(settings, scene, request));
+  PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene *scene, MpmRequest *request)
+/*
+   Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one number
+   of phases is for all of them.
+*/
+static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
+  PetscInt dim;
+
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReadProblem(settings, scene));
-  PetscCall(ReadRequest(settings, scene, request));
+  PetscCall(MpmSettingsPhases(settings, &request->given_phases));
+  dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
+  PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
+  PetscCall(ReadOutputs(settings, NULL, request));
+  PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
+{
+  PetscBool matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
+  if (matrix) {
+    PetscCall(MpmSceneDestroy(scene));
+    PetscCall(MpmSettingsReadScheme(settings));
+    PetscCall(ReadMatrixRequest(settings, request));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsReadProblem(settings, *scene));
+  PetscCall(ReadRequest(settings, *scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -342,7 +493,7 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   ierr = MpmSettingsCreate(&settings);
   if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
   if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
-  if (!ierr) ierr = ReadBoth(settings, *scene, request);
+  if (!ierr) ierr = ReadBoth(settings, scene, request);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
   PetscCall(ierr);

@@ -4,6 +4,8 @@
 */
 #pragma once
 #include "base/progress.h"
+#include "scene/mach.h"
+#include "scene/neighbourhood.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -20,7 +22,8 @@ typedef struct {
 
 /*S
    MpmAxis - one axis of a map: points numbers at equal distances from one to another. They are exact fractions where
-   these have short terms. The angle of the drift is in degrees, from x to y.
+   these have short terms. The angle of the drift is in degrees, from x to y. A parameter is one
+   of the scheme's, by its number; other kinds have MPM_NONE there. name: as map_axes has it.
 S*/
 typedef enum {
   MPM_AXIS_COURANT,
@@ -28,16 +31,20 @@ typedef enum {
   MPM_AXIS_OFFSET,
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
-  MPM_AXIS_DRIFT_ANGLE
+  MPM_AXIS_DRIFT_ANGLE,
+  MPM_AXIS_MACH,
+  MPM_AXIS_PARAMETER
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
 typedef struct {
   MpmAxisKind kind;
   MpmFraction from, to;
-  PetscInt    points;
+  PetscInt    points, parameter;
+  char        name[32];
 } MpmAxis;
 
+#define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
 #define MPM_MAX_DIVISORS 16
 
 /*S
@@ -48,29 +55,41 @@ typedef struct {
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
+   refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
-   layouts           - how many random layouts an ensemble has
+   neighbourhood     - those that critical and spectrum look at
+   layouts           - how many random layouts an ensemble, or neighbourhood random, has
+   voids             - the share of sites without a particle in neighbourhood random
    damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map
+   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
+                       the Courant number changes, and so does a map over the Courant number
+   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
+                       that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
+   write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
 typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
-  PetscReal       tolerance;
-  PetscBool       weights, source_term, ringing, measure, survey, damping;
-  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum;
+  PetscReal       tolerance, voids;
+  PetscBool       weights, source_term, ringing, measure, survey, refine, damping;
+  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
+  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
+  PetscBool       at_mach;
+  MpmMach         mach;
   MpmExpect       expect;
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
-  char            restart[PETSC_MAX_PATH_LEN];
+  char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
+  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN];
 } MpmRequest;
 
 /* Not collective. Whether the request is for a map that goes over this. */
@@ -81,11 +100,21 @@ static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind 
              : PETSC_FALSE;
 }
 
+/* Not collective. Whether the request is for a map that keeps a Mach number at each point: its drift then is M k. */
+static inline PetscBool MpmRequestKeepsMach(const MpmRequest *request)
+{
+  if (MpmRequestVaries(request, MPM_AXIS_MACH)) return PETSC_TRUE;
+  return request->at_mach && MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /*
    MpmSceneCreate - reads a scene and what a task is to do with it: a YAML file (NULL: none), then the command line in
    PETSc's database of options.
 
    Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h). request NULL: not wanted.
-   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it.
+   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it. *scene is NULL where the options name a
+   matrix, or blocks of a lattice, in its place; request then has their file.
 */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request);

@@ -91,17 +91,40 @@ static PetscBool IsInput(const char written[], const char read[])
              : PETSC_FALSE;
 }
 
-enum { CHECKPOINT = 4, FILES = 5 }; /* of those written */
-enum { RESTART = 2 };               /* of those read */
+/* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
+static PetscErrorCode ReadWritten(const MpmSettings *settings, const char name[], PetscBool blocks, char path[])
+{
+  static const char *const endings[] = {".npz", ".h5", ".hdf5", ".mtx", ".petsc"};
+  const char              *text, *ending;
+  PetscBool                known = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsPath(settings, name, &text));
+  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
+  ending = Ending(text);
+  for (int i = 0; i < (blocks ? 3 : 5) && ending; i++)
+    if (!strcmp(ending, endings[i])) known = PETSC_TRUE;
+  if (!known)
+    PetscCall(MpmSettingsRefuse(settings, name,
+                                blocks ? "allowed: a name that ends in .npz, .h5 or .hdf5"
+                                       : "allowed: a name that ends in .mtx, .npz, .h5, .hdf5 or .petsc"));
+  PetscCall(ReadPath(settings, name, PETSC_TRUE, path));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+enum { CHECKPOINT = 4, FILES = 7 }; /* of those written */
+enum { RESTART = 2, INPUTS = 5 };   /* of those read */
 
 /* The first rank alone looks at the files, so that all ranks refuse the same. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
-  static const char *const names[] = {"output", "output", "json", "csv", "checkpoint"};
-  static const char *const roles[] = {"scene", "mode_file", "checkpoint to restart from"};
+  static const char *const names[] = {"output", "output", "json", "csv", "checkpoint", "write_matrix", "write_blocks"};
+  static const char *const roles[] = {"scene", "mode_file", "checkpoint to restart from", "matrix", "matrix_blocks"};
 
-  const char *const paths[]   = {request->output, request->xmf, request->json, request->csv, request->checkpoint};
-  const char *const inputs[]  = {settings->scene, request->mode_file, request->restart};
+  const char *const paths[]   = {request->output,     request->xmf,          request->json,        request->csv,
+                                 request->checkpoint, request->write_matrix, request->write_blocks};
+  const char *const inputs[]  = {settings->scene, request->mode_file, request->restart, request->matrix,
+                                 request->matrix_blocks};
   char              why[4096] = "";
   PetscMPIInt       rank;
 
@@ -113,6 +136,14 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
     PetscCall(ReadPath(settings, "checkpoint", PETSC_TRUE, request->checkpoint));
     PetscCall(ReadPath(settings, "restart", PETSC_FALSE, request->restart));
   }
+  if (!strcmp(request->task, "spectrum")) {
+    PetscCall(ReadPath(settings, "matrix", PETSC_FALSE, request->matrix));
+    PetscCall(ReadWritten(settings, "write_matrix", PETSC_FALSE, request->write_matrix));
+  }
+  if (!strcmp(request->task, "symbol")) {
+    PetscCall(ReadPath(settings, "matrix_blocks", PETSC_FALSE, request->matrix_blocks));
+    PetscCall(ReadWritten(settings, "write_blocks", PETSC_TRUE, request->write_blocks));
+  }
   if (request->output[0] && !strcmp(request->task, "run")) PetscCall(NameXmf(settings, request));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (int i = 0; i < FILES && rank == 0; i++) {
@@ -121,7 +152,7 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
         PetscCall(PetscSNPrintf(why, sizeof why, "%s and %s would both write %s; allowed: different files", names[j],
                                 names[i], paths[j]));
     }
-    for (int j = 0; j < 3 && !why[0]; j++) {
+    for (int j = 0; j < INPUTS && !why[0]; j++) {
       if (i == CHECKPOINT && j == RESTART) continue; /* the next one may take its place */
       if (IsInput(paths[i], inputs[j]))
         PetscCall(PetscSNPrintf(why, sizeof why, "-%s %s: that is the %s; allowed: another file", names[i], paths[i],

@@ -126,9 +126,19 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
 
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
 {
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  MpmFraction     fraction;
+  PetscBool       ok;
+
   PetscFunctionBegin;
-  if (!ParseReal(MpmSettingsText(settings, name), value) || !InRange(&MpmOptions[MpmOptionIndex(name)], *value))
-    PetscCall(RefuseNumber(settings, name, "a finite number"));
+  if (option->kind == MPM_FRACTION) {
+    PetscCall(MpmFractionParse(MpmSettingsText(settings, name), &fraction, &ok));
+    *value = fraction.value;
+  } else
+    ok = ParseReal(MpmSettingsText(settings, name), value);
+  if (!ok || !InRange(option, *value))
+    PetscCall(
+        RefuseNumber(settings, name, option->kind == MPM_FRACTION ? "a finite number or fraction" : "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -292,6 +302,32 @@ PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], P
 {
   PetscFunctionBegin;
   PetscCall(FindWord(settings, name, settings->text[MpmOptionIndex(name)], index));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A word more than once counts once. */
+PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscInt index[])
+{
+  const char *text = MpmSettingsText(settings, name);
+  char        word[64];
+  PetscInt    found;
+  PetscBool   known;
+
+  PetscFunctionBegin;
+  for (*n = 0;; text++) {
+    const size_t length = strcspn(text, ",");
+
+    PetscCall(PetscStrncpy(word, text, PetscMin(length + 1, sizeof word)));
+    PetscCall(FindWord(settings, name, word, &found));
+    known = PETSC_FALSE;
+    for (PetscInt i = 0; i < *n; i++)
+      if (index[i] == found) known = PETSC_TRUE;
+    PetscCheck(known || *n < room, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%s has more words than fit", name);
+    if (!known) index[(*n)++] = found;
+    text += length;
+    if (!*text) break;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -10,6 +10,18 @@ const char *const MpmEndSummaries[] = {
     "a slipping wall: the velocity normal to it is 0, as with fixed; in one dimension the same as fixed",
     NULL};
 
+#define FAR (PETSC_MAX_INT / 4) /* nodes, of any grid and of any place in it */
+
+const PetscInt MpmNoWalls[2] = {-FAR, FAR};
+
+void MpmDirectionWalls(const MpmDirection *direction, PetscInt node, PetscInt wall[2])
+{
+  const PetscBool periodic = direction->ends[0] == MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
+
+  wall[0] = periodic ? MpmNoWalls[0] : -node;
+  wall[1] = periodic ? MpmNoWalls[1] : direction->nodes - 1 - node;
+}
+
 void MpmDirectionMirror(const MpmDirection *direction, MpmParity parity, PetscReal sign[2])
 {
   for (int end = 0; end < 2; end++) sign[end] = MpmEndIsOdd(direction->ends[end], parity) ? -1 : 1;

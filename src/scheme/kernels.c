@@ -22,11 +22,13 @@ static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
 }
 
 void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
-                   MpmBlock *b)
+                   const PetscInt wall[2], MpmBlock *b)
 {
   b->n          = n;
   b->xi         = xi;
   b->half_width = half_width;
+  b->wall[0]    = wall[0];
+  b->wall[1]    = wall[1];
   basis->first_nodes(n, cell, xi, b->first);
   FindRuns(n, b->first, b);
 }

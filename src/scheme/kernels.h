@@ -7,12 +7,12 @@
 
 /*
    MpmBlockPlace - fills in a block of n <= MPM_BLOCK particles at the places xi[] of their cells. cell[p] is the local
-   index of particle p's cell.
+   index of particle p's cell, and wall those of the first and last node (MpmDirectionWalls).
 
    Not collective. The block refers to xi[], which must stay while the block is used.
 */
 void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
-                   MpmBlock *block);
+                   const PetscInt wall[2], MpmBlock *block);
 
 /* Multiplies particle[] by a. For a = 0 the result is 0 whatever particle[] held. */
 void MpmScale(PetscInt n, PetscReal a, PetscReal particle[]);

@@ -1,7 +1,8 @@
 /* Rows of nodes to one line, and back. The numbers of rows and of lines are constants in each loop. */
 #include "scheme/lines.h"
 
-PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal weight[])
+PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width,
+                        const PetscInt wall[2], PetscReal weight[])
 {
   const PetscInt cell = 0;
   PetscReal      one  = 1;
@@ -13,9 +14,10 @@ PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, Pet
   block.xi                          = &xi;
   block.half_width                  = half_width;
   block.first[0]                    = 0;
+  basis->first_nodes(1, &cell, &xi, &first);
+  for (int end = 0; end < 2; end++) block.wall[end] = wall[end] - first;
   for (PetscInt d = 0; d < basis->nodes; d++) weight[d] = 0;
   basis->kernel[kind](&block, 1, &one, weight);
-  basis->first_nodes(1, &cell, &xi, &first);
   return first;
 }
 
@@ -29,8 +31,9 @@ MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind)
 MpmOpKind MpmLineKind(const MpmBasis *basis, MpmOpKind kind)
 {
   static const MpmOpKind to_nodes[MPM_OP_KINDS] = {
-      [MPM_P2G] = MPM_P2G, [MPM_P2G_AFFINE] = MPM_P2G_AFFINE, [MPM_DIV] = MPM_DIV,  [MPM_DIV_MLS] = MPM_DIV_MLS,
-      [MPM_G2P] = MPM_P2G, [MPM_G2P_AFFINE] = MPM_DIV_MLS,    [MPM_GRAD] = MPM_DIV, [MPM_GRAD_MLS] = MPM_DIV_MLS};
+      [MPM_P2G] = MPM_P2G,      [MPM_P2G_AFFINE] = MPM_P2G_AFFINE, [MPM_DIV] = MPM_DIV,  [MPM_DIV_MLS] = MPM_DIV_MLS,
+      [MPM_G2P] = MPM_P2G,      [MPM_G2P_AFFINE] = MPM_DIV_MLS,    [MPM_GRAD] = MPM_DIV, [MPM_GRAD_MLS] = MPM_DIV_MLS,
+      [MPM_G2P_SLOPE] = MPM_DIV};
 
   return MpmLineFirstAlike(basis, to_nodes[kind]);
 }

@@ -14,11 +14,12 @@
 
 /*
    MpmLineWeights - the weights of the nodes of one particle at xi in its cell along one direction, for a kind of
-   operation that goes to nodes. There are basis->nodes of them.
+   operation that goes to nodes. There are basis->nodes of them. wall is counted from the cell (MpmDirectionWalls).
 
    Not collective. Returns the first of these nodes, counted from the cell's left node.
 */
-PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal weight[]);
+PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width,
+                        const PetscInt wall[2], PetscReal weight[]);
 
 /*
    Not collective. The kind of operation to nodes that has the weights of a kind, and the first of the kinds that have

@@ -1,14 +1,15 @@
 /* The maps between particles and nodes as rows of numbers, from their kernels. */
 #include "scheme/maps.h"
 
-void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, PetscReal row[])
+void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, const PetscInt wall[2],
+               PetscReal row[])
 {
   const MpmKernel kernel = basis->kernel[kind];
   const PetscInt  reach = MpmMapReach(basis), cell = 0;
   PetscReal       unit[MPM_MAX_REACH] = {0}, particle = 1;
   MpmBlock        block;
 
-  MpmBlockPlace(basis, 1, &cell, &xi, half_width, &block);
+  MpmBlockPlace(basis, 1, &cell, &xi, half_width, wall, &block);
   if (MpmOpTraitsOf(kind).dst == MPM_ON_NODES) {
     kernel(&block, 1, &particle, unit + basis->reach_left);
     for (PetscInt d = 0; d < reach; d++) row[d] = unit[d];

@@ -131,8 +131,12 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
-  if (op->kind == MPM_SCALE) {
-    for (PetscInt c = 0; c < ppc * n; c++) b->particle[op->dst * ppc * n + c] *= a;
+  if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {
+    for (PetscInt c = 0; c < ppc * n; c++) b->particle[op->dst * ppc * n + c] *= op->kind == MPM_ADD ? 1 + a : a;
+    return;
+  }
+  if (op->kind == MPM_ADD) {
+    AddRow(ppc * n, a, b->particle + op->src * ppc * n, b->particle + op->dst * ppc * n);
     return;
   }
   if (traits.dst == MPM_ON_PARTICLES) {
@@ -141,6 +145,10 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
     return;
   }
   dst = b->nodes + op->dst * n;
+  if (traits.dst == traits.src && op->dst == op->src) {
+    for (PetscInt c = 0; c < n; c++) dst[c] *= a;
+    return;
+  }
   if (!op->accumulates)
     for (PetscInt c = 0; c < n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {

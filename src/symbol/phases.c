@@ -4,34 +4,32 @@
 */
 #include "symbol/phases.h"
 
-/* A layout is its own mirror image about the middle of a cell. */
-static PetscBool Reflects(const MpmSymbol *s, PetscInt a)
+PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, char text[])
 {
-  return s->layout->offset[a].value == 0.5 && s->step.drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (PetscInt a = 0; a < dim; a++) {
+    char part[16];
+
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", each[a]));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Alike(const MpmSymbol *s, PetscInt a, PetscInt b)
+void MpmPhasesFind(const MpmSource *source, MpmSymbol *s)
 {
-  return s->layout->ppc[a] == s->layout->ppc[b] && s->layout->offset[a].value == s->layout->offset[b].value &&
-                 s->step.drift[a].value == s->step.drift[b].value && s->phases[a] == s->phases[b]
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/* In one dimension the mirror image of a phase is its negative, which is known besides. */
-void MpmPhasesFind(MpmSymbol *s)
-{
-  for (PetscInt a = 0; a < s->layout->dim; a++) {
-    s->reflects[a] = s->layout->dim > 1 ? Reflects(s, a) : PETSC_FALSE;
+  for (PetscInt a = 0; a < s->dim; a++) {
+    s->reflects[a] = source->reflects[a];
     s->alike[a]    = a;
     for (PetscInt b = a - 1; b >= 0; b--)
-      if (Alike(s, a, b)) s->alike[a] = b;
+      if (source->alike[a] == source->alike[b] && s->phases[a] == s->phases[b]) s->alike[a] = b;
   }
 }
 
 void MpmSymbolBeta(const MpmSymbol *s, PetscInt phase, PetscReal beta[])
 {
-  for (PetscInt a = 0; a < s->layout->dim; a++) {
+  for (PetscInt a = 0; a < s->dim; a++) {
     beta[a] = MpmSymbolPhase(phase % s->phases[a], s->phases[a]);
     phase /= s->phases[a];
   }
@@ -42,21 +40,21 @@ static PetscInt Least(const MpmSymbol *s, PetscInt phase, PetscBool negative)
 {
   PetscInt m[MPM_MAX_DIM], number = 0;
 
-  for (PetscInt a = 0; a < s->layout->dim; a++) {
+  for (PetscInt a = 0; a < s->dim; a++) {
     m[a] = phase % s->phases[a];
     phase /= s->phases[a];
     if (m[a] && negative) m[a] = s->phases[a] - m[a];
     if (s->reflects[a] && 2 * (PetscInt64)m[a] > s->phases[a]) m[a] = s->phases[a] - m[a];
   }
-  for (PetscInt a = 0; a < s->layout->dim; a++) /* the largest first: the last direction counts most in the number */
-    for (PetscInt b = a + 1; b < s->layout->dim; b++) {
+  for (PetscInt a = 0; a < s->dim; a++) /* the largest first: the last direction counts most in the number */
+    for (PetscInt b = a + 1; b < s->dim; b++) {
       const PetscInt other = m[b];
 
       if (s->alike[a] != s->alike[b] || m[a] >= other) continue;
       m[b] = m[a];
       m[a] = other;
     }
-  for (PetscInt a = s->layout->dim - 1; a >= 0; a--) number = number * s->phases[a] + m[a];
+  for (PetscInt a = s->dim - 1; a >= 0; a--) number = number * s->phases[a] + m[a];
   return number;
 }
 
@@ -74,7 +72,7 @@ PetscErrorCode MpmPhasesList(MpmSymbol *s)
 
   PetscFunctionBegin;
   s->classes = s->all / 2 + 1;
-  if (s->layout->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   s->classes = 0;
   for (PetscInt phase = 0; phase < s->all; phase++)
     if (Representative(s, phase, &conjugate) == phase) s->classes++;

@@ -1,12 +1,15 @@
 /* The phases of a symbol that have to be computed: one of each class that the symmetries of the layout make. */
 #pragma once
-#include <mpmstab/symbol.h>
+#include "symbol/source.h"
 
 /*
-   MpmPhasesFind - sets alike and reflects, the symmetries that hold.
+   MpmPhasesFind - sets alike and reflects: the symmetries of the source that hold at these numbers of phases.
    MpmPhasesList - sets the classes and their phases. all must be set.
 
    Not collective.
 */
-void           MpmPhasesFind(MpmSymbol *symbol);
+void           MpmPhasesFind(const MpmSource *source, MpmSymbol *symbol);
 PetscErrorCode MpmPhasesList(MpmSymbol *symbol);
+
+/* Not collective. The numbers of an option with one for each direction, for a message. */
+PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, char text[]);

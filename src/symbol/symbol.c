@@ -1,27 +1,51 @@
 /*
-   Computes the amplification matrix of each phase, its eigenvalues, and the largest of all. Phases are spread over the
-   ranks, and the functions at the end of this file gather the results.
+   Computes the eigenvalues of a source's matrix at each phase, and the largest of all. Phases are spread over the ranks,
+   and the functions at the end of this file gather the results.
 */
+#include "base/memory.h"
 #include "base/progress.h"
 #include "linalg/small_eigen.h"
-#include "scene/layout.h"
-#include "symbol/bloch.h"
 #include "symbol/phases.h"
+#include "symbol/source.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
 
-#define MOST_SIZE 1536       /* the largest order of a matrix with all fields that a scheme may have */
 #define SHARES_MAXIMUM 1e-12 /* relative: growths that differ by less are taken for equal */
 #define NEAR 10              /* in tolerances: up to this growth - 1 the error of a defective eigenvalue is computed */
 
-/* noisy: memory for a second matrix where a period has more than one step, else NULL. */
+/* noisy: memory for a second matrix where the source knows how rounding goes through a period, else NULL. */
 typedef struct {
-  MpmBloch        bloch;
-  MpmSmallEigen   eigen;
-  double complex *noisy;
+  const MpmSource *source;
+  MpmSmallEigen    eigen;
+  double complex  *noisy;
 } Reader;
+
+static PetscErrorCode ReaderCreate(const MpmSource *source, Reader *r)
+{
+  PetscFunctionBegin;
+  *r = (Reader){.source = source};
+  PetscCall(MpmSmallEigenCreate(source->size, &r->eigen));
+  if (source->has_noise) PetscCall(PetscMalloc1(source->size * source->size, &r->noisy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReaderDestroy(Reader *r)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSmallEigenDestroy(&r->eigen));
+  PetscCall(PetscFree(r->noisy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the matrix of a phase where the solver takes it. */
+static PetscErrorCode Matrix(Reader *r, const PetscReal beta[], PetscInt *exponent)
+{
+  PetscFunctionBegin;
+  PetscCall(r->source->matrix(r->source->context, beta, PETSC_FALSE, r->eigen.matrix, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscReal Square(double complex z)
 {
@@ -31,10 +55,9 @@ static PetscReal Square(double complex z)
 /*
    An estimate of the rounding error of a phase's matrix, in the Frobenius norm. Over a period of several steps, modes
    may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose steps are
-   disturbed by rounding (MpmBlochMatrix, noisy).
+   disturbed by rounding (see source.h).
 */
-static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, const PetscReal beta[], PetscInt exponent,
-                               PetscReal *error)
+static PetscErrorCode Rounding(Reader *r, const PetscReal beta[], PetscInt exponent, PetscReal *error)
 {
   const PetscInt n      = r->eigen.n * r->eigen.n;
   PetscReal      sum[2] = {0, 0};
@@ -43,7 +66,7 @@ static PetscErrorCode Rounding(Reader *r, const MpmSymbol *s, const PetscReal be
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) sum[0] += Square(r->eigen.matrix[i]);
   if (r->noisy) {
-    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_TRUE, r->noisy, &other));
+    PetscCall(r->source->matrix(r->source->context, beta, PETSC_TRUE, r->noisy, &other));
     for (PetscInt i = 0; i < n; i++)
       sum[1] += Square(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]);
   }
@@ -77,44 +100,17 @@ static void Drop(double complex value[], PetscInt n, PetscInt count, PetscReal n
   }
 }
 
-/*
-   Counts the amplification factors of the null space of P2G, the particle data that no node feels: those of fields without
-   filter (rest), and of all. Nodes have one number of a number, and a vector of a vector or of a stress. The affine part
-   of a vector adds to the vector's own numbers.
-*/
-static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
-{
-  const MpmTable *t          = b->scheme->table;
-  PetscInt        numbers[2] = {0, 0}; /* without and with filter */
-
-  for (PetscInt r = 0; r < t->nstate; r++) {
-    PetscInt components = 0, seen;
-
-    numbers[t->filtered[r]] += b->ppc;
-    if (t->field[r] == MPM_NONE || t->component[r] > 0) continue;
-    for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
-    seen = b->scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
-    numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
-  }
-  *rest = numbers[0];
-  *all  = numbers[0] + numbers[1];
-}
-
-/*
-   The largest abs of the amplification factors without the null space of P2G. Those of the null space are 1 without a
-   filter, else the transfer's null_factor.
-*/
+/* The largest abs of the amplification factors without the null space of P2G. */
 static PetscReal LargestWithoutNull(Reader *r, PetscInt exponent)
 {
-  const MpmScheme *scheme  = r->bloch.scheme;
+  const MpmSource *source = r->source;
+  const PetscInt   rest = source->null_rest, all = source->null_all;
   double complex  *value   = r->eigen.value;
   const PetscReal  one     = scalbn(1, -(int)exponent);
   PetscReal        largest = 0;
-  PetscInt         rest, all;
 
-  CountNull(&r->bloch, &rest, &all);
   Drop(value, r->eigen.n, rest, one);
-  Drop(value, r->eigen.n - rest, all - rest, one * scheme->transfer->null_factor(&scheme->numbers));
+  Drop(value, r->eigen.n - rest, all - rest, one * source->null_factor);
   for (PetscInt i = 0; i < r->eigen.n - all; i++) largest = PetscMax(largest, cabs(value[i]));
   return largest / one;
 }
@@ -137,7 +133,7 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
     BetaOf(s, i, beta);
-    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
+    PetscCall(Matrix(r, beta, &exponent));
     PetscCall(Factors(r, PETSC_FALSE, &largest));
     s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
     if (s->without_null) s->without_null[i] = LargestWithoutNull(r, exponent);
@@ -165,20 +161,42 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
     PetscInt  exponent;
 
     BetaOf(s, i, beta);
-    PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, beta, PETSC_FALSE, r->eigen.matrix, &exponent));
-    PetscCall(Rounding(r, s, beta, exponent, &error));
+    PetscCall(Matrix(r, beta, &exponent));
+    PetscCall(Rounding(r, beta, exponent, &error));
     s->defective_error = PetscMax(s->defective_error, MpmDefectiveErrorOf(error, exponent, s->period));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->defective_error, 1, MPIU_REAL, MPI_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Finds the growth of one phase, the condition number of its amplification factor, and from it the error that rounding
+   makes. exponent: of the matrix.
+*/
+static PetscErrorCode LookAt(Reader *r, const PetscReal beta[], MpmSourceGrowth *at, PetscInt *exponent)
+{
+  const PetscInt n = r->eigen.n;
+  PetscInt       largest;
+  double complex overlap = 0, leading;
+  PetscReal      error;
+
+  PetscFunctionBegin;
+  PetscCall(Matrix(r, beta, exponent));
+  PetscCall(Rounding(r, beta, *exponent, &error));
+  PetscCall(Factors(r, PETSC_TRUE, &largest));
+  leading = r->eigen.value[largest];
+  for (PetscInt i = 0; i < n; i++) overlap += conj(r->eigen.left[n * largest + i]) * r->eigen.right[n * largest + i];
+  at->growth    = MpmGrowthPerStep(cabs(leading), *exponent, r->source->period);
+  at->condition = 1 / cabs(overlap);
+  at->relative  = at->condition * error / cabs(leading);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the largest growth, the first phase that has it, and the condition number of its amplification factor. */
 static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
 {
-  PetscInt       m       = s->classes, largest;
-  double complex overlap = 0, leading;
-  PetscReal      error;
+  PetscInt        m = s->classes;
+  MpmSourceGrowth at;
 
   PetscFunctionBegin;
   s->growth = 0;
@@ -188,49 +206,16 @@ static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
     if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) m = s->first + i;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
   MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, m), s->beta_at_max);
-  PetscCall(MpmBlochMatrix(&r->bloch, s->step.courant, s->beta_at_max, PETSC_FALSE, r->eigen.matrix, &s->exponent));
-  PetscCall(Rounding(r, s, s->beta_at_max, s->exponent, &error));
-  PetscCall(Factors(r, PETSC_TRUE, &largest));
-  leading = r->eigen.value[largest];
-  for (PetscInt i = 0; i < s->size; i++)
-    overlap += conj(r->eigen.left[s->size * largest + i]) * r->eigen.right[s->size * largest + i];
-  s->condition   = 1 / cabs(overlap);
-  s->uncertainty = MpmUncertaintyOf(s->growth, s->condition * error / cabs(leading), s->period);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The most particles in a cell: with fields for a vector, a stress and an affine part, its block is as large as allowed. */
-static PetscInt MostPpc(PetscInt dim)
-{
-  return MOST_SIZE / (dim + dim * (dim + 1) / 2 + dim * dim);
-}
-
-const char *MpmSymbolWhyNot(const MpmLayout *layout)
-{
-  if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
-  if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
-  if (MpmLayoutPpc(layout) > MostPpc(layout->dim)) return "with so many particles per cell its blocks are too large";
-  return NULL;
-}
-
-/* The numbers of an option with one for each direction, for a message. */
-static PetscErrorCode EachText(PetscInt dim, const PetscInt each[], size_t room, char text[])
-{
-  PetscFunctionBegin;
-  text[0] = 0;
-  for (PetscInt a = 0; a < dim; a++) {
-    char part[16];
-
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", each[a]));
-    PetscCall(PetscStrlcat(text, part, room));
-  }
+  PetscCall(LookAt(r, s->beta_at_max, &at, &s->exponent));
+  s->condition   = at.condition;
+  s->uncertainty = MpmUncertaintyOf(s->growth, at.relative, s->period);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets the number of phases. Refuses output that does not fit: curves and factors all pass through the first rank. */
-static PetscErrorCode CountPhases(MPI_Comm comm, MpmSymbol *s)
+static PetscErrorCode CountPhases(MPI_Comm comm, const MpmSource *source, MpmSymbol *s)
 {
-  const PetscInt dim = s->layout->dim;
+  const PetscInt dim = s->dim;
   PetscReal      all = 1, numbers, bytes;
   char           text[MPM_MAX_DIM * 16];
 
@@ -239,93 +224,62 @@ static PetscErrorCode CountPhases(MPI_Comm comm, MpmSymbol *s)
     s->phases[a] = s->wish.phases[a];
     all *= s->phases[a];
   }
-  PetscCall(EachText(dim, s->phases, sizeof text, text));
+  PetscCall(MpmPhasesText(dim, s->phases, sizeof text, text));
   numbers = (s->wish.keep ? 2.0 * s->size : 1) * all;
   bytes   = numbers * sizeof(PetscReal) + (dim > 1 ? all * sizeof(PetscInt) : 0);
   MpmCheckInput(numbers <= PETSC_MAX_INT,
                 "phases %s: the output would hold %.3g numbers; allowed: at most %d, so fewer phases", text, numbers,
                 PETSC_MAX_INT);
-  PetscCall(MpmLayoutCheckMemory(comm, s->layout, bytes, "the symbol"));
+  PetscCall(MpmMemoryCheck(comm, source->name, bytes, "the symbol"));
   s->all = (PetscInt)all;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first end that is not periodic, for a message. */
-static const MpmEnd *WallsOf(const MpmLayout *layout)
-{
-  PetscInt a = 0;
-
-  while (a < layout->dim - 1 && layout->grid[a].ends[0] == MPM_PERIODIC) a++;
-  return layout->grid[a].ends;
-}
-
-PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
-{
-  char ppc[MPM_MAX_DIM * 16];
-
-  PetscFunctionBegin;
-  MpmCheckInput(MpmLayoutIsPeriodic(layout),
-                "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
-                "any)",
-                MpmEndNames[WallsOf(layout)[0]], MpmEndNames[WallsOf(layout)[1]]);
-  MpmCheckInput(layout->counts.n == 1 && layout->material.kind == MPM_MATERIAL_UNIFORM,
-                "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
-                "any layout)",
-                layout->counts.n > 1 ? "counts" : "material");
-  MpmCheckInput(MpmLayoutIsFull(layout),
-                "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
-                "takes any layout)");
-  MpmCheckInput(MpmLayoutIsUniform(layout),
-                "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
-                "takes any layout)",
-                layout->jitter);
-  PetscCall(EachText(layout->dim, layout->ppc, sizeof ppc, ppc));
-  MpmCheckInput(!MpmSymbolWhyNot(layout),
-                "ppc %s: the symbol's blocks would be too large; allowed: at most %" PetscInt_FMT "%s", ppc,
-                MostPpc(layout->dim), layout->dim > 1 ? " in a cell, over all directions" : "");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                               const MpmSymbolWish *wish, MpmSymbol **symbol)
+PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish,
+                                   MpmSymbol **symbol)
 {
   const PetscReal begin = MPI_Wtime();
+  Reader          reader;
   PetscMPIInt     rank, size;
   MpmSymbol      *s;
-  Reader          reader = {.noisy = NULL};
   PetscInt        room;
 
   PetscFunctionBegin;
-  PetscCall(MpmSymbolCheck(layout));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscNew(symbol));
   s         = *symbol;
-  s->layout = layout;
-  s->scheme = scheme;
-  s->step   = *step;
   s->wish   = *wish;
-  PetscCall(MpmStepPeriod(step, &s->period));
-  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &reader.bloch));
-  s->size = reader.bloch.size;
-  PetscCall(CountPhases(comm, s));
-  MpmPhasesFind(s);
+  s->dim    = source->dim;
+  s->size   = source->size;
+  s->period = source->period;
+  PetscCall(CountPhases(comm, source, s));
+  MpmPhasesFind(source, s);
   PetscCall(MpmPhasesList(s));
   s->first = (PetscInt)((PetscInt64)s->classes * rank / size);
   s->count = (PetscInt)((PetscInt64)s->classes * (rank + 1) / size) - s->first;
-  PetscCall(MpmSmallEigenCreate(s->size, &reader.eigen));
-  if (s->period > 1) PetscCall(PetscMalloc1(s->size * s->size, &reader.noisy));
+  PetscCall(ReaderCreate(source, &reader));
   room = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
   PetscCall(PetscMalloc1(room, &s->per_phase));
-  if (s->period == 1 && scheme->transfer->null_factor) PetscCall(PetscMalloc1(room, &s->without_null));
+  if (source->null_all != MPM_NONE) PetscCall(PetscMalloc1(room, &s->without_null));
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
   PetscCall(VisitPhases(&reader, s));
   PetscCall(FindLargest(comm, &reader, s));
   PetscCall(FindDefectiveError(comm, &reader, s));
-  PetscCall(MpmSmallEigenDestroy(&reader.eigen));
-  PetscCall(PetscFree(reader.noisy));
-  PetscCall(MpmBlochDestroy(&reader.bloch));
+  PetscCall(ReaderDestroy(&reader));
   s->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSourceGrowthAt(const MpmSource *source, const PetscReal beta[], MpmSourceGrowth *at)
+{
+  Reader   reader;
+  PetscInt exponent;
+
+  PetscFunctionBegin;
+  PetscCall(ReaderCreate(source, &reader));
+  PetscCall(LookAt(&reader, beta, at, &exponent));
+  PetscCall(ReaderDestroy(&reader));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -35,7 +35,8 @@ PetscErrorCode MpmTiesCreate(const MpmLayout *layout, const MpmScheme *scheme, P
       t->node[step * n + j] = cell[axis] - scheme->basis->reach_left;
       for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++)
         if (used[kind])
-          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi[axis], layout->half_width[axis], rows + kind * n * reach);
+          MpmMapRow(scheme->basis, (MpmOpKind)kind, xi[axis], layout->half_width[axis], MpmNoWalls,
+                    rows + kind * n * reach);
       for (PetscInt d = 0; d < reach; d++) t->masses[step] += rows[MPM_P2G * n * reach + d];
       t->lowest = PetscMin(t->lowest, t->node[step * n + j]);
       highest   = PetscMax(highest, t->node[step * n + j]);

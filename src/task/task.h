@@ -12,7 +12,7 @@ typedef struct {
 
 extern const MpmTask MpmTasks[];
 
-/* Does the work of a task on its scene and request. missed: the number of expectations that are not met. */
+/* Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations that are not met. */
 typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                        PetscInt *missed);
 

@@ -7,17 +7,43 @@
 static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
+  const PetscBool       wanted = MpmNeighbourhoodsWanted(request);
   MpmExpect             expect = request->expect;
-  MpmCritical           critical;
+  MpmNeighbourhood      place  = {.kind = MPM_IN_BULK};
+  MpmNeighbourhoods     around, *all = wanted ? &around : NULL;
+  MpmCritical           found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
-  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &critical));
-  if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, &critical));
-  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, &critical, MPI_Wtime() - started));
-  PetscCall(MpmCriticalPrint(scene, request, &critical));
-  PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
-  PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
+  if (bulk) {
+    PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
+    place = MpmNeighbourhoodOfCritical(bulk);
+  }
+  if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_TRUE, all));
+  if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
+  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, bulk, all, MPI_Wtime() - started));
+  PetscCall(MpmCriticalPrint(scene, request, bulk, all));
+  PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
+  PetscCall(MpmExpectCritical(&expect, all ? all->courant : bulk->courant, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Mach number is kept, so that the drift changes with the Courant number. */
+static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
+  MpmExpect             expect = request->expect;
+  MpmCriticalMach       found;
+
+  PetscFunctionBegin;
+  expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
+  PetscCall(MpmCriticalMachCreate(&of, &request->mach, &found));
+  if (request->csv[0]) PetscCall(MpmCriticalMachWriteCsv(scene, request, &found));
+  if (request->json[0]) PetscCall(MpmCriticalMachWriteJson(scene, request, &found, MPI_Wtime() - started));
+  PetscCall(MpmCriticalMachPrint(scene, request, &found));
+  PetscCall(MpmExpectFinding(&expect, &found.asked, missed));
+  PetscCall(MpmExpectCritical(&expect, found.stable ? found.points[found.stable - 1].courant : NAN, missed));
+  PetscCall(MpmCriticalMachDestroy(&found));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -29,6 +55,8 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   *missed = 0;
   if (request->survey)
     PetscCall(MpmCriticalPrintSurvey(scene, request));
+  else if (request->at_mach)
+    PetscCall(AtMach(scene, request, started, missed));
   else
     PetscCall(One(scene, request, started, missed));
   PetscFunctionReturn(PETSC_SUCCESS);

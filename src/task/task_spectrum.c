@@ -1,20 +1,76 @@
-/* The task spectrum: mpmstab spectrum [SCENE.yaml] [-option value]... */
+/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE] [-option value]... */
 #include "task/expect.h"
+#include "io/matrix_file.h"
 #include "io/spectrum_files.h"
+#include "linalg/eigen.h"
 #include "report/results.h"
 #include "task/task.h"
+#include <mpmstab/errors.h>
+
+/* The spectrum of the matrix in a file. */
+static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum)
+{
+  PetscInt steps = request->matrix_steps;
+  Mat      A;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMatrixRead(PETSC_COMM_WORLD, request->matrix, &steps, &A));
+  PetscCall(MpmSpectrumOfMatrix(request->matrix, A, steps, request, started, spectrum));
+  PetscCall(MatDestroy(&A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses to write an operator that will not be a matrix, before the work. */
+static PetscErrorCode CheckWritten(const MpmScene *scene, const MpmRequest *request)
+{
+  PetscInt64 order;
+
+  PetscFunctionBegin;
+  if (!scene || !request->write_matrix[0] || scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  order = scene->scheme.table->nstate * scene->layout.particles;
+  MpmCheckInput(
+      order <= MPM_MATRIX_ORDER,
+      "-write_matrix %s: an operator of %" PetscInt64_FMT
+      " unknowns in more than one dimension is not assembled; allowed: up to %d ('symbol -write_blocks' has no "
+      "such limit)",
+      request->write_matrix, order, MPM_MATRIX_ORDER);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Write(const char path[], const MpmOperator *op)
+{
+  PetscBool kept;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMatrixWrite(path, op->A, op->exponent, op->period, &kept));
+  if (!kept)
+    MpmPrint("%s has no place for its %" PetscInt_FMT " steps: read it with -matrix_steps %" PetscInt_FMT "\n", path,
+             op->period, op->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmSpectrum *spectrum;
+  MpmSpectrum      *bulk  = NULL;
+  MpmNeighbourhood  place = {.kind = MPM_IN_BULK};
+  MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
 
   PetscFunctionBegin;
-  PetscCall(MpmSpectrumCreate(scene, request, started, &spectrum));
-  PetscCall(MpmSpectrumWriteFiles(spectrum));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
-  PetscCall(MpmSpectrumPrint(spectrum));
-  PetscCall(MpmExpectFinding(&request->expect, &spectrum->finding, missed));
-  PetscCall(MpmSpectrumDestroy(&spectrum));
+  PetscCall(CheckWritten(scene, request));
+  if (!scene)
+    PetscCall(OfFile(request, started, &bulk));
+  else if (request->neighbourhood[MPM_IN_BULK])
+    PetscCall(MpmSpectrumCreate(scene, request, started, &bulk));
+  else
+    PetscCall(MpmEigenRefuseUnread());
+  if (bulk) place = MpmNeighbourhoodOfFinding(&bulk->finding);
+  if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_FALSE, all));
+  if (bulk) PetscCall(MpmSpectrumWriteFiles(bulk));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, bulk, all, MPI_Wtime() - started));
+  PetscCall(MpmSpectrumPrint(scene, request, bulk, all));
+  if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
+  PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));
+  if (bulk) PetscCall(MpmSpectrumDestroy(&bulk));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

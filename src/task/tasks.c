@@ -19,10 +19,11 @@ const MpmTask MpmTasks[] = {
     {NULL, NULL, NULL},
 };
 
-/* Refuses files from which a run is to start and cannot. */
+/* Refuses files from which a run is to start and cannot. A matrix in the place of a scene has no run. */
 static PetscErrorCode CheckStart(const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
+  if (!scene) PetscFunctionReturn(PETSC_SUCCESS);
   if (scene->initial == MPM_INITIAL_EIGENMODE && request->mode_file[0])
     PetscCall(MpmModeFileCheck(scene, request->mode_file));
   if (request->restart[0]) PetscCall(MpmCheckpointCheck(request->restart, scene, request->steps));
@@ -39,7 +40,7 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
-  PetscCall(MpmSettingsCheckOutside(task));
+  PetscCall(MpmSettingsCheckOutside(task, path));
   PetscCall(MpmMemoryCheckLapack());
   PetscCall(MpmSceneCreate(task, path, &scene, &request));
   PetscCall(CheckStart(scene, &request));

@@ -50,6 +50,7 @@ def check_words(codes):
     options = names_of("options")
     values = {f"-{option}": names_of(option) for option in ("formulation", "transfer", "basis", "boundary")}
     values["-gradient"] = {"basis", "mls"}
+    values["-spline_ends"] = {"mirror", "modified", "open"}
     seen = set()
     for name, code in codes.items():
         for option, here, _ in code["rows"]:

@@ -39,6 +39,30 @@ def growth(courant, drift):
     return abs(numpy.linalg.eigvals(whole)).max() ** (1 / drift.denominator)
 
 
+def check_mach(mpiexec, mpmstab):
+    """Critical with a Mach number: the summary is that of the rows, on any number of ranks."""
+    texts = []
+    for ranks in (1, 2, 3):
+        done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "critical", "-formulation", "usl", "-ppc", "1",
+                               "-mach", "1/3", "-json", "mach.json", "-csv", "mach.csv"],
+                              capture_output=True, text=True, check=False)
+        check(done.returncode == 0 and done.stderr == "", done.stderr)
+        with open("mach.csv") as file:
+            texts.append(file.read())
+    check(texts[0] == texts[1] == texts[2], "critical -mach depends on the number of ranks")
+    with open("mach.json") as file:
+        found = json.load(file)["critical"]
+    rows = list(csv.DictReader(texts[0].splitlines()))
+    stable = [row["verdict"] == "stable" for row in rows]
+    first = stable.index(False)
+    check(len(rows) == found["searched"] and 0 < first, f"{len(rows)} rows, the first at {first} grows")
+    check(float(rows[first - 1]["courant"]) == found["critical_courant"], f"{rows[first - 1]}")
+    check(float(rows[first]["courant"]) == found["unstable_at"], f"{rows[first]}")
+    check(float(rows[first]["growth"]) == found["growth_at_unstable"] > 1 + 1e-6, f"{rows[first]}")
+    check(sum(row["verdict"] == "unstable" for row in rows) == found["unstable"], "number of unstable rows")
+    check(all(abs(float(row["drift"]) * 3 - float(row["courant"])) < 1e-15 for row in rows), "drift is not k / 3")
+
+
 def run(mpiexec, mpmstab, ranks):
     name = f"map_{ranks}"
     files = ["-json", name + ".json", "-csv", name + ".csv", "-output", name + ".h5"]
@@ -121,6 +145,7 @@ def main(mpiexec, mpmstab):
         unstable += expected > 1 + 1e-6
     check(0 < unstable < 20 and found["unstable"] == unstable and found["undecided"] == 0, f"{unstable} unstable")
     check(result["verdict"] == "unstable" and result["growth"] == numpy.max(data["growth"]), "verdict or growth")
+    check_mach(mpiexec, mpmstab)
     for ranks in (2, 3):
         check(run(mpiexec, mpmstab, ranks) == (result, text, data, table), f"{ranks} ranks say something else")
 

@@ -75,6 +75,23 @@ static PetscErrorCode Near(PetscReal value, PetscInt64 most, PetscInt64 num, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Checks the nearest fraction against all that there are. */
+static PetscErrorCode Nearest(PetscReal value, PetscInt64 most)
+{
+  const MpmFraction f = MpmFractionNearest(value, most);
+
+  PetscFunctionBegin;
+  CHECK(f.den > 0 && f.den <= most && f.value == (PetscReal)f.num / (PetscReal)f.den, "%.17g: %lld/%lld", value,
+        (long long)f.num, (long long)f.den);
+  for (PetscInt64 den = 1; den <= most; den++) {
+    const PetscReal other = PetscAbsReal((PetscReal)llround(value * (PetscReal)den) / (PetscReal)den - value);
+
+    CHECK(PetscAbsReal(f.value - value) <= other, "%.17g: %lld/%lld is farther than one over %lld", value,
+          (long long)f.num, (long long)f.den, (long long)den);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   const char *const bad[] = {"",    "a",     "1/",   "/8", "1/0", "1/-8",  "1//8", "nan",
@@ -124,6 +141,10 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Near(0.16666500000000001, 10000, 0, 0));
   PetscCall(Near(nextafter(0.125, 1), 10000, 0, 0));
   PetscCall(Near(1e300, 10000, 0, 0));
+  for (int i = 0; i < 50; i++) PetscCall(Nearest(sin(1.0 + i) * (i % 5), 1 + 7 * i));
+  PetscCall(Nearest(1.0 / 300, 240));
+  PetscCall(Nearest(0.05 * (1 + 1e-15), 240));
+  PetscCall(Nearest(0, 5));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,7 +18,7 @@ static const MpmBlock *At(const MpmBasis *basis, PetscInt n, const PetscInt cell
 {
   static MpmBlock block;
 
-  MpmBlockPlace(basis, n, cell, xi, width, &block);
+  MpmBlockPlace(basis, n, cell, xi, width, MpmNoWalls, &block);
   return &block;
 }
 

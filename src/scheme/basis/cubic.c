@@ -8,6 +8,7 @@
 */
 #define NODES 4
 #include "scheme/basis/nodes.h"
+#include "scheme/basis/splines.h"
 
 static inline PetscInt First(PetscReal xi)
 {
@@ -17,24 +18,14 @@ static inline PetscInt First(PetscReal xi)
 
 static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
 {
-  const PetscReal eta = 1 - xi;
-
   (void)half_width;
-  phi[0] = eta * eta * eta / 6;
-  phi[1] = 2.0 / 3 - xi * xi + xi * xi * xi / 2;
-  phi[2] = 2.0 / 3 - eta * eta + eta * eta * eta / 2;
-  phi[3] = xi * xi * xi / 6;
+  CubicValues(xi, phi);
 }
 
 static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
 {
-  const PetscReal eta = 1 - xi;
-
   (void)half_width;
-  slope[0] = -eta * eta / 2;
-  slope[1] = -2 * xi + 1.5 * xi * xi;
-  slope[2] = 2 * eta - 1.5 * eta * eta;
-  slope[3] = xi * xi / 2;
+  CubicSlopes(xi, slope);
 }
 
 const MpmBasis MpmCubic = {.name        = "cubic",

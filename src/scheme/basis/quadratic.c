@@ -10,6 +10,7 @@
 */
 #define NODES 3
 #include "scheme/basis/nodes.h"
+#include "scheme/basis/splines.h"
 
 static inline PetscInt First(PetscReal xi)
 {
@@ -18,22 +19,14 @@ static inline PetscInt First(PetscReal xi)
 
 static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
 {
-  const PetscReal d = xi < 0.5 ? xi : xi - 1; /* from the nearest node */
-
   (void)half_width;
-  phi[0] = 0.5 * (0.5 - d) * (0.5 - d);
-  phi[1] = 0.75 - d * d;
-  phi[2] = 0.5 * (0.5 + d) * (0.5 + d);
+  QuadraticValues(xi < 0.5 ? xi : xi - 1, phi);
 }
 
 static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
 {
-  const PetscReal d = xi < 0.5 ? xi : xi - 1;
-
   (void)half_width;
-  slope[0] = d - 0.5;
-  slope[1] = -2 * d;
-  slope[2] = d + 0.5;
+  QuadraticSlopes(xi < 0.5 ? xi : xi - 1, slope);
 }
 
 const MpmBasis MpmQuadratic = {.name        = "quadratic",

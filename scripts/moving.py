@@ -1,0 +1,126 @@
+#!/usr/bin/python3
+"""Prints how fast the schemes that codes run grow when particles move, over their velocity U0 and the Courant number k.
+
+moving.py [-o NAME] [--check FILE]
+
+The tables are those of LIMITS.md, 'Growth of moving particles' (four minutes). Each number is the largest growth over
+all waves: the phases are refined until it stops moving ('mpmstab symbol -refine'). With -o NAME the script also draws
+NAME.png and NAME.svg. --check FILE computes the column U0 = c/10 of k = 1/2 and one row alone, and refuses a file whose
+tables have other numbers. The environment variable MPMSTAB names the program (by default build/mpmstab).
+"""
+import concurrent.futures
+import math
+import os
+import sys
+
+from program import Parser, end_in_one_line, launch, refuse, require_input, require_outputs, require_program
+
+SCHEMES = [*((formulation, "flip", basis) for basis in ("linear", "gimp", "quadratic")
+             for formulation in ("usl", "musl", "usf")),
+           *(("usl", "pic", basis) for basis in ("linear", "gimp", "quadratic")),
+           ("usl", "apic mls", "linear"), ("usl", "apic mls", "quadratic")]
+MACH = [(1, 1000), (1, 100), (1, 10), (1, 4), (1, 1)]
+COURANT = [(1, 2), (1, 4), (1, 8)]
+CHECKED = [*((scheme, (1, 10), (1, 2)) for scheme in SCHEMES),
+           *((("musl", "flip", "linear"), mach, (1, 2)) for mach in MACH),
+           *((("usl", "flip", "gimp"), (1, 10), courant) for courant in COURANT[1:])]
+NONE, ROUNDING = 1e-8, 1e-7  # growth - 1 counts as none below this; the second where rounding hides the first
+
+
+def text_of(fraction):
+    return f"{fraction[0]}/{fraction[1]}" if fraction[1] > 1 else str(fraction[0])
+
+
+def symbol_of(case, tolerance):
+    """Returns what 'symbol -refine' finds."""
+    (formulation, transfer, basis), mach, courant = case
+    options = {"formulation": formulation, "transfer": transfer.split()[0], "basis": basis,
+               "gradient": "mls" if transfer.endswith("mls") else "basis",
+               "mach": text_of(mach), "courant": text_of(courant), "tolerance": tolerance}
+    words = ["-refine", *(word for name, value in options.items() for word in (f"-{name}", str(value)))]
+    status, found, error = launch("symbol", options=words)
+    if status:
+        refuse(f"{' '.join(words)}: {error}")
+    return found
+
+
+def growth_of(case):
+    """Returns growth - 1 per step; 0 where there is none, and NaN where it is not decided or still moves."""
+    found = symbol_of(case, NONE)
+    if found["verdict"] == "undecided":
+        found = symbol_of(case, ROUNDING)
+    if found["verdict"] == "undecided" or not found["refined"]["settled"]:
+        return math.nan
+    return found["growth"] - 1 if found["verdict"] == "unstable" else 0.0
+
+
+def per_time(growth, courant):
+    """Turns growth - 1 per step into growth - 1 per time h / c, which is 1 / k steps."""
+    return math.expm1(math.log1p(growth) * courant[1] / courant[0])
+
+
+def cell(value):
+    return f"{'?' if math.isnan(value) else '0' if value == 0 else f'{value:.1e}':>9}"
+
+
+def tables_of(growth):
+    """Returns the lines of the tables, which have a column for each velocity."""
+    lines = []
+    for courant in COURANT:
+        for time in (False, True):
+            lines.append(f"growth - 1 per {'time h/c' if time else 'step'}, k = {text_of(courant)}")
+            lines.append("scheme transfer basis     " + "".join(f"{'c/' + str(m[1]) if m[1] > 1 else 'c':>9}" for m in MACH))
+            for scheme in SCHEMES:
+                values = [growth.get((scheme, mach, courant), math.nan) for mach in MACH]
+                lines.append(f"{scheme[0]:<6} {scheme[1]:<8} {scheme[2]:<9} "
+                             + "".join(cell(per_time(value, courant) if time else value) for value in values))
+            lines.append("")
+    return [*lines[:-1], "0: below 1e-7, and below 1e-8 where rounding lets that be told; ?: not decided"]
+
+
+def compute(cases):
+    """Runs the program for each case, with as many runs at a time as there are cores."""
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return dict(zip(cases, pool.map(growth_of, cases)))
+
+
+def check(path):
+    """Refuses a file that lacks one of the numbers in their places."""
+    growth = compute(CHECKED)
+    with open(path, encoding="utf-8") as file:
+        printed = file.read().split("\n")
+    expected = tables_of(growth)
+    heads = [i for i, line in enumerate(printed) if line == expected[0]]
+    if len(heads) != 1:
+        refuse(f"{path}: {len(heads)} lines '{expected[0]}'; allowed: the tables that this script prints")
+    for i, line in enumerate(expected):
+        wrong = printed[heads[0] + i]
+        for at in range(0, len(MACH) * 9, 9):
+            wanted = line[26 + at:35 + at] if len(line) > 26 else ""
+            if "?" not in wanted and wanted != (wrong[26 + at:35 + at] if wanted else ""):
+                refuse(f"{path}: '{wrong}' where the program finds '{line}' (? is not compared)")
+
+
+def main():
+    parser = Parser(__doc__)
+    parser.add_argument("-o", "--output", metavar="NAME", help="the pictures that are written")
+    parser.add_argument("--check", metavar="FILE", help="the file whose tables are checked")
+    args = parser.parse_args()
+    require_program()
+    if args.check:
+        require_input(args.check, "a file with the tables")
+        check(args.check)
+        return
+    if args.output:
+        from picture_moving import draw_moving
+        from picture_style import names_of, save
+        require_outputs(names_of(args.output))
+    growth = compute([(scheme, mach, courant) for courant in COURANT for mach in MACH for scheme in SCHEMES])
+    print("\n".join(tables_of(growth)))
+    if args.output:
+        save(draw_moving(growth, SCHEMES, MACH, COURANT), args.output)
+
+
+if __name__ == "__main__":
+    end_in_one_line(main)
+    sys.exit(0)

@@ -1,0 +1,138 @@
+/* Finds the largest growth over all phases, on finer and finer grids of phases. */
+#include "analysis/refined.h"
+#include "analysis/critical_parts.h"
+#include "linalg/small_eigen.h"
+#include "symbol/bloch.h"
+#include <math.h>
+
+#define WITHIN 10       /* the search goes on from growths - 1 of at least this part of the largest */
+#define STARTS 12       /* and from so many of them at most */
+#define LEAST_BETA 2e-4 /* no waves longer than this, whose growth is that of rounding */
+#define NONE 1e-13      /* a growth - 1 up to this is rounding, */
+#define SMALL 1e-9      /* and up to this it need not settle */
+
+/* By dimension: the phases in (0, pi] of the coarsest and of the finest grid, and the last step uphill. */
+static const PetscInt  first[] = {0, 32, 8, 4}, last[] = {0, 2048, 64, 8};
+static const PetscReal finest[] = {0, 1e-7, 1e-5, 1e-3};
+
+typedef struct {
+  MpmBloch      bloch;
+  MpmSmallEigen eigen;
+  PetscReal     courant, largest; /* of all growths computed */
+  PetscInt64    evaluations;
+} Search;
+
+/* The zoom looks for the least of a positive number. */
+static PetscErrorCode Inverse(void *context, const PetscReal beta[], PetscReal *value)
+{
+  Search   *s       = (Search *)context;
+  PetscReal largest = 0, growth;
+  PetscInt  exponent;
+
+  PetscFunctionBegin;
+  s->evaluations++;
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
+  for (PetscInt i = 0; i < s->eigen.n; i++) largest = fmax(largest, cabs(s->eigen.value[i]));
+  growth     = MpmGrowthPerStep(largest, exponent, s->bloch.period);
+  s->largest = PetscMax(s->largest, growth);
+  *value     = growth - 1 > NONE ? 1 / (growth - 1) : INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool HasMoved(PetscReal excess, PetscReal before)
+{
+  return PetscAbsReal(excess - before) > PetscMax(MPM_REFINED * excess, SMALL) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* What one grid does not find again, another one has found. */
+static PetscErrorCode Refine(Search *s, MpmZoom *zoom, MpmRefined *r)
+{
+  PetscReal excess = 0;
+  PetscInt  still  = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt points = first[zoom->dim]; points <= last[zoom->dim] && still < 2; points *= 2) {
+    PetscReal       beta[MPM_MAX_DIM], value;
+    const PetscReal before = excess;
+
+    zoom->points = points;
+    PetscCall(MpmZoomLeast(zoom, Inverse, s, beta, &value));
+    r->points = points;
+    if (1 / value > excess) {
+      excess = 1 / value;
+      PetscCall(PetscArraycpy(r->beta, beta, zoom->dim));
+    }
+    still = points > first[zoom->dim] && !HasMoved(excess, before) ? still + 1 : 0;
+  }
+  r->settled = still == 2 ? PETSC_TRUE : PETSC_FALSE;
+  r->growth  = 1 + excess;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   What rounding makes of growth at a phase: its eigenvalue moves by its condition number times the difference of two
+   matrices whose steps are rounded differently.
+*/
+static PetscErrorCode FindError(Search *s, MpmRefined *r)
+{
+  MpmSmallEigen  *e     = &s->eigen;
+  double complex *noisy = e->left, overlap = 0; /* vectors come later */
+  PetscReal       norm = 0, moved = 0;
+  PetscInt        largest = 0, exponent, other;
+
+  PetscFunctionBegin;
+  if (isnan(r->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_TRUE, noisy, &other));
+  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_FALSE, e->matrix, &exponent));
+  for (PetscInt i = 0; i < e->n * e->n; i++) {
+    norm  = hypot(norm, cabs(e->matrix[i]));
+    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - e->matrix[i]));
+  }
+  moved              = PetscMax(moved, MPM_ROUNDING * norm);
+  r->defective_error = MpmDefectiveErrorOf(moved, exponent, s->bloch.period);
+  PetscCall(MpmSmallEigenSolve(e, PETSC_TRUE));
+  for (PetscInt i = 1; i < e->n; i++)
+    if (cabs(e->value[i]) > cabs(e->value[largest])) largest = i;
+  for (PetscInt i = 0; i < e->n; i++) overlap += conj(e->left[e->n * largest + i]) * e->right[e->n * largest + i];
+  r->uncertainty = MpmUncertaintyOf(r->growth, moved / cabs(overlap) / cabs(e->value[largest]), s->bloch.period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRefinedFinding(const MpmRefined *r, PetscReal tolerance, MpmFinding *f)
+{
+  PetscFunctionBegin;
+  *f         = (MpmFinding){.tolerance       = tolerance,
+                            .growth          = r->growth,
+                            .uncertainty     = r->uncertainty,
+                            .defective_error = r->defective_error};
+  f->verdict = MpmVerdictOf(f);
+  if (f->verdict == MPM_STABLE && !r->settled) f->verdict = MPM_UNDECIDED;
+  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
+                          "the symbol at up to %" PetscInt_FMT " phases in (0, pi] and uphill", r->points));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                MpmRefined *r)
+{
+  Search  s    = {.courant = step->courant};
+  MpmZoom zoom = MpmCriticalZoom(layout, step->drift);
+
+  PetscFunctionBegin;
+  *r          = (MpmRefined){.beta = {NAN, NAN, NAN}};
+  zoom.starts = STARTS;
+  zoom.within = WITHIN;
+  zoom.finest = finest[layout->dim];
+  zoom.least  = LEAST_BETA;
+  zoom.comm   = comm;
+  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &s.bloch));
+  PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
+  PetscCall(Refine(&s, &zoom, r));
+  PetscCall(FindError(&s, r));
+  PetscCallMPI(MPI_Allreduce(&s.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));
+  if (isnan(r->beta[0])) PetscCallMPI(MPI_Allreduce(&s.largest, &r->growth, 1, MPIU_REAL, MPI_MAX, comm));
+  PetscCall(MpmSmallEigenDestroy(&s.eigen));
+  PetscCall(MpmBlochDestroy(&s.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

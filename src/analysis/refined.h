@@ -1,0 +1,38 @@
+/* Refined growth: the largest growth over all phases, on grids of phases that become finer until it stops moving. */
+#pragma once
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
+#include <mpmstab/verdict.h>
+
+/*S
+   MpmRefined - what MpmRefinedGrowth has found.
+
+   growth  - the largest growth per step
+   beta    - its phases, in (-pi, pi]; NaN where no phase grows
+   points  - the phases in (0, pi] of each direction, on the finest grid
+   settled - growth - 1 has moved by less than MPM_REFINED of itself, or by less than 1e-9, between the last grids
+   uncertainty, defective_error - as of MpmFinding, at these phases; 0 where no phase grows
+   evaluations - the number of times that growth was computed
+S*/
+#define MPM_REFINED 1e-3
+typedef struct {
+  PetscReal  growth, uncertainty, defective_error, beta[MPM_MAX_DIM];
+  PetscInt   points;
+  PetscBool  settled;
+  PetscInt64 evaluations;
+} MpmRefined;
+
+/*
+   MpmRefinedGrowth - the largest growth per step of a scheme on a uniform layout, at a step's Courant number and drift.
+
+   Collective on comm, whose ranks share the work. The result does not depend on their number.
+
+   Each grid has twice the phases of the one before it. From its largest growths the search goes on uphill with ever
+   smaller steps. It ends when the growth found has not moved over two grids, or at the finest grid. A peak that is
+   narrower than its distances may still be missed.
+*/
+PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                MpmRefined *refined);
+
+/* Not collective. The verdict on refined growth: stable only where it is settled. */
+PetscErrorCode MpmRefinedFinding(const MpmRefined *refined, PetscReal tolerance, MpmFinding *finding);

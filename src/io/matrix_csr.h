@@ -1,0 +1,44 @@
+/* A sparse matrix on the first rank, between a file and the ranks. */
+#pragma once
+#include "io/arrays.h"
+#include <petscmat.h>
+
+#define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
+
+/*S
+   MpmEntries - the entries of a matrix that is read, in any order; entries of one place are added. Rows and columns count
+   from 0. steps: that the matrix covers; 0: the file does not say.
+S*/
+typedef struct {
+  PetscInt64 rows, columns, n, steps;
+  PetscInt  *row, *column;
+  PetscReal *value;
+} MpmEntries;
+
+/*S
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns.
+S*/
+typedef struct {
+  PetscInt   order, *begin, *column;
+  PetscReal *value;
+} MpmCsr;
+
+/*
+   Not collective. MpmEntriesRoom - makes room, or says why a file with so many may not be; MpmEntriesCheck - says what
+   is wrong with entries that are no operator, in why ("": nothing).
+*/
+PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
+                              char why[MPM_WHY_TEXT]);
+PetscErrorCode MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
+PetscErrorCode MpmEntriesFree(MpmEntries *entries);
+
+/* Not collective. Sorts entries into rows. Each row has an entry on the diagonal, if only a 0: solvers shift the matrix. */
+PetscErrorCode MpmCsrFromEntries(const MpmEntries *entries, MpmCsr *csr);
+PetscErrorCode MpmCsrFree(MpmCsr *csr);
+
+/*
+   Collective. MpmCsrScatter - deals the rows of the first rank's matrix to the ranks. MpmCsrGather - brings the rows of an
+   AIJ matrix, times 2^exponent, to the first rank.
+*/
+PetscErrorCode MpmCsrScatter(MPI_Comm comm, const MpmCsr *csr, Mat *A);
+PetscErrorCode MpmCsrGather(Mat A, PetscInt exponent, MpmCsr *csr);

@@ -1,0 +1,180 @@
+/* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
+#include "io/hdf5.h"
+#include "io/matrix_file.h"
+#include <mpmstab/errors.h>
+#include <errno.h>
+#include <string.h>
+
+static const char *const formats = "allowed: Matrix Market, PETSc's binary, HDF5, or .npz of scipy.sparse.save_npz";
+
+/* ---- matrices as named arrays ---- */
+
+/* The arrays of a compressed matrix: by rows or by columns, in the names of scipy or of MATLAB. */
+typedef struct {
+  const MpmArray *data, *inner, *pointer;
+  PetscBool       by_columns;
+} Compressed;
+
+static PetscErrorCode ReadCompressed(const Compressed *c, const MpmArray *shape, MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  const PetscInt64 outer = c->pointer->n - 1, n = c->data->n;
+  const PetscReal *at  = c->pointer->real;
+  const PetscReal  row = shape ? shape->real[0] : (PetscReal)outer, column = shape ? shape->real[1] : (PetscReal)outer;
+
+  PetscFunctionBegin;
+  if (c->inner->n != n || outer < 0 || at[0] != 0 || at[outer] != (PetscReal)n ||
+      (PetscReal)outer != (c->by_columns ? column : row) || !MpmArrayIsWhole(c->pointer, 0))
+    PetscCall(PetscStrncpy(why,
+                           "its indices and pointers do not fit its data; allowed: pointers from 0 to the number of "
+                           "entries, one more than rows (or columns, of csc)",
+                           MPM_WHY_TEXT));
+  for (PetscInt64 i = 0; i < outer && !why[0]; i++)
+    if (at[i] > at[i + 1]) PetscCall(PetscStrncpy(why, "its pointers decrease; allowed: csr or csc", MPM_WHY_TEXT));
+  if (!why[0]) PetscCall(MpmEntriesRoom(row, column, (PetscReal)n, e, why));
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt64 i = 0; i < outer; i++) {
+    for (PetscInt64 k = (PetscInt64)at[i]; k < (PetscInt64)at[i + 1]; k++) {
+      const PetscReal number = c->inner->real[k];
+      const PetscInt  inner  = number >= 0 && number < PETSC_MAX_INT ? (PetscInt)number : -1;
+
+      e->row[k]    = c->by_columns ? inner : (PetscInt)i;
+      e->column[k] = c->by_columns ? (PetscInt)i : inner;
+      e->value[k]  = c->data->real[k];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadCoo(const MpmArrays *arrays, const MpmArray *data, const MpmArray *shape, MpmEntries *e,
+                              char why[MPM_WHY_TEXT])
+{
+  const MpmArray *row = MpmArraysFind(arrays, "row"), *column = MpmArraysFind(arrays, "col");
+
+  PetscFunctionBegin;
+  if (!row || !column || !shape || row->n != data->n || column->n != data->n)
+    PetscCall(PetscStrncpy(why, "it is no coo matrix; allowed: arrays row, col and data of one length, and shape",
+                           MPM_WHY_TEXT));
+  if (!why[0]) PetscCall(MpmEntriesRoom(shape->real[0], shape->real[1], (PetscReal)data->n, e, why));
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt64 k = 0; k < data->n; k++) {
+    e->row[k]    = row->real[k] >= 0 && row->real[k] < PETSC_MAX_INT ? (PetscInt)row->real[k] : -1;
+    e->column[k] = column->real[k] >= 0 && column->real[k] < PETSC_MAX_INT ? (PetscInt)column->real[k] : -1;
+    e->value[k]  = data->real[k];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  const MpmArray *data = MpmArraysFind(arrays, "data"), *shape = MpmArraysFind(arrays, "shape"),
+                 *steps = MpmArraysFind(arrays, "steps"), *format = MpmArraysFind(arrays, "format");
+  Compressed c = {.data = data, .inner = MpmArraysFind(arrays, "indices"), .pointer = MpmArraysFind(arrays, "indptr")};
+
+  PetscFunctionBegin;
+  if (!format) format = MpmArraysFind(arrays, "encoding-type");
+  if (shape && shape->n != 2) shape = NULL;
+  if (steps && steps->n == 1 && MpmArrayIsWhole(steps, 1)) e->steps = (PetscInt64)steps->real[0];
+  if (!c.inner && MpmArraysFind(arrays, "ir")) {
+    c.inner      = MpmArraysFind(arrays, "ir");
+    c.pointer    = MpmArraysFind(arrays, "jc");
+    c.by_columns = PETSC_TRUE;
+  }
+  if (format && !strncmp(format->text, "csc", 3)) c.by_columns = PETSC_TRUE;
+  if (format && strncmp(format->text, "cs", 2) && strncmp(format->text, "coo", 3))
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "format %s; allowed: csr, csc or coo", format->text));
+  else if (format && !strncmp(format->text, "coo", 3) && data)
+    PetscCall(ReadCoo(arrays, data, shape, e, why));
+  else if (data && c.inner && c.pointer && c.pointer->n)
+    PetscCall(ReadCompressed(&c, shape, e, why));
+  else
+    PetscCall(PetscStrncpy(why, "it has no matrix; allowed: arrays data, indices and indptr (or data, ir and jc)",
+                           MPM_WHY_TEXT));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- any format ---- */
+
+typedef enum { FORMAT_NONE, FORMAT_TEXT, FORMAT_PETSC, FORMAT_NPZ, FORMAT_HDF5 } Format;
+
+static PetscErrorCode FindFormat(const char path[], FILE *stream, Format *format)
+{
+  static const unsigned char wide[8]  = {0, 0, 0, 0, 0, 0x12, 0x7b, 0x50};
+  unsigned char              begin[8] = {0};
+  const size_t               n        = fread(begin, 1, sizeof begin, stream);
+
+  PetscBool hdf5;
+
+  PetscFunctionBegin;
+  rewind(stream);
+  PetscCall(MpmHdf5Is(path, &hdf5));
+  *format = hdf5 ? FORMAT_HDF5 : FORMAT_NONE;
+  if (n >= 2 && begin[0] == '%' && begin[1] == '%') *format = FORMAT_TEXT;
+  if (n >= 4 && !memcmp(begin, "PK", 2)) *format = FORMAT_NPZ;
+  if (n == sizeof begin && (!memcmp(begin, wide + 4, 4) || !memcmp(begin, wide, sizeof wide))) *format = FORMAT_PETSC;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  static const char *const names[] = {"data",  "indices", "indptr",        "ir", "jc", "row", "col", "format",
+                                      "shape", "steps",   "encoding-type", NULL};
+  MpmArrays                arrays  = {.n = 0};
+  Format                   format  = FORMAT_NONE;
+
+  PetscFunctionBegin;
+  PetscCall(FindFormat(path, stream, &format));
+  if (format == FORMAT_TEXT) PetscCall(MpmMatrixReadText(stream, e, why));
+  if (format == FORMAT_PETSC) PetscCall(MpmMatrixReadPetsc(stream, e, why));
+  if (format == FORMAT_NPZ) PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
+  if (format == FORMAT_HDF5) PetscCall(MpmArraysReadHdf5(path, names, &arrays, why));
+  if (format == FORMAT_NONE) PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "its format is not known; %s", formats));
+  if ((format == FORMAT_NPZ || format == FORMAT_HDF5) && !why[0]) PetscCall(FromArrays(&arrays, e, why));
+  PetscCall(MpmArraysFree(&arrays));
+  if (!why[0]) PetscCall(MpmEntriesCheck(e, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the file on the first rank. */
+static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  FILE *stream = fopen(path, "rb");
+
+  PetscFunctionBegin;
+  if (!stream) {
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", strerror(errno)));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(ReadFormat(path, stream, e, why));
+  (void)fclose(stream);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscInt *steps, Mat *A)
+{
+  MpmEntries  entries           = {.n = 0};
+  MpmCsr      csr               = {.order = 0};
+  char        why[MPM_WHY_TEXT] = "";
+  PetscInt64  said              = 0;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) PetscCall(ReadFile(path, &entries, why));
+  PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
+  if (why[0]) PetscCall(MpmEntriesFree(&entries));
+  MpmCheckInput(!why[0], "-matrix %s: %s", path, why);
+  said = entries.steps;
+  PetscCallMPI(MPI_Bcast(&said, 1, MPIU_INT64, 0, comm));
+  MpmCheckInput(!said || !*steps || said == *steps,
+                "-matrix_steps %" PetscInt_FMT ": %s says that it covers %" PetscInt64_FMT "; allowed: without it",
+                *steps, path, said);
+  MpmCheckInput(said >= 0 && said <= MPM_MATRIX_MOST_STEPS,
+                "-matrix %s: it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d", path, said,
+                MPM_MATRIX_MOST_STEPS);
+  if (!*steps) *steps = said ? (PetscInt)said : 1;
+  if (rank == 0) PetscCall(MpmCsrFromEntries(&entries, &csr));
+  PetscCall(MpmEntriesFree(&entries));
+  PetscCall(MpmCsrScatter(comm, &csr, A));
+  PetscCall(MpmCsrFree(&csr));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

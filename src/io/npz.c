@@ -1,0 +1,299 @@
+/*
+   numpy's .npz: a zip archive whose members NAME.npy are arrays (NEP 1). An array is a line of Python that says type and
+   shape, and then its numbers.
+*/
+#include "io/arrays.h"
+#include "io/zip.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define MAGIC "\x93NUMPY"
+#define MAGIC_SIZE 6
+#define NUMBERS "whole or real numbers of up to 64 bits"
+
+/* The type of an array's numbers: 'f', 'i', 'u', 'b', 'S' or 'U', bytes of one, and whether bytes come the other way. */
+typedef struct {
+  char      kind;
+  size_t    width;
+  PetscBool swapped;
+} Type;
+
+/* Finds the text that follows a key of the header, such as 'descr'. */
+static const char *After(const char header[], const char key[])
+{
+  const char *at = strstr(header, key);
+
+  if (!at) return NULL;
+  at = strchr(at + strlen(key), ':');
+  if (!at) return NULL;
+  at++;
+  return at + strspn(at, " ");
+}
+
+static PetscBool ParseType(const char text[], Type *type)
+{
+  char *end;
+
+  if (!text || *text++ != '\'' || !strchr("<>|=", *text)) return PETSC_FALSE;
+  type->swapped = *text++ == '>' ? PETSC_TRUE : PETSC_FALSE;
+  type->kind    = *text++;
+  type->width   = (size_t)strtoul(text, &end, 10);
+  return *end == '\'' ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool ParseShape(const char text[], int *dims, PetscInt64 shape[])
+{
+  if (!text || *text++ != '(') return PETSC_FALSE;
+  for (*dims = 0; *dims <= MPM_ARRAY_DIMS; ++*dims) {
+    char *end;
+
+    text += strspn(text, ", ");
+    if (*text == ')') return PETSC_TRUE;
+    if (*dims == MPM_ARRAY_DIMS || *text < '0' || *text > '9') return PETSC_FALSE;
+    shape[*dims] = strtoll(text, &end, 10);
+    text         = end;
+  }
+  return PETSC_FALSE;
+}
+
+/* One number of the types that numpy writes, as a double. */
+static PetscReal Number(const unsigned char *at, const Type *type)
+{
+  unsigned char b[8];
+  union {
+    double   f8;
+    float    f4;
+    int64_t  i8;
+    int32_t  i4;
+    int16_t  i2;
+    int8_t   i1;
+    uint64_t u8;
+    uint32_t u4;
+    uint16_t u2;
+    uint8_t  u1;
+  } as;
+
+  for (size_t i = 0; i < type->width; i++) b[i] = at[type->swapped ? type->width - 1 - i : i];
+  memcpy(&as, b, type->width);
+  if (type->kind == 'f') return type->width == 8 ? as.f8 : as.f4;
+  if (type->kind == 'i')
+    return (PetscReal)(type->width == 8 ? as.i8 : type->width == 4 ? as.i4 : type->width == 2 ? as.i2 : as.i1);
+  return (PetscReal)(type->width == 8 ? as.u8 : type->width == 4 ? as.u4 : type->width == 2 ? as.u2 : as.u1);
+}
+
+static PetscBool IsNumber(const Type *type)
+{
+  const PetscBool whole = strchr("iub", type->kind) ? PETSC_TRUE : PETSC_FALSE;
+
+  return type->width == 8 || type->width == 4 || (whole && (type->width == 2 || type->width == 1)) ? PETSC_TRUE
+                                                                                                   : PETSC_FALSE;
+}
+
+/* Puts an array's numbers in their places: those of Fortran's order have the first index fastest. */
+static void Fill(const unsigned char *bytes, const Type *type, PetscBool fortran, MpmArray *a)
+{
+  for (PetscInt64 i = 0; i < a->n; i++) {
+    PetscInt64 place = i;
+
+    if (fortran) {
+      PetscInt64 rest = i;
+
+      place = 0;
+      for (int d = 0; d < a->dims; d++) {
+        PetscInt64 stride = 1;
+
+        for (int e = d + 1; e < a->dims; e++) stride *= a->shape[e];
+        place += rest % a->shape[d] * stride;
+        rest /= a->shape[d];
+      }
+    }
+    a->real[place] = Number(bytes + (size_t)i * type->width, type);
+  }
+}
+
+/* A text of one byte or of four bytes for a character. */
+static void FillText(const unsigned char *bytes, const Type *type, MpmArray *a)
+{
+  const size_t step = type->kind == 'U' ? 4 : 1;
+
+  for (size_t i = 0; i * step < type->width * step && i + 1 < sizeof a->text && i < type->width; i++)
+    a->text[i] = (char)bytes[type->swapped ? i * step + step - 1 : i * step];
+}
+
+/* Reads one member from memory. */
+static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, size_t size, MpmArrays *arrays,
+                               char why[MPM_WHY_TEXT])
+{
+  const size_t prefix = size > MAGIC_SIZE && bytes[MAGIC_SIZE] > 1 ? 12 : 10;
+  size_t       length = 0;
+  char         header[1024];
+  Type         type;
+  int          dims;
+  PetscInt64   shape[MPM_ARRAY_DIMS] = {0};
+  PetscReal    n                     = 1;
+  const char  *order;
+  MpmArray    *a;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s is not one of numpy's; allowed: what numpy.savez writes", name));
+  if (size < prefix || memcmp(bytes, MAGIC, MAGIC_SIZE)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = prefix; i > 8; i--) length = length << 8 | bytes[i - 1];
+  if (length >= sizeof header || length > size - prefix) PetscFunctionReturn(PETSC_SUCCESS);
+  memcpy(header, bytes + prefix, length);
+  header[length] = '\0';
+  bytes += prefix + length;
+  size -= prefix + length;
+  order = After(header, "'fortran_order'");
+  if (!ParseType(After(header, "'descr'"), &type) || !order || !ParseShape(After(header, "'shape'"), &dims, shape)) {
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s: its type or shape; allowed: %s, in up to %d dimensions", name,
+                            NUMBERS, MPM_ARRAY_DIMS));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (type.kind == 'S' || type.kind == 'U') {
+    if (dims || size < type.width * (type.kind == 'U' ? 4 : 1)) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmArraysAdd(arrays, name, -1, NULL, &a));
+    FillText(bytes, &type, a);
+    why[0] = '\0';
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s has %s; allowed: %s", name,
+                          type.kind == 'c' ? "complex numbers" : "no numbers", NUMBERS));
+  if (!strchr("fiub", type.kind) || !IsNumber(&type)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (int d = 0; d < dims; d++) n *= (PetscReal)shape[d];
+  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s is shorter than its shape says; allowed: a whole file", name));
+  if (n * (PetscReal)type.width > (PetscReal)size) PetscFunctionReturn(PETSC_SUCCESS);
+  why[0] = '\0';
+  PetscCall(MpmArraysAdd(arrays, name, dims, shape, &a));
+  Fill(bytes, &type, *order == 'T' ? PETSC_TRUE : PETSC_FALSE, a);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadMembers(FILE *stream, const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
+{
+  MpmZipMember members[MPM_ZIP_MOST];
+  int          n;
+  const char  *wrong;
+
+  PetscFunctionBegin;
+  PetscCall(MpmZipList(stream, &n, members, &wrong));
+  for (int i = 0; i < n && !wrong && !why[0]; i++) {
+    for (int k = 0; names[k] && !why[0]; k++) {
+      const size_t   length = strlen(names[k]);
+      unsigned char *bytes;
+
+      if (strncmp(members[i].name, names[k], length) || strcmp(members[i].name + length, ".npy")) continue;
+      if (MpmArraysFind(arrays, names[k])) continue;
+      PetscCall(MpmZipRead(stream, &members[i], &bytes, &wrong));
+      if (wrong) break;
+      PetscCall(ParseNpy(names[k], bytes, (size_t)members[i].size, arrays, why));
+      PetscCall(PetscFree(bytes));
+    }
+  }
+  if (wrong)
+    PetscCall(
+        PetscSNPrintf(why, MPM_WHY_TEXT, "%s%s", wrong, strstr(wrong, "allowed") ? "" : "; allowed: a whole .npz"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
+{
+  FILE *stream = fopen(path, "rb");
+
+  PetscFunctionBegin;
+  *arrays = (MpmArrays){.n = 0};
+  why[0]  = '\0';
+  if (!stream) {
+    PetscCall(PetscStrncpy(why, "it cannot be opened; allowed: a file that can be read", MPM_WHY_TEXT));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(ReadMembers(stream, names, arrays, why));
+  (void)fclose(stream);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- writing ---- */
+
+#define HEADER 128 /* bytes of an array before its numbers */
+
+static PetscErrorCode Header(const MpmArray *a, PetscBool whole, char header[HEADER + 1])
+{
+  char   shape[96] = "", type[16];
+  size_t used;
+
+  PetscFunctionBegin;
+  for (int d = 0; d < a->dims; d++) {
+    char part[32];
+
+    PetscCall(PetscSNPrintf(part, sizeof part, "%" PetscInt64_FMT ",", a->shape[d]));
+    PetscCall(PetscStrlcat(shape, part, sizeof shape));
+  }
+  if (a->dims < 0)
+    PetscCall(PetscSNPrintf(type, sizeof type, "|S%d", (int)strlen(a->text)));
+  else
+    PetscCall(PetscStrncpy(type, whole ? "<i8" : "<f8", sizeof type));
+  memset(header, ' ', HEADER);
+  memcpy(header, MAGIC "\x01\x00", MAGIC_SIZE + 2);
+  header[8] = (char)(HEADER - 10);
+  header[9] = 0;
+  PetscCall(
+      PetscSNPrintf(header + 10, HEADER - 10, "{'descr': '%s', 'fortran_order': False, 'shape': (%s), }", type, shape));
+  used               = strlen(header + 10);
+  header[10 + used]  = ' '; /* in place of the end of the string */
+  header[HEADER - 1] = '\n';
+  header[HEADER]     = '\0';
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define BLOCK 4096 /* numbers that are converted at a time */
+
+/* Hands an array's bytes to the sum of its CRC (stream NULL) or to the file. */
+static unsigned PutNumbers(const MpmArray *a, PetscBool whole, unsigned sum, FILE *stream)
+{
+  union {
+    double  real[BLOCK];
+    int64_t whole[BLOCK];
+  } block;
+
+  for (PetscInt64 begin = 0; begin < a->n; begin += BLOCK) {
+    const PetscInt64 n = PetscMin(BLOCK, a->n - begin);
+
+    for (PetscInt64 i = 0; i < n; i++) {
+      if (whole)
+        block.whole[i] = (int64_t)a->real[begin + i];
+      else
+        block.real[i] = a->real[begin + i];
+    }
+    if (stream)
+      (void)fwrite(&block, 8, (size_t)n, stream);
+    else
+      sum = MpmZipSum(sum, &block, 8 * (size_t)n);
+  }
+  return sum;
+}
+
+PetscErrorCode MpmArraysWriteNpz(const MpmArrays *arrays, const char *const whole[], FILE *stream)
+{
+  MpmZipMember members[MPM_MOST_ARRAYS];
+
+  PetscFunctionBegin;
+  for (int i = 0; i < arrays->n; i++) {
+    const MpmArray *a          = &arrays->array[i];
+    const size_t    text       = a->dims < 0 ? strlen(a->text) : 0;
+    PetscBool       as_integer = PETSC_FALSE;
+    char            header[HEADER + 1];
+
+    for (int k = 0; whole[k]; k++)
+      if (!strcmp(whole[k], a->name)) as_integer = PETSC_TRUE;
+    PetscCall(Header(a, as_integer, header));
+    members[i] = (MpmZipMember){.size = HEADER + 8 * a->n + (PetscInt64)text};
+    PetscCall(PetscSNPrintf(members[i].name, sizeof members[i].name, "%s.npy", a->name));
+    members[i].crc = MpmZipSum(MpmZipSum(0, header, HEADER), a->text, text);
+    members[i].crc = PutNumbers(a, as_integer, members[i].crc, NULL);
+    MpmZipBegin(stream, &members[i]);
+    (void)fwrite(header, 1, HEADER, stream);
+    (void)fwrite(a->text, 1, text, stream);
+    (void)PutNumbers(a, as_integer, 0, stream);
+  }
+  MpmZipEnd(stream, arrays->n, members);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

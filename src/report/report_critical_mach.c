@@ -1,0 +1,124 @@
+/* Growth at a fixed Mach number: prints what was searched and found, and writes it as JSON and as CSV. */
+#include "base/textfile.h"
+#include "report/report.h"
+#include "report/results.h"
+#include <math.h>
+
+/* A point in words: its Courant number, its drift in the first direction that moves, and its growth. */
+static void PrintPoint(const MpmMach *mach, const MpmMachPoint *p)
+{
+  MpmFraction drift[MPM_MAX_DIM];
+  PetscInt    a = 0;
+
+  MpmMachDrift(mach, &p->part, drift);
+  while (!drift[a].num) a++;
+  MpmPrint("k = %.6g (drift %" PetscInt64_FMT "/%" PetscInt64_FMT "): ", p->courant, drift[a].num, drift[a].den);
+  if (p->verdict == MPM_UNDECIDED)
+    MpmPrint("undecided\n");
+  else
+    MpmPrint("growth - 1 = %.3g per step, %.3g per time h/c\n", p->growth - 1, expm1(log(p->growth) / p->courant));
+}
+
+static void PrintFound(const MpmRequest *request, const MpmCriticalMach *c)
+{
+  const MpmMach *mach = &request->mach;
+
+  if (c->stable == c->n)
+    MpmPrint("none of them grows beyond 1 + %.6g\n", request->tolerance);
+  else if (!c->stable)
+    MpmPrint("the smallest of them is not stable:\n");
+  else
+    MpmPrint("largest Courant number up to which none of them grows: %.6g\n", c->points[c->stable - 1].courant);
+  if (c->stable < c->n) {
+    MpmPrint("  first      ");
+    PrintPoint(mach, &c->points[c->stable]);
+    MpmPrint("  fastest    ");
+    PrintPoint(mach, &c->points[c->worst]);
+    MpmPrint("             of those %s\n",
+             c->rest > 0 && c->rest < c->to ? "up to the limit of particles at rest" : "that were searched");
+    MpmPrint("  in all     %" PetscInt_FMT " of %" PetscInt_FMT " grow, %" PetscInt_FMT " are undecided\n", c->unstable,
+             c->n, c->undecided);
+  }
+  MpmPrint("  Growth of moving particles is not monotone. Between these Courant numbers nothing was computed.\n");
+}
+
+PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmReportScene(s, request, ranks));
+  MpmPrint("\nat a fixed velocity the drift is M k: %" PetscInt_FMT
+           " Courant numbers from %.6g to %.6g were searched\n",
+           c->n, c->points[0].courant, c->points[c->n - 1].courant);
+  MpmPrint("  M k is each fraction with a denominator up to %d, and those near %" PetscInt_FMT " equal steps of k\n",
+           MPM_CRITICAL_MACH_ALL, c->steps);
+  PrintFound(request, c);
+  if (c->rest > 0 && isfinite(c->rest)) MpmPrint("  at rest    the limit is %.6g\n", c->rest);
+  MpmPrint("\nat Courant number %.6g: growth %.9g per step\n", s->step.courant, c->asked.growth);
+  PetscCall(MpmReportFinding(&c->asked, NAN));
+  MpmPrint("time: %.3g s\n", c->seconds);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c,
+                                        PetscReal wall_s)
+{
+  json_t     *object, *critical = json_object(), *mach = json_array();
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
+  MpmJsonSetFinding(object, &c->asked);
+  for (PetscInt a = 0; a < s->layout.dim; a++)
+    json_array_append_new(mach, json_real((PetscReal)request->mach.times[a] * request->mach.unit.value));
+  json_object_set_new(critical, "mach", mach);
+  if (c->stable) MpmJsonSet(critical, "critical_courant", c->points[c->stable - 1].courant);
+  if (c->stable < c->n) {
+    MpmJsonSet(critical, "unstable_at", c->points[c->stable].courant);
+    MpmJsonSet(critical, "growth_at_unstable", c->points[c->stable].growth);
+    MpmJsonSet(critical, "fastest_at", c->points[c->worst].courant);
+    MpmJsonSet(critical, "fastest_growth", c->points[c->worst].growth);
+  }
+  MpmJsonSet(critical, "rest_courant", c->rest);
+  MpmJsonSet(critical, "searched_from", c->points[0].courant);
+  MpmJsonSet(critical, "searched_to", c->points[c->n - 1].courant);
+  json_object_set_new(critical, "searched", json_integer(c->n));
+  json_object_set_new(critical, "unstable", json_integer(c->unstable));
+  json_object_set_new(critical, "undecided", json_integer(c->undecided));
+  MpmJsonSet(critical, "seconds", c->seconds);
+  json_object_set_new(object, "critical", critical);
+  PetscCall(MpmJsonWrite(request->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalMachWriteCsv(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
+{
+  const PetscInt dim = s->layout.dim;
+  MpmTextFile    csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(request->csv, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "courant");
+    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, dim == 1 ? ",drift" : ",drift_%c", "xyz"[a]);
+    fprintf(csv.stream, ",growth");
+    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, dim == 1 ? ",beta" : ",beta_%c", "xyz"[a]);
+    fprintf(csv.stream, ",verdict\n");
+    for (PetscInt i = 0; i < c->n; i++) {
+      const MpmMachPoint *p = &c->points[i];
+      MpmFraction         drift[MPM_MAX_DIM];
+
+      MpmMachDrift(&request->mach, &p->part, drift);
+      fprintf(csv.stream, "%.17g", p->courant);
+      for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, drift[a].value);
+      MpmTextFileCell(&csv, p->growth);
+      for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, p->beta[a]);
+      fprintf(csv.stream, ",%s\n", MpmVerdictNames[p->verdict]);
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,59 @@
+/*
+   Source of a symbol: whatever has an amplification matrix G(beta) for each phase. A table applied to one Bloch mode is
+   a source; so are the blocks A_d of a lattice, G(beta) = sum over d of A_d e^(-i beta.d).
+*/
+#pragma once
+#include <mpmstab/symbol.h>
+#include <complex.h>
+
+/*
+   Computes the amplification matrix of a phase, size x size by columns, divided by 2^exponent. With noisy, which only a
+   source with has_noise is asked for, every number is moved by about its rounding after each step of the period.
+
+   Not collective.
+*/
+typedef PetscErrorCode (*MpmSourceMatrix)(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
+                                          PetscInt *exponent);
+
+/*S
+   MpmSource - where the matrices of a symbol come from.
+
+   dim, size    - the number of directions, and the order of a matrix
+   period       - the number of steps that a matrix covers
+   matrix, context - gives the matrix of a phase; the matrices of beta and -beta are conjugates of each other
+   has_noise    - whether matrix knows how rounding goes through the steps of a period
+   reflects, alike - the symmetries, as MpmSymbol has them; alike[a] is at most a
+   null_rest, null_all, null_factor - the amplification factors of the null space of P2G, which is particle data that no
+                  node feels: null_rest of them are 1, the others of null_all are null_factor. null_all is MPM_NONE where
+                  this is not known.
+   name         - of what determines the size, for messages
+S*/
+typedef struct {
+  PetscInt        dim, size, period;
+  MpmSourceMatrix matrix;
+  void           *context;
+  PetscBool       has_noise, reflects[MPM_MAX_DIM];
+  PetscInt        alike[MPM_MAX_DIM], null_rest, null_all;
+  PetscReal       null_factor;
+  char            name[1100];
+} MpmSource;
+
+/*
+   MpmSymbolFromSource - computes the symbol of a source. Its layout and scheme are NULL.
+
+   Collective. The source is not needed after the call. Errors: refuses (PETSC_ERR_USER_INPUT) so many phases that their
+   output does not fit.
+*/
+PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish,
+                                   MpmSymbol **symbol);
+
+/*S
+   MpmSourceGrowth - the growth of one phase per step, with the condition number of its amplification factor and an
+   estimate of that factor's relative error by rounding.
+S*/
+typedef struct {
+  PetscReal growth, condition, relative;
+} MpmSourceGrowth;
+
+/* Not collective. */
+PetscErrorCode MpmSourceGrowthAt(const MpmSource *source, const PetscReal beta[], MpmSourceGrowth *at);

@@ -1,0 +1,175 @@
+/*
+   The symbol of a table on a uniform layout: which layouts have one, and the table, applied to one Bloch mode, as a source
+   of amplification matrices.
+*/
+#include "scene/layout.h"
+#include "symbol/bloch.h"
+#include "symbol/blocks.h"
+#include "symbol/phases.h"
+#include <mpmstab/errors.h>
+
+#define MOST_SIZE 1536 /* the largest order of a matrix with all fields that a scheme may have */
+
+/* The most particles in a cell: with fields for a vector, a stress and an affine part, its block is as large as allowed. */
+static PetscInt MostPpc(PetscInt dim)
+{
+  return MOST_SIZE / (dim + dim * (dim + 1) / 2 + dim * dim);
+}
+
+const char *MpmSymbolWhyNot(const MpmLayout *layout)
+{
+  if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
+  if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
+  if (MpmLayoutPpc(layout) > MostPpc(layout->dim)) return "with so many particles per cell its blocks are too large";
+  return NULL;
+}
+
+/* The first end that is not periodic, for a message. */
+static const MpmEnd *WallsOf(const MpmLayout *layout)
+{
+  PetscInt a = 0;
+
+  while (a < layout->dim - 1 && layout->grid[a].ends[0] == MPM_PERIODIC) a++;
+  return layout->grid[a].ends;
+}
+
+PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
+{
+  char ppc[MPM_MAX_DIM * 16];
+
+  PetscFunctionBegin;
+  MpmCheckInput(MpmLayoutIsPeriodic(layout),
+                "boundary %s,%s: the symbol needs a domain without ends; allowed: periodic ('mpmstab spectrum' takes "
+                "any)",
+                MpmEndNames[WallsOf(layout)[0]], MpmEndNames[WallsOf(layout)[1]]);
+  MpmCheckInput(layout->counts.n == 1 && layout->material.kind == MPM_MATERIAL_UNIFORM,
+                "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
+                "any layout)",
+                layout->counts.n > 1 ? "counts" : "material");
+  MpmCheckInput(MpmLayoutIsFull(layout),
+                "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
+                "takes any layout)");
+  MpmCheckInput(MpmLayoutIsUniform(layout),
+                "jitter %g: the symbol needs the same particles in every cell; allowed: jitter 0 ('mpmstab spectrum' "
+                "takes any layout)",
+                layout->jitter);
+  PetscCall(MpmPhasesText(layout->dim, layout->ppc, sizeof ppc, ppc));
+  MpmCheckInput(!MpmSymbolWhyNot(layout),
+                "ppc %s: the symbol's blocks would be too large; allowed: at most %" PetscInt_FMT "%s", ppc,
+                MostPpc(layout->dim), layout->dim > 1 ? " in a cell, over all directions" : "");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Counts the amplification factors of the null space of P2G, the particle data that no node feels: those of fields without
+   filter (rest), and of all. Nodes have one number of a number, and a vector of a vector or of a stress. The affine part
+   of a vector adds to the vector's own numbers.
+*/
+static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
+{
+  const MpmTable *t          = b->scheme->table;
+  PetscInt        numbers[2] = {0, 0}; /* without and with filter */
+
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    PetscInt components = 0, seen;
+
+    numbers[t->filtered[r]] += b->ppc;
+    if (t->field[r] == MPM_NONE || t->component[r] > 0) continue;
+    for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
+    seen = b->scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
+    numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
+  }
+  *rest = numbers[0];
+  *all  = numbers[0] + numbers[1];
+}
+
+typedef struct {
+  MpmBloch  bloch;
+  PetscReal courant;
+} TableMatrix;
+
+static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
+                             PetscInt *exponent)
+{
+  TableMatrix *t = context;
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochMatrix(&t->bloch, t->courant, beta, noisy, G, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A layout is its own mirror image about the middle of a cell. In one dimension that is beta and -beta, known besides. */
+static PetscBool Reflects(const MpmLayout *layout, const MpmStep *step, PetscInt a)
+{
+  return layout->dim > 1 && layout->offset[a].value == 0.5 && step->drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool Alike(const MpmLayout *layout, const MpmStep *step, PetscInt a, PetscInt b)
+{
+  return layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
+                 step->drift[a].value == step->drift[b].value
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* Over a period of several steps modes may grow by many digits on the way, so that rounding has to be followed. */
+static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *source)
+{
+  const MpmBloch  *b      = &t->bloch;
+  const MpmLayout *layout = b->layout;
+  const MpmScheme *scheme = b->scheme;
+
+  PetscFunctionBegin;
+  *source = (MpmSource){.dim       = layout->dim,
+                        .size      = b->size,
+                        .period    = b->period,
+                        .matrix    = Matrix,
+                        .context   = t,
+                        .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
+                        .null_all  = MPM_NONE};
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    source->reflects[a] = Reflects(layout, step, a);
+    source->alike[a]    = a;
+    for (PetscInt other = a - 1; other >= 0; other--)
+      if (Alike(layout, step, a, other)) source->alike[a] = other;
+  }
+  if (b->period == 1 && scheme->transfer->null_factor && MpmFormulationKeepsUnseen(scheme->formulation)) {
+    CountNull(b, &source->null_rest, &source->null_all);
+    source->null_factor = scheme->transfer->null_factor(&scheme->numbers);
+  }
+  PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                               const MpmSymbolWish *wish, MpmSymbol **symbol)
+{
+  TableMatrix table = {.courant = step->courant};
+  MpmSource   source;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolCheck(layout));
+  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
+  PetscCall(Describe(&table, step, &source));
+  PetscCall(MpmSymbolFromSource(comm, &source, wish, symbol));
+  (*symbol)->layout = layout;
+  (*symbol)->scheme = scheme;
+  (*symbol)->step   = *step;
+  PetscCall(MpmBlochDestroy(&table.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableBlocks(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                              const char option[], MpmBlocks *blocks)
+{
+  TableMatrix table = {.courant = step->courant};
+  MpmSource   source;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolCheck(layout));
+  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
+  PetscCall(Describe(&table, step, &source));
+  PetscCall(MpmBlocksFromSource(comm, &source, option, blocks));
+  PetscCall(MpmBlochDestroy(&table.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

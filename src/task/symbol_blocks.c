@@ -1,0 +1,164 @@
+/* The task symbol for blocks from a file: growth at equally spaced phases, and between them where it is largest. */
+#include "task/symbol_blocks.h"
+#include "analysis/worst_phase.h"
+#include "io/blocks_file.h"
+#include "io/symbol_files.h"
+#include "report/report.h"
+#include "task/expect.h"
+#include <mpmstab/errors.h>
+#include <math.h>
+
+#define GAINS 1e-12 /* relative; growth between phases that is larger by less is rounding */
+
+/*S
+   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict.
+S*/
+typedef struct {
+  MpmBlocks       blocks;
+  MpmSymbol      *symbol;
+  PetscReal       beta[MPM_MAX_DIM];
+  MpmSourceGrowth worst;
+  PetscReal       worst_uncertainty;
+  MpmFinding      finding;
+  PetscMPIInt     ranks;
+} Answer;
+
+/* One number of phases is for all directions; several are one for each. */
+static PetscErrorCode FindPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])
+{
+  static const PetscInt fallback[MPM_MAX_DIM] = {64, 32, 16};
+
+  PetscFunctionBegin;
+  MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
+                "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
+                " direction%s; allowed: one number for all directions, or one for each",
+                request->given_phases, request->matrix_blocks, dim, dim == 1 ? "" : "s");
+  for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the phase of the symbol where the search between its phases has found no larger growth. */
+static PetscErrorCode Compare(Answer *a)
+{
+  const MpmSymbol *s = a->symbol;
+
+  PetscFunctionBegin;
+  a->worst_uncertainty = MpmUncertaintyOf(a->worst.growth, a->worst.relative, a->blocks.period);
+  if (a->worst.growth > s->growth * (1 + GAINS)) PetscFunctionReturn(PETSC_SUCCESS);
+  a->worst.growth      = s->growth;
+  a->worst.condition   = s->condition;
+  a->worst_uncertainty = s->uncertainty;
+  PetscCall(PetscArraycpy(a->beta, s->beta_at_max, a->blocks.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
+{
+  MpmFinding *f = &a->finding;
+  char        phases[64];
+
+  PetscFunctionBegin;
+  *f         = (MpmFinding){.tolerance       = request->tolerance,
+                            .growth          = a->worst.growth,
+                            .uncertainty     = a->worst_uncertainty,
+                            .defective_error = a->symbol->defective_error};
+  f->verdict = MpmVerdictOf(f);
+  PetscCall(MpmReportCounts(a->blocks.dim, a->symbol->phases, sizeof phases, phases));
+  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
+                          "the symbol at %s phases, and a search between them from where growth is largest", phases));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
+{
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
+  MpmSource      source;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &a->ranks));
+  PetscCall(MpmBlocksRead(comm, request->matrix_blocks, request->matrix_steps, &a->blocks));
+  PetscCall(MpmBlocksSource(&a->blocks, request->matrix_blocks, &source));
+  PetscCall(FindPhases(request, source.dim, wish.phases));
+  PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
+  PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
+  PetscCall(Compare(a));
+  PetscCall(Judge(request, a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
+{
+  const PetscInt dim = a->blocks.dim;
+  char           beta[96], phases[64], text[256];
+
+  PetscFunctionBegin;
+  PetscCall(MpmReportFile(request, "the blocks", a->ranks));
+  MpmPrint("%" PetscInt_FMT " blocks of %" PetscInt_FMT " unknowns a cell, %" PetscInt_FMT
+           " direction%s, of %" PetscInt_FMT " step%s\n\ngrowth per step\n",
+           a->blocks.n, a->blocks.size, dim, dim == 1 ? "" : "s", a->blocks.period, a->blocks.period == 1 ? "" : "s");
+  PetscCall(MpmReportVector(dim, a->symbol->beta_at_max, 6, sizeof beta, beta));
+  PetscCall(MpmReportCounts(dim, a->symbol->phases, sizeof phases, phases));
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
+  PetscCall(MpmReportGrowth("symbol", a->symbol->growth, text));
+  PetscCall(MpmReportVector(dim, a->beta, 6, sizeof beta, beta));
+  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s, the largest of a search between these phases", beta));
+  PetscCall(MpmReportGrowth("all waves", a->worst.growth, text));
+  MpmPrint("\n");
+  PetscCall(MpmReportFinding(&a->finding, a->worst.condition));
+  MpmPrint("time: %.3g s\n", a->symbol->seconds);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, PetscReal started)
+{
+  const MpmBlocks *b = &a->blocks;
+  json_t          *object, *beta = json_array(), *blocks, *refined;
+
+  PetscFunctionBegin;
+  PetscCall(MpmJsonFile(request, a->ranks, MPI_Wtime() - started, &object));
+  MpmJsonSetFinding(object, &a->finding);
+  blocks = json_pack("{s:i, s:i, s:i, s:i}", "dim", (int)b->dim, "unknowns", (int)b->size, "blocks", (int)b->n,
+                     "period_steps", (int)b->period);
+  if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
+  json_object_set_new(object, "lattice", blocks);
+  json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
+  for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
+  refined = json_object();
+  MpmJsonSet(refined, "growth", a->worst.growth);
+  MpmJsonSet(refined, "condition", a->worst.condition);
+  json_object_set(refined, "beta_at_max", b->dim == 1 ? json_array_get(beta, 0) : beta);
+  json_decref(beta);
+  json_object_set_new(object, "refined", refined);
+  PetscCall(MpmJsonWrite(request->json, object));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteFiles(const MpmRequest *request, const Answer *a)
+{
+  MpmDataFile file;
+
+  PetscFunctionBegin;
+  if (request->csv[0]) PetscCall(MpmSymbolWriteCsv(a->symbol, NULL, request->csv));
+  if (request->write_blocks[0]) PetscCall(MpmBlocksWrite(request->write_blocks, &a->blocks));
+  if (!request->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, NULL, request, &file));
+  PetscCall(MpmSymbolWrite(a->symbol, NULL, &file));
+  PetscCall(MpmDataFileClose(&file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  Answer answer = {.symbol = NULL};
+
+  PetscFunctionBegin;
+  PetscCall(Compute(request, &answer));
+  PetscCall(WriteFiles(request, &answer));
+  if (request->json[0]) PetscCall(WriteJson(request, &answer, started));
+  PetscCall(Print(request, &answer));
+  PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
+  PetscCall(MpmSymbolDestroy(&answer.symbol));
+  PetscCall(MpmBlocksFree(&answer.blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
