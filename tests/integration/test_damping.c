@@ -14,7 +14,7 @@ static const MpmRequest request = {.phases = {PHASES}, .ndivisors = DIVISORS, .d
 
 static PetscBool Exists(const MpmFormulation *f, const MpmTransfer *t)
 {
-  return f->wave && !(t->affine && f->affine == MPM_NONE) ? PETSC_TRUE : PETSC_FALSE;
+  return f->wave && !t->same_as && !(t->affine && f->affine == MPM_NONE) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Compares the growth per step with the closed form, at each time step and wave. */
@@ -36,10 +36,15 @@ static PetscErrorCode ClosedForm(const char options[], const MpmScene *scene, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Leaves out waves of 3 cells: two of their modes may be about as near, and the stress across the wave, which the plane
+   has besides, may decide between them.
+*/
 static PetscErrorCode Compare(const char options[], const MpmDamping *a, const MpmDamping *b)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; i < DIVISORS * a->nwaves; i++) {
+    if (a->wavelength[i % a->nwaves] < 4) continue;
     CHECK(fabs(a->decay[i] - b->decay[i]) <= 1e-7, "%s, wave %d: decay %.9g, in the plane %.9g", options, (int)i,
           a->decay[i], b->decay[i]);
     CHECK(fabs(a->frequency[i] - b->frequency[i]) <= 1e-7, "%s, wave %d: frequency error %.9g, in the plane %.9g",
