@@ -25,7 +25,7 @@ SCENES = [  # the scheme, and the denominator of its drift
     ("-formulation musl -transfer apic -basis gimp", 1), ("-formulation usf -transfer xpic -basis cubic", 1),
     ("-formulation elastic -transfer blend -blend_ratio 0.9", 1), ("-formulation gas2 -offset 0.3", 1),
     ("-formulation usl -transfer apic -basis quadratic -gradient mls -drift 1/4", 4),
-    ("-formulation musl -transfer flip -drift 1/8", 8), ("-formulation gas2 -transfer pic -drift -1/3", 3),
+    ("-formulation musl -transfer flip -drift 1/16", 16), ("-formulation gas2 -transfer pic -drift -1/3", 3),
     ("-formulation usl -transfer pic -drift 1/3 -dim 2", 3)]
 
 
