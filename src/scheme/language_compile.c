@@ -364,7 +364,7 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", particle,
            rank_names[c->f->particle_ranks[line->field]], node, rank_names[c->f->node_ranks[line->other]]);
   if (c->filtered[line->field] & TimesOf(line->op)) Refuse(c, "%s is filtered a second time; allowed: once", particle);
-  if (c->written_to[line->other] && c->holds[line->other] != line->field)
+  if (line->op == MPM_FILTER && c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
            node, particle);
   c->filtered[line->field] |= TimesOf(line->op);
