@@ -45,6 +45,7 @@ typedef struct {
 } MpmAxis;
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
+#define MPM_MAX_DIVISORS 16
 
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
@@ -62,6 +63,7 @@ typedef struct {
    neighbourhood     - those that critical and spectrum look at
    layouts           - how many random layouts an ensemble, or neighbourhood random, has
    voids             - the share of sites without a particle in neighbourhood random
+   damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
@@ -75,9 +77,10 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance, voids;
-  PetscBool       weights, source_term, ringing, measure, survey, refine;
+  PetscBool       weights, source_term, ringing, measure, survey, refine, damping;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
+  PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
   PetscBool       at_mach;

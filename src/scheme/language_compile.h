@@ -6,7 +6,7 @@
    f        - the formulation that is made; the fields of nodes that the text does not name come after the others
    text     - the line that is read
    has_mass - a sum has made the nodal masses
-   written_to, imposed, reacts, node_read, particle_read, filtered, filtered_before - what the lines so far did with each field
+   written_to, imposed, reacts, node_read, particle_read, filtered - what the lines so far did with each field
    lost     - lost[n]: a filter may have put something else in node field n than the lines did
    holds    - holds[n]: the particle field that node field n is P2G of as it stands, or MPM_NONE
    at_wall  - at_wall[n]: node field n is 0 at fixed walls, as IMPOSE sets it
@@ -20,8 +20,9 @@ typedef struct {
   PetscInt              nnodes, nops, room, holds[MPM_MAX_FIELDS], group[MPM_MAX_FIELDS];
   MpmOp                *ops;
   PetscBool             has_mass, drifts, written_to[MPM_MAX_FIELDS], imposed[MPM_MAX_FIELDS], reacts[MPM_MAX_FIELDS];
-  PetscBool             node_read[MPM_MAX_FIELDS], particle_read[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
-  PetscBool             filtered_before[MPM_MAX_FIELDS], lost[MPM_MAX_FIELDS], at_wall[MPM_MAX_FIELDS];
+  PetscBool             node_read[MPM_MAX_FIELDS], particle_read[MPM_MAX_FIELDS];
+  PetscInt              filtered[MPM_MAX_FIELDS];
+  PetscBool             lost[MPM_MAX_FIELDS], at_wall[MPM_MAX_FIELDS];
   const MpmWrittenText *lap[MPM_MAX_FIELDS];
 } MpmCompiler;
 

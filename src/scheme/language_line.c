@@ -43,7 +43,7 @@ static const struct {
 static const struct {
   const char   *word;
   MpmLineKindOf kind;
-  MpmOpKind     filter;
+  MpmOpKind     op;
 } statements[] = {{"IMPOSE", MPM_LINE_IMPOSE, MPM_IMPOSE},
                   {"REACT", MPM_LINE_REACT, MPM_REACT},
                   {"FILTER", MPM_LINE_FILTER, MPM_FILTER},
@@ -514,8 +514,8 @@ PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[],
   PetscCall(TakeWord(&r, word));
   for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(statements); s++) {
     if (strcmp(word, statements[s].word)) continue;
-    line->filter = statements[s].filter;
     PetscCall(ReadStatement(&r, statements[s].kind, line));
+    line->op = statements[s].op;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ReadSign(&r, line, &sign));

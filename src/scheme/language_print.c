@@ -78,10 +78,9 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
   else if (op->kind == MPM_REACT)
     PetscCall(PetscSNPrintf(text, room, "REACT %s %s", f->node_fields[op->dst], f->node_fields[op->src]));
   else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
-    PetscCall(PetscSNPrintf(text, room, "FILTER%s %s %s",
-                            op->kind == MPM_FILTER          ? ""
-                            : op->kind == MPM_FILTER_BEFORE ? "_BEFORE"
-                                                            : "_AFTER",
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s",
+                            op->kind == MPM_FILTER ? "FILTER"
+                                                   : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),
                             f->particle_fields[op->dst], f->node_fields[op->src]));
   else {
     PetscCall(FactorText(op, sizeof factor, factor));
