@@ -49,6 +49,7 @@ typedef struct {
    take the gradient of P2G of the particle's velocity see none without an affine part, and have no limit. In the words
    of the closed forms of waves kappa is lambda, the filter 1, and alpha 0, with an affine part 1. THEORY.md, section 4.
 
-   There is none for other schemes: with an affine part and another gradient, and without a stress.
+   There is none for other schemes: with an affine part and another gradient, with a sharpened nodal field, and without a
+   stress.
 */
 PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, PetscReal courant, MpmLone *lone);

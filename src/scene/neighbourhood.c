@@ -28,13 +28,14 @@ static PetscBool FillsSpace(const MpmScene *scene)
   return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Refuses what only neighbourhood random reads. An ensemble has layouts too. */
+/* Refuses what only neighbourhood random reads, of the tasks that have one. */
 static PetscErrorCode CheckRandom(const MpmSettings *settings, const MpmRequest *request)
 {
   static const char *const random[] = {"voids", "layouts"};
 
   PetscFunctionBegin;
-  if (request->neighbourhood[MPM_AT_RANDOM] || !strcmp(request->task, "ensemble")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strcmp(request->task, "critical") && strcmp(request->task, "spectrum")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (request->neighbourhood[MPM_AT_RANDOM]) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(random); i++)
     if (MpmSettingsSource(settings, random[i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, random[i], "allowed: with neighbourhood random"));

@@ -347,7 +347,10 @@ static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scen
 
 static PetscBool HasFilter(const MpmFormulation *f)
 {
-  return MpmFormulationHas(f, MPM_FILTER);
+  return MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) ||
+                 MpmFormulationHas(f, MPM_FILTER_AFTER)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)

@@ -349,6 +349,12 @@ static PetscErrorCode SetParticles(MpmCompiler *c, MpmLine *line)
 
 /* ---- statements ---- */
 
+/* With pic_filter after, and with pic_filter before, a filter acts or it does not. */
+static PetscInt TimesOf(MpmOpKind filter)
+{
+  return filter == MPM_FILTER ? 3 : filter == MPM_FILTER_AFTER ? 1 : 2;
+}
+
 static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
 {
   const char *particle = c->f->particle_fields[line->field], *node = c->f->node_fields[line->other];
@@ -357,13 +363,13 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
   if (c->f->particle_ranks[line->field] != c->f->node_ranks[line->other])
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", particle,
            rank_names[c->f->particle_ranks[line->field]], node, rank_names[c->f->node_ranks[line->other]]);
-  if (c->filtered[line->field]) Refuse(c, "%s is filtered a second time; allowed: once", particle);
-  if (c->written_to[line->other] && c->holds[line->other] != line->field)
+  if (c->filtered[line->field] & TimesOf(line->op)) Refuse(c, "%s is filtered a second time; allowed: once", particle);
+  if (line->op == MPM_FILTER && c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
            node, particle);
-  c->filtered[line->field]  = PETSC_TRUE;
+  c->filtered[line->field] |= TimesOf(line->op);
   c->node_read[line->other] = PETSC_TRUE;
-  PetscCall(Emit(c, (MpmOp)FILTER(line->field, line->other)));
+  PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = line->field, .src = line->other, .factor = 1}));
   for (PetscInt n = 0; n < c->nnodes; n++)
     if (c->holds[n] == line->field) c->holds[n] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,7 +19,8 @@ typedef struct {
   PetscInt              nnodes, nops, room, holds[MPM_MAX_FIELDS], from[MPM_MAX_FIELDS];
   MpmOp                *ops;
   PetscBool             has_mass, drifts, written_to[MPM_MAX_FIELDS], imposed[MPM_MAX_FIELDS], reacts[MPM_MAX_FIELDS];
-  PetscBool             node_read[MPM_MAX_FIELDS], particle_read[MPM_MAX_FIELDS], filtered[MPM_MAX_FIELDS];
+  PetscBool             node_read[MPM_MAX_FIELDS], particle_read[MPM_MAX_FIELDS];
+  PetscInt              filtered[MPM_MAX_FIELDS];
   PetscBool             at_wall[MPM_MAX_FIELDS];
   const MpmWrittenText *lap[MPM_MAX_FIELDS];
 } MpmCompiler;

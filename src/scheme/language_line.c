@@ -43,8 +43,13 @@ static const struct {
 static const struct {
   const char   *word;
   MpmLineKindOf kind;
-} statements[] = {
-    {"IMPOSE", MPM_LINE_IMPOSE}, {"REACT", MPM_LINE_REACT}, {"FILTER", MPM_LINE_FILTER}, {"DRIFT", MPM_LINE_DRIFT}};
+  MpmOpKind     op;
+} statements[] = {{"IMPOSE", MPM_LINE_IMPOSE, MPM_IMPOSE},
+                  {"REACT", MPM_LINE_REACT, MPM_REACT},
+                  {"FILTER", MPM_LINE_FILTER, MPM_FILTER},
+                  {"FILTER_BEFORE", MPM_LINE_FILTER, MPM_FILTER_BEFORE},
+                  {"FILTER_AFTER", MPM_LINE_FILTER, MPM_FILTER_AFTER},
+                  {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
 {
@@ -510,6 +515,7 @@ PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[],
   for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(statements); s++) {
     if (strcmp(word, statements[s].word)) continue;
     PetscCall(ReadStatement(&r, statements[s].kind, line));
+    line->op = statements[s].op;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ReadSign(&r, line, &sign));

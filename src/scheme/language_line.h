@@ -28,12 +28,14 @@ typedef struct {
 
 /*
    MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
-   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER - with their fields; of a FILTER field is that of particles
+   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER - with their fields; of a FILTER field is that of particles, and op
+                    says which of the filters it is
 */
 typedef enum { MPM_LINE_SET, MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_DRIFT } MpmLineKindOf;
 
 typedef struct {
   MpmLineKindOf kind;
+  MpmOpKind     op;
   MpmPlace      place;
   PetscInt      field, other, nterms;
   PetscBool     adds;

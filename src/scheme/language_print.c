@@ -77,8 +77,11 @@ static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t 
     PetscCall(PetscSNPrintf(text, room, "IMPOSE %s", f->node_fields[op->dst]));
   else if (op->kind == MPM_REACT)
     PetscCall(PetscSNPrintf(text, room, "REACT %s %s", f->node_fields[op->dst], f->node_fields[op->src]));
-  else if (op->kind == MPM_FILTER)
-    PetscCall(PetscSNPrintf(text, room, "FILTER %s %s", f->particle_fields[op->dst], f->node_fields[op->src]));
+  else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s",
+                            op->kind == MPM_FILTER ? "FILTER"
+                                                   : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),
+                            f->particle_fields[op->dst], f->node_fields[op->src]));
   else {
     PetscCall(FactorText(op, sizeof factor, factor));
     PetscCall(PetscSNPrintf(text, room, "%s %s %s%s%s", to[op->dst], op->accumulates ? "+=" : "=", factor, Word(f, op),

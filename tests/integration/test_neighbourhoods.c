@@ -54,6 +54,8 @@ static PetscErrorCode CheckNumbers(void)
   }
   PetscCall(LoneOf("-formulation usl -transfer apic -basis quadratic", &lone));
   CHECK(!lone.known, "a closed form for apic with the gradient of quadratic splines");
+  PetscCall(LoneOf("-formulation usl -transfer fmpm -basis quadratic", &lone));
+  CHECK(!lone.known, "a closed form for fmpm, whose stress is of another nodal velocity");
   PetscCall(LoneOf("-formulation gas2", &lone));
   CHECK(!lone.known, "a closed form for a gas");
   PetscCall(LoneOf("-formulation usl -basis quadratic -courant 0.9", &lone));
@@ -92,6 +94,9 @@ static PetscErrorCode CheckAssembled(void)
       "-formulation usl -basis gimp -gradient mls -transfer apic",
       "-formulation musl -basis cubic -gradient mls -transfer apic",
       "-dim 2 -formulation usl -basis quadratic -poisson 0.2",
+      "-formulation usl -basis quadratic -gradient mls -transfer aflip",
+      "-formulation usl -basis cubic -gradient mls -transfer tpic",
+      "-formulation usf -basis gimp -gradient mls -transfer asflip",
       "-dim 2 -formulation usavg -basis gimp -gradient mls -transfer apic",
   };
 
@@ -141,14 +146,14 @@ static PetscErrorCode CheckFull(const char options[], const char box[])
 
 static PetscErrorCode CheckNoVoids(void)
 {
-  static const char *const transfers[] = {"flip", "pic", "xpic", "apic"};
+  static const char *const transfers[] = {"flip", "pic", "xpic", "apic", "tpic", "aflip", "fmpm"};
 
   PetscFunctionBegin;
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(transfers); t++) {
       char options[128];
 
-      if (!strcmp(transfers[t], "apic") && !MpmFormulationHas(MpmFormulations[f], MPM_DIV)) continue;
+      if (MpmTransferFind(transfers[t])->affine && !MpmFormulationHas(MpmFormulations[f], MPM_DIV)) continue;
       PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s",
                               MpmFormulations[f]->name, transfers[t], MpmBases[(f + (PetscInt)t) % 4]->name));
       PetscCall(CheckFull(options, "-cells 24"));
