@@ -423,7 +423,7 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
   } else {
     mpmstab_take_check_(w);
     w->stage = MPMSTAB_DONE;
-    if (w->reach >= 0 && (w->leaks > (w->single ? 1e-3 : 1e-6) || w->additivity > 1e-3)) {
+    if (w->reach >= 0 && (w->leaks > (w->single ? 1e-3 : 1e-6) || w->additivity > (w->single ? 0.05 : 1e-3))) {
       w->reach = -1; /* some particle reaches further than was seen */
       mpmstab_begin_columns_(w);
     }

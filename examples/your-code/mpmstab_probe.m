@@ -154,9 +154,9 @@ switch w.stage
     expected = reshape(expected, fliplr(size(w.base))).';
     w.additivity = largest(w, response - expected) / max([largest(w, response), largest(w, expected), realmin]);
     w.stage = 'done';
-    limit = 1e-6;
-    if any(w.single), limit = 1e-3; end
-    if w.reach >= 0 && (w.leaks > limit || w.additivity > 1e-3)
+    limit = [1e-6, 1e-3];
+    if any(w.single), limit = [1e-3, 0.05]; end
+    if w.reach >= 0 && (w.leaks > limit(1) || w.additivity > limit(2))
       w.reach = -1; % some particle reaches further than was seen
       w = begin_columns(w);
     else
