@@ -69,7 +69,7 @@ for k = 1:numel(arrays)
   if k == 1, largest = h(1); elseif largest == 0, largest = 1; end
   w.single = [w.single, repmat(isa(arrays{k}, 'single'), 1, width)];
   w.scale = [w.scale, repmat(largest, 1, width)];
-  w.names = sprintf('%s field%d %d%s', w.names, k, width, repmat(' place', 1, k == 1));
+  w.names = sprintf('%s field%d %d%s', w.names, k, width, repmat(' place', 1, double(k == 1)));
 end
 w.size = 2^-17;
 if any(w.single), w.size = 2^-5; end
@@ -146,7 +146,10 @@ switch w.stage
     w = take_columns(w);
     w.number = w.number + 1;
     if w.number > numel(w.scale), w.number = 1; w.colour = w.colour + 1; end
-    if w.colour > max(w.colour_of), w.stage = 'check'; end
+    if w.colour > max(w.colour_of)
+      w.entries = vertcat(w.entries{:});
+      w.stage = 'check';
+    end
   case 'check'
     response = minus_periods(w, w.answer{1}, w.answer{2});
     given = (w.amount{1} - w.amount{2}).';
@@ -187,13 +190,14 @@ if w.reach >= 0
   end
   [~, ~, place] = unique(w.bin, 'rows');
   [sorted, order] = sort(place(:));
-  rank(order) = (1:w.n).' - arrayfun(@(b) find(sorted == b, 1), sorted);
+  start = find([true; diff(sorted) ~= 0]);
+  rank(order) = (1:w.n).' - start(cumsum([true; diff(sorted) ~= 0]));
   [~, ~, w.colour_of] = unique([colour, rank(:)], 'rows');
 end
 w.stage = 'columns';
 w.colour = 1;
 w.number = 1;
-w.entries = zeros(0, 3);
+w.entries = {};
 w.one_sided = 0;
 w.two_sizes = 0;
 w.leaks = 0;
@@ -231,7 +235,7 @@ w.two_sizes = w.two_sizes + sum(sum(((larger(due, :) ./ (d{3} - d{4}) - a) .* un
 row = (find(due) - 1) * width + (1:width);
 column = repmat((owner(due) - 1) * width + w.number, 1, width);
 there = a ~= 0;
-w.entries = [w.entries; row(there), column(there), a(there)];
+w.entries{end + 1} = [row(there), column(there), a(there)];
 end
 
 function save_matrix(w, path)

@@ -10,7 +10,8 @@ function mpmstab_serve(step, state, about)
 % Octave sends what the step prints to standard error. In MATLAB the step must print nothing.
 in = fopen('/dev/stdin', 'r');
 out = fopen('/dev/stdout', 'w');
-if exist('OCTAVE_VERSION', 'builtin'), dup2(stderr, stdout); end
+in_octave = exist('OCTAVE_VERSION', 'builtin') > 0;
+if in_octave, dup2(stderr, stdout); end
 about = with(about, struct('place', 'x', 'scale', struct(), 'parameters', struct(), 'name', 'mine', 'steps', 1));
 names = fieldnames(state);
 fields = cell(1, numel(names));
@@ -47,7 +48,7 @@ while ~isempty(line)
   end
   fwrite(out, [head, char(10)]);
   fwrite(out, tail.', 'double');
-  fflush(out);
+  if in_octave, fflush(out); end
   line = next_line(in);
 end
 end

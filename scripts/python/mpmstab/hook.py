@@ -56,7 +56,7 @@ def probe(path, cell_width, state, *, place="x", periodic=None, scale=None):
 
     place: the name of the place, or None. periodic: a period or None for each direction. scale: {"v": 20}, what a change
     of order 1 means (without it: the cell width for the place, else the largest absolute value, else 1).
-    include/mpmstab_probe.h says what the comments in the file mean.
+    To probe again, give another path. include/mpmstab_probe.h says what the comments in the file mean.
     """
     if path not in HOOKS:
         HOOKS[path] = Hook(path, cell_width, state, place, periodic, scale or {})
