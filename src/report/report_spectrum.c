@@ -110,8 +110,10 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
 PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  PetscCall(s->scene ? MpmReportScene(s->scene, s->request, s->ranks)
-                     : MpmReportFile(s->request, "the matrix", s->ranks));
+  if (s->scene)
+    PetscCall(MpmReportScene(s->scene, s->request, s->ranks));
+  else if (!MpmRequestProbes(s->request)) /* whose heading is printed before it is probed */
+    PetscCall(MpmReportFile(s->request, "the matrix", s->ranks));
   MpmPrint("\ngrowth per step\n");
   if (s->scene) PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
   if (s->scene) PetscCall(PrintSymbol(s));

@@ -48,7 +48,7 @@ static json_t *Modes(const MpmSpectrum *s)
   return list;
 }
 
-PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
+PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s, json_t *more)
 {
   json_t *object, *run;
 
@@ -70,6 +70,7 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s)
   }
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
+  if (more) json_object_update(object, more);
   PetscCall(MpmJsonWrite(s->request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

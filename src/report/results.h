@@ -13,9 +13,12 @@
 PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
-/* Collective. Print the table for people, and write the JSON object when the request asks for it. */
+/*
+   Collective. Print the table for people, and write the JSON object when the request asks for it. more: an object whose
+   keys are added, or NULL.
+*/
 PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *spectrum);
-PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *spectrum);
+PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *spectrum, json_t *more);
 
 /*
    Collective. Print, and add to the JSON object, norm(A^n) and the pseudospectrum of a spectrum where the request asks

@@ -1,8 +1,9 @@
-/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE] [-option value]... */
+/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "report/results.h"
+#include "task/spectrum_program.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
 
@@ -53,10 +54,14 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   MpmSpectrum *spectrum;
 
   PetscFunctionBegin;
+  if (MpmRequestProbes(request)) {
+    PetscCall(MpmSpectrumOfProgram(request, started, missed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(CheckWritten(scene, request));
   PetscCall(scene ? MpmSpectrumCreate(scene, request, started, &spectrum) : OfFile(request, started, &spectrum));
   PetscCall(MpmSpectrumWriteFiles(spectrum));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum, NULL));
   PetscCall(MpmSpectrumPrint(spectrum));
   if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, spectrum->op));
   PetscCall(MpmExpectFinding(&request->expect, &spectrum->finding, missed));
