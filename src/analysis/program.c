@@ -146,12 +146,12 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   MpmProbeBlocks probed[2];
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.size, PETSC_FALSE, &probed[0]));
+  PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.size, &probed[0]));
   PetscCall(MpmUnreadOfBlocks(&probed[0], p->stepper->width, Noise(p), &p->unread));
   PetscCall(Reduce(p, &probed[0], one));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
-    PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, PETSC_FALSE, &probed[1]));
+    PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
     PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], &p->certificates));
     PetscCall(Reduce(p, &probed[1], other));
     PetscCall(MpmProbeBlocksDestroy(&probed[1]));
@@ -165,12 +165,12 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
   Mat A, B;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeMatrix(&p->probe, p->probe.size, PETSC_FALSE, &p->colours, &A));
+  PetscCall(MpmProbeMatrix(&p->probe, p->probe.size, &p->colours, &A));
   PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, Noise(p), &p->unread));
   PetscCall(MpmUnreadReduce(&p->unread, A, one));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
-    PetscCall(MpmProbeMatrix(&p->probe, p->probe.other, PETSC_FALSE, &p->colours, &B));
+    PetscCall(MpmProbeMatrix(&p->probe, p->probe.other, &p->colours, &B));
     PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, B, &p->certificates));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
     PetscCall(MatDestroy(&B));

@@ -89,10 +89,8 @@ static PetscErrorCode Begin(MpmProbe *p, Colouring *c)
 
   PetscFunctionBegin;
   *c = (Colouring){.probe = p, .dim = s->dim};
-  MpmCheckInput(s->place != MPM_NONE || s->cell,
-                "%s: no field is the place and there are no cells, so unknowns cannot be coloured; allowed: -probe "
-                "matrix_free",
-                s->where);
+  MpmCheckInput(s->place != MPM_NONE || s->cell, "%s: no field is the place and there are no cells, ,
+                                                 s->where);
   PetscCall(PetscMalloc2(s->particles * s->dim, &c->cell, s->particles, &c->slot));
   PetscCall(Box(c));
   PetscCall(Slots(c));
@@ -243,8 +241,7 @@ typedef struct {
   PetscReal  *amount, *by, *response, largest;
 } Room;
 
-static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, PetscBool forward, Room *r, Mat A,
-                             PetscReal *leaks)
+static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, Room *r, Mat A, PetscReal *leaks)
 {
   MpmProbe         *p = c->probe;
   const MpmStepper *s = p->stepper;
@@ -263,7 +260,7 @@ static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, Pets
     r->amount[n++] = size;
   }
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmProbeRespond(p, forward, n, r->unknown, r->amount, r->response));
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, r->unknown, r->amount, r->response));
   for (PetscInt64 k = 0; k < n; k++) r->by[r->unknown[k] / s->width] = r->amount[k];
   for (PetscInt64 i = 0; i < s->particles; i++) {
     const PetscInt64 source = Source(c, group, slot, i);
@@ -282,7 +279,7 @@ static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Columns(Colouring *c, PetscReal size, PetscBool forward, MpmProbeColours *colours, Mat A)
+static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
 {
   const MpmStepper *s       = c->probe->stepper;
   PetscReal         seen[2] = {0, 0};
@@ -297,7 +294,7 @@ static PetscErrorCode Columns(Colouring *c, PetscReal size, PetscBool forward, M
                          s->particles * s->width, &r.response));
   PetscCall(MpmProgressBegin("colours probed", &progress));
   for (PetscInt colour = rank; colour < colours->colours; colour += ranks) {
-    PetscCall(Colour(c, colour, size, forward, &r, A, &seen[0]));
+    PetscCall(Colour(c, colour, size, &r, A, &seen[0]));
     PetscCall(MpmProgressUpdate(&progress, colour + 1, colours->colours));
   }
   PetscCall(MpmProgressEnd(&progress));
@@ -329,7 +326,7 @@ static PetscErrorCode NewMatrix(const MpmStepper *s, Mat *A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, PetscBool forward, MpmProbeColours *colours, Mat *A)
+PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colours, Mat *A)
 {
   Colouring c;
   PetscBool grows = PETSC_TRUE;
@@ -343,7 +340,7 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, PetscBool forward, Mp
     PetscCall(Strides(&c, colours));
     PetscCall(MatDestroy(A));
     PetscCall(NewMatrix(p->stepper, A));
-    PetscCall(Columns(&c, size, forward, colours, *A));
+    PetscCall(Columns(&c, size, colours, *A));
     grows = PETSC_FALSE;
     for (PetscInt a = 0; a < c.dim; a++) {
       if (colours->leaks <= FELT || 2 * c.reach[a] + 1 >= c.cells[a]) continue;
@@ -352,86 +349,5 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, PetscBool forward, Mp
     }
   } while (grows);
   PetscCall(End(&c));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- without a matrix ---- */
-
-typedef struct {
-  MpmProbe   *probe;
-  PetscReal   size, *amount, *response;
-  PetscInt64 *unknown;
-  Vec         all;
-  VecScatter  gather;
-} Shell;
-
-/* y = A x: a perturbation along x, of which the largest number is size. */
-static PetscErrorCode Product(Mat A, Vec x, Vec y)
-{
-  Shell             *shell;
-  const MpmStepper  *s;
-  const PetscScalar *all;
-  PetscReal          largest;
-  PetscInt           first, last;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &shell));
-  s = shell->probe->stepper;
-  PetscCall(VecNorm(x, NORM_INFINITY, &largest));
-  PetscCall(VecScatterBegin(shell->gather, x, shell->all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(shell->gather, x, shell->all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecGetArrayRead(shell->all, &all));
-  for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
-    shell->unknown[i] = i;
-    shell->amount[i]  = largest > 0 ? all[i] / largest * shell->size : 0;
-  }
-  PetscCall(VecRestoreArrayRead(shell->all, &all));
-  PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, s->particles * s->width, shell->unknown, shell->amount,
-                            shell->response));
-  PetscCall(MpmStepperAgree(shell->probe->stepper));
-  PetscCall(VecGetOwnershipRange(y, &first, &last));
-  for (PetscInt i = first; i < last; i++)
-    PetscCall(VecSetValue(y, i, shell->response[i] * largest / shell->size, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(y));
-  PetscCall(VecAssemblyEnd(y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode FreeShell(Mat A)
-{
-  Shell *shell;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(A, &shell));
-  PetscCall(PetscFree3(shell->amount, shell->response, shell->unknown));
-  PetscCall(VecScatterDestroy(&shell->gather));
-  PetscCall(VecDestroy(&shell->all));
-  PetscCall(PetscFree(shell));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmProbeShell(MpmProbe *p, PetscReal size, Mat *A)
-{
-  const MpmStepper *s = p->stepper;
-  const PetscInt64  n = s->particles * s->width;
-  PetscMPIInt       rank, ranks;
-  PetscInt          rows;
-  Shell            *shell;
-  Vec               x;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  rows = (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
-  PetscCall(PetscNew(&shell));
-  shell->probe = p;
-  shell->size  = size;
-  PetscCall(PetscMalloc3(n, &shell->amount, n, &shell->response, n, &shell->unknown));
-  PetscCall(MatCreateShell(PETSC_COMM_WORLD, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, shell, A));
-  PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))Product));
-  PetscCall(MatShellSetOperation(*A, MATOP_DESTROY, (void (*)(void))FreeShell));
-  PetscCall(MatCreateVecs(*A, &x, NULL));
-  PetscCall(VecScatterCreateToAll(x, &shell->gather, &shell->all));
-  PetscCall(VecDestroy(&x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

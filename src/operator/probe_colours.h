@@ -31,11 +31,4 @@ PetscErrorCode MpmProbeReach(MpmProbe *probe, MpmProbeColours *colours);
 
    Collective: the ranks share the colours.
 */
-PetscErrorCode MpmProbeMatrix(MpmProbe *probe, PetscReal size, PetscBool forward, MpmProbeColours *colours, Mat *A);
-
-/*
-   MpmProbeShell - the operator as a matrix that steps the code for each product, for steps that reach everything.
-
-   Collective. Each rank steps the whole state. The probe must outlive the matrix. MatDestroy frees it.
-*/
-PetscErrorCode MpmProbeShell(MpmProbe *probe, PetscReal size, Mat *A);
+PetscErrorCode MpmProbeMatrix(MpmProbe *probe, PetscReal size, MpmProbeColours *colours, Mat *A);

@@ -182,14 +182,14 @@ static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt c
 
 /* A column of all blocks: columns has for each cell the order numbers of its particles. */
 static PetscErrorCode Column(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscInt j, PetscReal size,
-                             PetscBool forward, PetscReal response[], PetscReal column[])
+                             PetscReal response[], PetscReal column[])
 {
   const MpmStepper *s       = p->stepper;
   const PetscInt64  unknown = l->particle[cell * l->sites + j / s->width] * s->width + j % s->width;
   PetscReal         amount  = size;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeRespond(p, forward, 1, &unknown, &amount, response));
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, 1, &unknown, &amount, response));
   for (PetscInt64 i = 0; i < s->particles; i++)
     for (PetscInt c = 0; c < s->width; c++)
       column[(l->cell_of[i] * l->sites + l->site_of[i]) * s->width + c] = response[i * s->width + c] / amount;
@@ -224,7 +224,7 @@ static PetscErrorCode Keep(const MpmProbe *p, const MpmProbeLattice *l, PetscInt
 }
 
 PetscErrorCode MpmProbeBlocksCreate(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscReal size,
-                                    PetscBool forward, MpmProbeBlocks *b)
+                                    MpmProbeBlocks *b)
 {
   const MpmStepper *s     = p->stepper;
   const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], order = l->sites * s->width;
@@ -240,7 +240,7 @@ PetscErrorCode MpmProbeBlocksCreate(MpmProbe *p, const MpmProbeLattice *l, Petsc
   PetscCall(PetscCalloc1((size_t)cells * order * order, &all));
   PetscCall(MpmProgressBegin("unknowns probed", &progress));
   for (PetscInt j = rank; j < order; j += ranks) {
-    PetscCall(Column(p, l, cell, j, size, forward, response, column));
+    PetscCall(Column(p, l, cell, j, size, response, column));
     for (PetscInt c = 0; c < cells; c++)
       PetscCall(PetscArraycpy(all + (size_t)(c * order + j) * order, column + c * order, order));
     PetscCall(MpmProgressUpdate(&progress, j + 1, order));

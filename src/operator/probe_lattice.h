@@ -52,7 +52,7 @@ PetscInt MpmProbeLatticeMiddle(const MpmProbe *probe, const MpmProbeLattice *lat
    Collective: the ranks share the columns, and all get all blocks.
 */
 PetscErrorCode MpmProbeBlocksCreate(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
-                                    PetscBool forward, MpmProbeBlocks *blocks);
+                                    MpmProbeBlocks *blocks);
 PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *blocks);
 
 /* Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases. */
