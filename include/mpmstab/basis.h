@@ -50,6 +50,7 @@ extern const char *const MpmSplineEndNames[];
      G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
      GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
      GRAD_MLS    particle[p] += as G2P_AFFINE
+     G2P_SLOPE   particle[p] += as GRAD
 
    Not collective. The kernel does not divide the sums at nodes by the nodal masses. Node i is the left end of cell i.
    No two arrays overlap.

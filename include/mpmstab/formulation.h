@@ -33,11 +33,13 @@
                     one to the left. E_p is the particle's stiffness over the first material's: 1 unless a bar has two.
    MPM_GRAD_MLS   - particle += a E_p sum_i phi_ip (x_i - x_p) h / D_p node, with D_p = sum_i phi_ip (x_i - x_p)^2: the
                     gradient of the affine field that fits the nodes best (Hu et al. 2018). For hats it is GRAD.
+   MPM_G2P_SLOPE  - particle += a h sum_i dphi_ip/dx node: GRAD without the stiffness, for the slopes of a velocity
 
-   P2G_AFFINE, DIV, LAP, G2P_AFFINE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
+   P2G_AFFINE, DIV, LAP, G2P_AFFINE, G2P_SLOPE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
 
-   On particles, and on nodes. f is another node field:
+   On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
+   MPM_ADD        - particle += a f, f a particle field
    MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
    MPM_COPY       - node = a f
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
@@ -46,6 +48,8 @@
 
    In the tables of formulations only. MpmTableCreate replaces them by operations that depend on transfer and boundary:
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
+   MPM_FILTER_BEFORE, MPM_FILTER_AFTER - the same where the filter of the space is before, or after the step takes the
+                    nodal values of the field; nothing where it is not
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
                     was imposed
@@ -59,13 +63,17 @@ typedef enum {
   MPM_G2P_AFFINE,
   MPM_GRAD,
   MPM_GRAD_MLS,
+  MPM_G2P_SLOPE,
   MPM_SCALE,
+  MPM_ADD,
   MPM_LAP,
   MPM_COPY,
   MPM_SOLVE,
   MPM_WALL,
   MPM_DRIFT,
   MPM_FILTER,
+  MPM_FILTER_BEFORE,
+  MPM_FILTER_AFTER,
   MPM_IMPOSE,
   MPM_REACT
 } MpmOpKind;
@@ -149,6 +157,8 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define SOLVE(node, other)             {.kind = MPM_SOLVE, .dst = node, .src = other, .factor = 1}
 #define DRIFT                          {.kind = MPM_DRIFT, .dst = MPM_NONE, .src = MPM_NONE, .factor = 1}
 #define FILTER(particle, node)         {.kind = MPM_FILTER, .dst = particle, .src = node, .factor = 1}
+#define FILTER_BEFORE(particle, node)  {.kind = MPM_FILTER_BEFORE, .dst = particle, .src = node, .factor = 1}
+#define FILTER_AFTER(particle, node)   {.kind = MPM_FILTER_AFTER, .dst = particle, .src = node, .factor = 1}
 #define IMPOSE(node)                   {.kind = MPM_IMPOSE, .dst = node, .src = node}
 #define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
 /* clang-format on */
@@ -177,20 +187,26 @@ typedef struct {
    them.
 
    alpha  - the symbol of P2G G2P: the mean over a cell's particles of abs(symbol of phi)^2. With an affine part it is
-            the symbol of P2G G2P of both parts together.
+            the symbol of P2G G2P of both parts together. alpha, kappa and mu are those of what the transfer gives to
+            particles: they are multiplied by its sharp_symbol.
    kappa  - the symbol of DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2. In more dimensions
             it is an eigenvalue of DIV STRESS GRAD.
    mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
             In more dimensions it is a square root of the sum of the squares over the directions.
    lap    - the symbol of -LAP: 4 sin^2(beta / 2), in more dimensions the sum over the directions
    filter - the filter symbol (see MpmTransfer), 1 for flip; f in the formulas
+   taken  - the symbol of what a step with FILTER_BEFORE and FILTER_AFTER takes of old nodal values: 1, or the filter
+            symbol where the filter acts before; t in the formulas
 
    Source: theory of the symbol in THEORY.md, section 4.
 S*/
 typedef struct {
-  PetscReal      alpha, kappa, lap, filter;
+  PetscReal      alpha, kappa, lap, filter, taken;
   double complex mu;
 } MpmCellSymbols;
+
+/* A scheme as it is written in a scene or in a file of its own. */
+typedef struct MpmWritten_ MpmWritten;
 
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
@@ -207,6 +223,8 @@ typedef struct {
    materials       - particles may differ in density and stiffness
    nenergy, energy - the terms of the energy
    wave            - the continuous problem
+   like            - like[n]: 1 + the node field whose mirror images node field n has, too; 0: its own, which IMPOSE gives
+   written         - the text that the scheme was made from; NULL for one of MpmFormulations
    published       - abs(G) at a phase as the slides print it, NaN where the formula says nothing; NULL where the slides
                      do not treat the formulation
    published_limit - the Courant number up to which the slides say that it is stable; 0: never
@@ -232,6 +250,8 @@ typedef struct {
   PetscInt             nenergy;
   const MpmEnergyTerm *energy;
   const MpmWave       *wave;
+  PetscInt             like[MPM_MAX_FIELDS];
+  const MpmWritten    *written;
   PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred, mls_bound;
@@ -245,6 +265,13 @@ extern const MpmFormulation *const MpmFormulations[];
 
 /* Not collective. The formulation of a name, or NULL when there is none. */
 const MpmFormulation *MpmFormulationFind(const char name[]);
+
+/*
+   MpmFormulationKeepsUnseen - whether particle data that no node feels stay as they are, but for the transfer's filter.
+
+   Not collective. They do where particles change by what nodes send alone, and a field goes to nodes by one map only.
+*/
+PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation);
 
 /* Not collective. Whether a formulation's table has an operation of a kind. */
 PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);

@@ -22,6 +22,8 @@
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
    stagger              - the field that is updated first starts half a step early
+   written, own         - a scheme as text, and the formulation that was made of it; NULL where a formulation is named
+   scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
 typedef struct {
   MpmLayout       layout;
@@ -33,6 +35,9 @@ typedef struct {
   MpmInitial      initial;
   PetscBool       stagger, physical, has_step;
   MpmPolarisation polarisation;
+  MpmWritten     *written;
+  MpmFormulation *own;
+  char            scheme_hash[17], parameters[512];
 } MpmScene;
 
 /*
@@ -40,6 +45,8 @@ typedef struct {
    or all in braces, such as "{formulation: usl, cells: 16, ppc: 2}".
 
    Collective on PETSC_COMM_WORLD: every rank gives the same text.
+
+   The key scheme may hold a scheme as text instead of the name of a formulation (THEORY.md, section 3).
 
    Keys that are not given have their defaults. The command line is not read. Keys that belong to a task (steps, output,
    tolerance) must exist, and their values are not looked at.
@@ -106,6 +113,9 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
 
 /* Not collective. Whether Poisson's ratio counts: the formulation has a stress, and there is more than one dimension. */
 PetscBool MpmSceneHasPoisson(const MpmScene *scene);
+
+/* Not collective. Whether pic_filter counts: the formulation has both places for a filter, and the transfer has a filter. */
+PetscBool MpmSceneChoosesFilter(const MpmScene *scene);
 
 /*
    MpmSceneHasExact - whether the exact solution of the scene's continuous problem is known.

@@ -27,7 +27,9 @@
    filtered      - filtered[r]: the filter of the transfer acts on state register r
    affine        - the first register of the vector that has an affine part, or MPM_NONE
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
+   affine_map    - the kind of operation that fills the affine part from nodes: G2P_AFFINE or G2P_SLOPE
    ends          - the kinds of the left and of the right end of each direction
+   where, transfer - what messages call the formulation and the transfer
 S*/
 struct MpmTable_ {
   PetscInt    dim, nops, room;
@@ -39,8 +41,13 @@ struct MpmTable_ {
   MpmParity   parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
   PetscBool   filtered[MPM_MAX_FIELDS];
   PetscInt    affine, affine_part;
+  MpmOpKind   affine_map;
   MpmEnd      ends[MPM_MAX_DIM][2];
+  char        where[512];
+  const char *transfer;
 };
+
+#define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */
 
 /*E
    MpmGradient - the weights of DIV and GRAD.
@@ -51,6 +58,17 @@ E*/
 typedef enum { MPM_GRADIENT_BASIS, MPM_GRADIENT_MLS } MpmGradient;
 extern const char *const MpmGradientNames[];
 
+/*E
+   MpmFilterTime - when the transfer's filter acts in a formulation that has both places, FILTER_BEFORE and FILTER_AFTER.
+   Momentum schemes have one place, FILTER, which is that of after.
+
+   MPM_FILTERS_AFTER  - nodes take the particles' values as they are; then the filter acts. pic is then the textbook's:
+                        particles take the new values of the grid.
+   MPM_FILTERS_BEFORE - the filter acts first, and nodes take what it leaves
+E*/
+typedef enum { MPM_FILTERS_AFTER, MPM_FILTERS_BEFORE } MpmFilterTime;
+extern const char *const MpmFilterTimeNames[];
+
 /*S
    MpmSpace - what a table depends on besides formulation and transfer.
 
@@ -59,14 +77,16 @@ extern const char *const MpmGradientNames[];
    poisson  - Poisson's ratio nu, from 0 to 1/2; plane strain with dim 2. With 1/2 the material is a fluid. With dim 1
               it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
               lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
+   filter   - when the transfer's filter acts, in formulations with FILTER_BEFORE and FILTER_AFTER
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
 S*/
 typedef struct {
-  PetscInt    dim;
-  MpmGradient gradient;
-  PetscReal   poisson;
-  MpmEnd      ends[MPM_MAX_DIM][2];
+  PetscInt      dim;
+  MpmGradient   gradient;
+  PetscReal     poisson;
+  MpmFilterTime filter;
+  MpmEnd        ends[MPM_MAX_DIM][2];
 } MpmSpace;
 
 /* Not collective. Whether a space is that of a fluid, whose stress is one number, the pressure. */
@@ -92,6 +112,8 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
 
      P2G, G2P, SCALE, COPY   one for each component
      DIV of a stress         a_a = sum_b DIV_b s_ab
+     DIV of a number         a_a = DIV_a r
+     DIV of a vector         a = sum_b DIV_b u_b
      GRAD to a stress        s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), for a fluid
                              s += sum_c GRAD_c v_c
      GRAD to a vector        u_a += GRAD_a r
@@ -99,9 +121,9 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
      LAP                     the sum over the directions
 
    With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
-   that part, one for each direction.
+   that part, one for each direction. Particles take what a transfer's sharpen makes of node fields, in G2P and GRAD.
 
-   Errors: PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
+   Errors: PETSC_ERR_USER_INPUT for a written scheme with more registers or operations than fit. PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
    none of these: an operation to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own
    result, an axis that the table does not have, a sum that is continued after something else than sums, a node field
    that is read before the step has written to it, and fields of ranks that do not go together.
@@ -111,15 +133,19 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
 PetscErrorCode MpmTableDestroy(MpmTable **table);
 
 /*
-   These three functions are for the filters of transfers. Not collective.
+   These functions are for the filters of transfers. Not collective.
 
-   MpmTableAppend  - appends an operation on registers, and those on the affine part that belong to it
-   MpmTableNode    - adds a node register, of the parity of the node register like
-   MpmTableScratch - adds a scratch particle register
+   MpmTableAppend       - appends an operation on registers, and those on the affine part that belong to it
+   MpmTableAppendOwn    - appends an operation on registers, and none on the affine part
+   MpmTableAppendAffine - appends only the operations on the affine part that belong to an operation on registers
+   MpmTableNode         - adds a node register, of the parity of the node register like
+   MpmTableScratch      - adds a scratch particle register
 
    Errors: PETSC_ERR_PLIB when there are more than MPM_MAX_FIELDS registers.
 */
 PetscErrorCode MpmTableAppend(MpmTable *table, MpmOp op);
+PetscErrorCode MpmTableAppendOwn(MpmTable *table, MpmOp op);
+PetscErrorCode MpmTableAppendAffine(MpmTable *table, MpmOp op);
 PetscErrorCode MpmTableNode(MpmTable *table, PetscInt like, PetscInt *node);
 PetscErrorCode MpmTableScratch(MpmTable *table, PetscInt *particle);
 

@@ -4,10 +4,13 @@
 
 typedef struct MpmTable_ MpmTable;
 
-/* The numbers that a transfer may be given: the order of xpic, and the share of flip in a blend. */
+/*
+   The numbers that a transfer may be given: the order of xpic and fmpm, the share of flip in a blend, and that in the
+   velocities of an affine flip.
+*/
 typedef struct {
   PetscInt  order;
-  PetscReal ratio;
+  PetscReal ratio, affine_ratio;
 } MpmTransferNumbers;
 
 /*S
@@ -17,19 +20,28 @@ typedef struct {
    name, summary, reference - the word of the option transfer, a line about it, and its source
    option        - the option that the transfer reads, or NULL
    affine        - particles carry an affine velocity field
+   taylor        - the affine field is made of the gradient of the basis functions (G2P_SLOPE), not fitted (G2P_AFFINE)
+   same_as       - the name of the transfer that has the same linear operations, or NULL; a survey leaves it out
    filter        - appends the operations of F to a table; NULL: F is the identity. particle is the number of field q
                    and node that of g.
    filter_symbol - the filter symbol: the symbol of P F over that of P, as a function of alpha, the symbol of P W. The
                    filter multiplies P q of a Fourier mode q by it. NULL: there is no closed form.
+   sharpen       - appends operations that make of a node field the field that particles take in G2P and GRAD, in the
+                   node register *sharp; NULL: they take the node field itself
+   sharp_symbol  - the symbol of sharpen, as a function of alpha; NULL where sharpen is NULL
+   mls_bound     - with gradient mls, a formulation's mls_bound is proved for this transfer
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
                    NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
 S*/
 typedef struct {
   const char *name, *summary, *reference, *option;
-  PetscBool   affine;
+  PetscBool   affine, taylor, mls_bound;
+  const char *same_as;
   PetscErrorCode (*filter)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node);
+  PetscErrorCode (*sharpen)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sharp);
   PetscReal (*filter_symbol)(const MpmTransferNumbers *numbers, PetscReal alpha);
+  PetscReal (*sharp_symbol)(const MpmTransferNumbers *numbers, PetscReal alpha);
   PetscReal (*null_factor)(const MpmTransferNumbers *numbers);
   PetscReal (*number)(const MpmTransferNumbers *numbers);
 } MpmTransfer;
@@ -44,9 +56,37 @@ const MpmTransfer *MpmTransferFind(const char name[]);
 PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers);
 
 /*
-   MpmTransferFromGrid - appends F = W P, the filter of pic and of apic. MpmTableAppend adds apic's affine part.
+   MpmTransferFromGrid - appends F = W P, the filter of pic, apic and tpic. MpmTableAppend adds the affine part.
+   MpmTransferFromGridSymbol - its filter symbol. With the affine part P2G G2P is the filter, and alpha its symbol.
 
    Not collective.
 */
 PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
                                    PetscInt node);
+PetscReal      MpmTransferFromGridSymbol(const MpmTransferNumbers *numbers, PetscReal alpha);
+
+/*
+   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum. With m = 1
+   that is the field itself, and nothing is appended. xpic filters with it, and fmpm sharpens with it.
+   MpmTransferXpic - appends F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m, the filter of xpic and of fmpm
+   MpmTransferXpicSymbol - its filter symbol, 1 - (1 - alpha)^m
+
+   Not collective.
+*/
+PetscErrorCode MpmTransferSum(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sum);
+PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node);
+PetscReal      MpmTransferXpicSymbol(const MpmTransferNumbers *numbers, PetscReal alpha);
+
+/* Not collective. The number of transfers with the option xpic_order: the order. */
+PetscReal MpmTransferOrder(const MpmTransferNumbers *numbers);
+
+/*
+   MpmTransferAffineFlip - appends the filter of aflip and asflip: v = ratio v + (1 - ratio) W g for the velocity, and 0 + the
+   affine map of g for the affine part, with ratio = numbers->affine_ratio and g the velocity on the nodes
+   MpmTransferAffineRatio - their number: affine_ratio
+
+   Not collective.
+*/
+PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
+                                     PetscInt node);
+PetscReal      MpmTransferAffineRatio(const MpmTransferNumbers *numbers);

@@ -126,7 +126,7 @@ def growth_map(path, result_path=None, csv_path=None):
 def label_of(name, names, scene):
     """Names an axis. With more than one dimension a drift is along the axes that the scene's has, or along all."""
     if name != "drift" or scenes.dimension(scene) == 1:
-        return MAP_LABELS[name]
+        return MAP_LABELS.get(name, name)  # a parameter of a scheme as text has its own name
     if "drift_angle" in names:
         return "size of the drift / cells per step"
     own = [axis for axis, drift in zip(scenes.AXES, scenes.each(scene, "drift")) if drift]
@@ -169,7 +169,7 @@ def require_axis(path, values, other_path, name, others):
 
 def map_footer(scene, names):
     """Describes the scene without the two parameters that the axes sweep."""
-    parts = scenes.scene_parts(scene)
+    parts = scenes.scene_parts({**scene, "parameters": ""} if any(name not in MAP_LABELS for name in names) else scene)
     if scenes.dimension(scene) > 1 and "ppc" in names:
         parts["cells"] += ", ppc the same in all directions"
     if "drift_angle" in names:
@@ -191,7 +191,7 @@ def axes_of_map(file, shape, result, result_path):
                              f"of different maps: the first has no axis {name} of {size} points", "files of one map")
             require_axis(file.filename, values, result_path, name, found[name])
         return found["axes"]
-    sizes = {name: len(file["map"][name]) for name in MAP_LABELS if name in file["map"]}
+    sizes = {name: len(file["map"][name]) for name in file["map"] if file["map"][name].ndim == 1}
     orders = [(a, b) for a in sizes for b in sizes if a != b and (sizes[a], sizes[b]) == shape]
     if len(orders) != 1:
         files.refuse(file.filename, "which of its axes is the first cannot be told",

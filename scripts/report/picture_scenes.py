@@ -98,6 +98,17 @@ def layout_text(scene):
     return ", ".join(layout)
 
 
+def formulation_text(scene):
+    """Names the formulation, and of a scheme as text the beginning of its hash and its parameters."""
+    scheme = scene.get("scheme")
+    if not scheme:
+        return scene["formulation"]
+    told = scheme if isinstance(scheme, dict) else {"hash": scheme, "parameters": scene.get("parameters", "")}
+    numbers = [f"{name} = {float(value):.6g}" for name, _, value in
+               (part.partition("=") for part in told.get("parameters", "").split(",") if part)]
+    return f"{scene['formulation']} [{', '.join([told['hash'][:8], *numbers])}]"
+
+
 def scene_parts(scene):
     """Describes a scene, as texts by key. Poisson's ratio is among them where it counts."""
     basis, transfer = f"{scene['basis']} basis", scene["transfer"]
@@ -106,7 +117,7 @@ def scene_parts(scene):
     for option in ("blend_ratio", "xpic_order"):
         if option in scene:
             transfer += f" ({option} {float(scene[option]):g})"
-    parts = {"formulation": scene["formulation"], "basis": basis, "transfer": transfer,
+    parts = {"formulation": formulation_text(scene), "basis": basis, "transfer": transfer,
              "courant": f"k = {float(scene['courant']):.6g}"}
     if "poisson" in scene:
         parts["poisson"] = f"ν = {float(scene['poisson']):.6g}"

@@ -33,7 +33,7 @@ PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
   const MpmSpace *space = &scheme->space;
   PetscReal       least = INFINITY, chi = 1;
 
-  if (!scheme->formulation->mls_bound || !scheme->transfer->affine || space->gradient != MPM_GRADIENT_MLS ||
+  if (!scheme->formulation->mls_bound || !scheme->transfer->mls_bound || space->gradient != MPM_GRADIENT_MLS ||
       layout->material.kind != MPM_MATERIAL_UNIFORM || MpmBasisIsAltered(scheme->basis))
     return 0;
   for (PetscInt a = 0; a < layout->dim; a++) least = PetscMin(least, LeastSpread(scheme->basis, layout->half_width[a]));

@@ -4,9 +4,10 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 
+/* What has the same linear operations as another transfer has the same limits. */
 static PetscBool IsPossible(const MpmFormulation *f, const MpmTransfer *t)
 {
-  return !t->affine || f->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+  return !t->same_as && (!t->affine || f->affine != MPM_NONE) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscInt CountSchemes(void)

@@ -54,7 +54,8 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
     if (hypot(scalbn(s->eigen->re[j], (int)s->op->exponent) - 1, scalbn(s->eigen->im[j], (int)s->op->exponent)) <=
         AT_ONE)
       s->at_one++;
-  if (!s->scene || MpmSceneDrifts(s->scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->scene || MpmSceneDrifts(s->scene) || !MpmFormulationKeepsUnseen(s->scene->scheme.formulation))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmModesNullity(s->op, &s->nullity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

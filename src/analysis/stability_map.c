@@ -3,6 +3,7 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "scene/layout.h"
+#include "scheme/language.h"
 #include "analysis/stability_map.h"
 #include <math.h>
 
@@ -18,7 +19,7 @@
 /*
    What the symbol of a point depends on: the scene's own layout, step and scheme, except for the two numbers that the
    map varies. turned, angle: the drift is turned to this angle. fixed, mach: the drift is M k. own: the point has its
-   own table.
+   own table. nset, parameter, value: parameters of a written scheme, of which the point has its own formulation.
 */
 typedef struct {
   MpmLayout layout;
@@ -27,6 +28,10 @@ typedef struct {
   PetscBool turned, fixed, own;
   PetscReal angle;
   MpmMach   mach;
+
+  PetscInt        nset, parameter[2];
+  PetscReal       value[2];
+  MpmFormulation *formulation;
 } Point;
 
 static Point OwnPoint(const MpmStabilityMap *map)
@@ -63,10 +68,10 @@ static PetscErrorCode SetMach(Point *at, const MpmScene *scene, const MpmFractio
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetParameter(Point *at, const MpmStabilityMap *map, MpmAxisKind kind, const MpmFraction *value)
+static PetscErrorCode SetParameter(Point *at, const MpmStabilityMap *map, const MpmAxis *axis, const MpmFraction *value)
 {
   PetscFunctionBegin;
-  switch (kind) {
+  switch (axis->kind) {
   case MPM_AXIS_COURANT:
     at->step.courant = value->value;
     break;
@@ -86,6 +91,11 @@ static PetscErrorCode SetParameter(Point *at, const MpmStabilityMap *map, MpmAxi
   case MPM_AXIS_DRIFT_ANGLE:
     at->angle  = value->value * PETSC_PI / 180;
     at->turned = PETSC_TRUE;
+    break;
+  case MPM_AXIS_PARAMETER:
+    at->parameter[at->nset] = axis->parameter;
+    at->value[at->nset++]   = value->value;
+    at->own                 = PETSC_TRUE;
     break;
   case MPM_AXIS_MACH:
     PetscCall(SetMach(at, map->scene, value));
@@ -128,6 +138,10 @@ static PetscErrorCode PointFinish(Point *at)
   PetscFunctionBegin;
   if (at->turned) Turn(at);
   if (at->fixed) SetMachDrift(at);
+  if (at->nset) {
+    PetscCall(MpmWrittenCompile(scheme->formulation->written, at->nset, at->parameter, at->value, &at->formulation));
+    scheme->formulation = at->formulation;
+  }
   if (at->own)
     PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &scheme->space, &scheme->table));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -137,6 +151,7 @@ static PetscErrorCode PointDestroy(Point *at)
 {
   PetscFunctionBegin;
   if (at->own) PetscCall(MpmTableDestroy(&at->scheme.table));
+  PetscCall(MpmWrittenFormulationDestroy(&at->formulation));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,7 +169,7 @@ static PetscErrorCode PointCreate(const MpmStabilityMap *map, PetscInt point, Po
   for (int a = 0; a < 2; a++) {
     const MpmFraction value = NumberOf(&map->request->axes[a], i[a]);
 
-    PetscCall(SetParameter(at, map, map->request->axes[a].kind, &value));
+    PetscCall(SetParameter(at, map, &map->request->axes[a], &value));
   }
   PetscCall(PointFinish(at));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -204,7 +219,8 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
                     map.points[0], map.points[1], value.value, MPM_LONGEST_PERIOD);
-      PetscCall(SetParameter(&at, &map, request->axes[a].kind, &value));
+      at.nset = 0;
+      PetscCall(SetParameter(&at, &map, &request->axes[a], &value));
       if (!at.fixed) PetscCall(MpmStepPeriod(&at.step, &period));
     }
   PetscCall(MpmSymbolCheck(&at.layout));

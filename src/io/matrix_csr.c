@@ -76,10 +76,10 @@ PetscErrorCode MpmCsrFromEntries(const MpmEntries *e, MpmCsr *c)
 
   PetscFunctionBegin;
   c->order = (PetscInt)e->rows;
-  PetscCall(PetscMalloc3(c->order + 1, &c->begin, e->n, &c->column, e->n, &c->value));
+  PetscCall(PetscMalloc3(c->order + 1, &c->begin, e->n + c->order, &c->column, e->n + c->order, &c->value));
   PetscCall(PetscArrayzero(c->begin, c->order + 1));
   for (PetscInt64 i = 0; i < e->n; i++) c->begin[e->row[i] + 1]++;
-  for (PetscInt i = 0; i < c->order; i++) c->begin[i + 1] += c->begin[i];
+  for (PetscInt i = 0; i < c->order; i++) c->begin[i + 1] += c->begin[i] + 1;
   PetscCall(PetscMalloc1(c->order, &next));
   PetscCall(PetscArraycpy(next, c->begin, c->order));
   for (PetscInt64 i = 0; i < e->n; i++) {
@@ -87,6 +87,10 @@ PetscErrorCode MpmCsrFromEntries(const MpmEntries *e, MpmCsr *c)
 
     c->column[place] = e->column[i];
     c->value[place]  = e->value[i];
+  }
+  for (PetscInt i = 0; i < c->order; i++) {
+    c->column[next[i]] = i;
+    c->value[next[i]]  = 0;
   }
   PetscCall(PetscFree(next));
   PetscCall(Merge(c));

@@ -32,7 +32,7 @@ PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, Mp
 PetscErrorCode MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
 PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
-/* Not collective. Sorts entries into rows. */
+/* Not collective. Sorts entries into rows. Each row has an entry on the diagonal, if only a 0: solvers shift the matrix. */
 PetscErrorCode MpmCsrFromEntries(const MpmEntries *entries, MpmCsr *csr);
 PetscErrorCode MpmCsrFree(MpmCsr *csr);
 

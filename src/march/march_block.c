@@ -90,6 +90,13 @@ static void RunWeighted(const MpmPassOp *op, const MpmBlock *block, PetscReal we
   for (PetscInt p = 0; p < block->n && !op->to_nodes; p++) q[p] += weight[p] * weighed[p];
 }
 
+static PetscReal *FieldOf(const MpmMarchArrays *a, PetscInt field, PetscInt begin)
+{
+  const PetscInt nstate = a->march->scheme->table->nstate;
+
+  return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
+}
+
 /* Fetches n numbers of an array from place on into the cache. */
 static void Prefetch(const PetscReal array[], PetscInt place, PetscInt n)
 {
@@ -111,9 +118,9 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
 
   block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
   for (const MpmPassOp *op = s->pass->op; op < s->pass->op + s->pass->nops; op++) {
-    const PetscBool own = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
-    PetscReal *q    = own ? a->particle[op->particle] + begin : a->march->scratch + (op->particle - nstate) * MPM_BLOCK;
-    PetscReal *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
+    const PetscBool own  = op->particle < nstate ? PETSC_TRUE : PETSC_FALSE;
+    PetscReal      *q    = FieldOf(a, op->particle, begin);
+    PetscReal      *node = (op->to_nodes ? s->sum : s->node)[op->node] + shift;
 
     if (more && own) Prefetch(q, n, n);
     if (more && (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS))
@@ -126,6 +133,8 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
       op->mass_kernel(block, q, node, a->mass + shift);
     else if (op->kind == MPM_PASS_SCALE)
       MpmScale(n, op->a, q);
+    else if (op->kind == MPM_PASS_ADD)
+      MpmNodeAdd(0, n, op->a, FieldOf(a, op->other, begin), q);
     else if (op->kind == MPM_PASS_DRIFT)
       block = Placed(s, begin, n, PETSC_TRUE, &room, &shift);
     else if (s->sample)

@@ -36,7 +36,9 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
 /* Does a local node operation (MpmNodeOpIsLocal) on nodes [lo, hi). */
 static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
 {
-  if (op->kind == MPM_LAP && op->accumulates)
+  if (op->dst == op->src)
+    MpmScale(hi - lo, op->a, field[op->dst] + lo);
+  else if (op->kind == MPM_LAP && op->accumulates)
     MpmNodeAddLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
   else if (op->kind == MPM_LAP)
     MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);

@@ -83,6 +83,23 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Whether a pass has so many operations that the next one begins another: samples need the rest of the room. Sums and
+   scratch fields live for one pass alone.
+*/
+static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
+{
+  const MpmOpTraits traits  = MpmOpTraitsOf(op->kind);
+  const PetscBool   scratch = (traits.dst == MPM_ON_PARTICLES && op->dst >= table->nstate) ||
+                                    (traits.src == MPM_ON_PARTICLES && op->src >= table->nstate)
+                                  ? PETSC_TRUE
+                                  : PETSC_FALSE;
+
+  if (traits.dst == MPM_NOWHERE || (traits.dst == MPM_ON_NODES && (traits.src == MPM_ON_NODES || op->accumulates)))
+    return PETSC_FALSE;
+  return pass->nops >= MPM_MAX_PASS_OPS - MPM_MAX_FIELDS && !scratch ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. */
 static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
 {
@@ -107,12 +124,13 @@ static void NoteHeld(Compiler *c, const MpmOp *op)
 
     if (moved || changed || written) c->holds[n] = MPM_NONE;
   }
-  if (op->kind == MPM_P2G) c->holds[op->dst] = op->src;
+  if (op->kind == MPM_P2G && !op->accumulates && op->factor == 1 && !op->coefficient) c->holds[op->dst] = op->src;
 }
 
 static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   itself = op->dst == op->src ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   if (traits.dst == MPM_NOWHERE) {
@@ -121,7 +139,10 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
   } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
-    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_SCALE, .particle = op->dst, .a = MpmOpValue(op, c->courant)}));
+    PetscCall(Append(pass, (MpmPassOp){.kind     = op->kind == MPM_ADD && !itself ? MPM_PASS_ADD : MPM_PASS_SCALE,
+                                       .particle = op->dst,
+                                       .other    = op->src,
+                                       .a = MpmOpValue(op, c->courant) + (op->kind == MPM_ADD && itself ? 1 : 0)}));
   else if (traits.src == MPM_ON_PARTICLES)
     PetscCall(AppendMap(c, pass, op, PETSC_TRUE));
   else if (traits.dst == MPM_ON_PARTICLES)
@@ -141,6 +162,13 @@ static PetscInt HeadLength(const MpmTable *t)
   return h;
 }
 
+static PetscBool Changes(const MpmPassOp *op)
+{
+  return (op->kind == MPM_PASS_MAP && !op->to_nodes) || op->kind == MPM_PASS_SCALE || op->kind == MPM_PASS_ADD
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 /* Inserts the sums for the norm of the state, each where a particle field gets its last value of the step. */
 static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
 {
@@ -153,7 +181,7 @@ static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
       for (PetscInt o = 0; o < schedule->pass[p].nops; o++) {
         const MpmPassOp *op = &schedule->pass[p].op[o];
 
-        if (op->kind == MPM_PASS_MAP && !op->to_nodes && op->particle == field) {
+        if (Changes(op) && op->particle == field) {
           last  = &schedule->pass[p];
           after = o;
         }
@@ -225,7 +253,7 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
     if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
-    if (EndsBefore(pass, op)) PetscCall(NewPass(schedule, &pass));
+    if (EndsBefore(pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }
   JoinPasses(schedule);
@@ -253,6 +281,7 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, Pet
     return basis->slope_sum * ppc * cells / least_mass;
   case MPM_GRAD:
   case MPM_GRAD_MLS:
+  case MPM_G2P_SLOPE:
   case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
     return basis->slope_sum;
   case MPM_LAP:

@@ -19,10 +19,18 @@
    MPM_PASS_MAP    - a map between particles and nodes (a kernel of the basis)
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
    MPM_PASS_SCALE  - multiplies a particle field by a number
+   MPM_PASS_ADD    - adds a times the particle field other to a particle field
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
    MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
-typedef enum { MPM_PASS_MAP, MPM_PASS_MASS, MPM_PASS_SCALE, MPM_PASS_DRIFT, MPM_PASS_SAMPLE } MpmPassOpKind;
+typedef enum {
+  MPM_PASS_MAP,
+  MPM_PASS_MASS,
+  MPM_PASS_SCALE,
+  MPM_PASS_ADD,
+  MPM_PASS_DRIFT,
+  MPM_PASS_SAMPLE
+} MpmPassOpKind;
 
 /*
    map, axis: the kind of the map, and the direction that it acts along. to_nodes: the map writes the node field. weight:
@@ -35,7 +43,7 @@ typedef struct {
   MpmKernel     kernel;
   MpmMassKernel mass_kernel;
   PetscReal     a;
-  PetscInt      particle, node;
+  PetscInt      particle, other, node;
   PetscBool     to_nodes;
   MpmProperty   weight;
 } MpmPassOp;

@@ -69,6 +69,10 @@ PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscI
       for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
         const PetscInt at = MpmGridRow(grid, &box, r) + box.lo[0];
 
+        if (op->dst == op->src) {
+          MpmScale(box.hi[0] - box.lo[0], op->a, field[op->dst] + at);
+          continue;
+        }
         RunRow(op, grid->axis[op->axis].stride, box.hi[0] - box.lo[0], field[op->src] + at, field[op->dst] + at);
       }
     }

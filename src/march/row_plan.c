@@ -134,8 +134,14 @@ void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *p
       Close(&group);
       AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
     } else {
-      if (Uses(&group, op->particle)) Close(&group); /* else it comes before the group */
-      AddStep(plan, (MpmRowStep){.kind = MPM_ROW_SCALE, .particle = op->particle, .a = op->a});
+      const PetscBool adds = op->kind == MPM_PASS_ADD ? PETSC_TRUE : PETSC_FALSE;
+
+      /* if the group uses neither field, the operation may come before it */
+      if (Uses(&group, op->particle) || (adds && Uses(&group, op->other))) Close(&group);
+      AddStep(plan, (MpmRowStep){.kind     = adds ? MPM_ROW_ADD : MPM_ROW_SCALE,
+                                 .particle = op->particle,
+                                 .other    = op->other,
+                                 .a        = op->a});
     }
   }
   Close(&group);

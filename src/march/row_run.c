@@ -225,6 +225,8 @@ static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
       RunSpread(a, step, placed, w);
     else if (step->kind == MPM_ROW_SCALE)
       MpmScale(n, step->a, FieldOf(a, step->particle, begin));
+    else if (step->kind == MPM_ROW_ADD)
+      MpmNodeAdd(0, n, step->a, FieldOf(a, step->other, begin), FieldOf(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
       Place(a, begin, n, 1, &w->placed[1]);
       placed = &w->placed[1];

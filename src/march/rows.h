@@ -28,12 +28,22 @@ typedef struct {
   MpmOpKind across;
 } MpmRowLine;
 
-typedef enum { MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SPREAD, MPM_ROW_DRIFT, MPM_ROW_SAMPLE } MpmRowStepKind;
+typedef enum {
+  MPM_ROW_SCALE,
+  MPM_ROW_ADD,
+  MPM_ROW_GATHER,
+  MPM_ROW_SPREAD,
+  MPM_ROW_DRIFT,
+  MPM_ROW_SAMPLE
+} MpmRowStepKind;
 
-/* A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. */
+/*
+   A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. An addition
+   adds a times the particle field other.
+*/
 typedef struct {
   MpmRowStepKind kind;
-  PetscInt       begin, end, particle;
+  PetscInt       begin, end, particle, other;
   PetscReal      a;
 } MpmRowStep;
 

@@ -35,7 +35,8 @@ static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uin
     if (op->kind == MPM_PASS_DRIFT || op->kind == MPM_PASS_SAMPLE) continue;
     particle->reads |= Bit(op->particle);
     if (!op->to_nodes) particle->writes |= Bit(op->particle);
-    if (op->kind == MPM_PASS_SCALE) continue;
+    if (op->kind == MPM_PASS_ADD) particle->reads |= Bit(op->other);
+    if (op->kind == MPM_PASS_SCALE || op->kind == MPM_PASS_ADD) continue;
     if (op->to_nodes)
       node->writes |= Bit(op->node);
     else

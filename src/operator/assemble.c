@@ -426,6 +426,19 @@ PetscErrorCode MpmStepMapsDestroy(MpmStepMaps *maps)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* dst += a src, both registers of particles. */
+static PetscErrorCode AddParticles(MpmRegisters *r, const MpmOp *op, PetscReal a)
+{
+  Mat term;
+
+  PetscFunctionBegin;
+  PetscCall(MatDuplicate(r->particle[op->src], MAT_COPY_VALUES, &term));
+  PetscCall(Raise(r, op, &term));
+  PetscCall(MatAXPY(r->particle[op->dst], a, term, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(MatDestroy(&term));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step, MpmStepMaps *maps)
 {
   const MpmOpTraits traits   = MpmOpTraitsOf(op->kind);
@@ -437,6 +450,8 @@ static PetscErrorCode ApplyOp(MpmRegisters *r, const MpmOp *op, PetscInt64 step,
   if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
   if (op->kind == MPM_WALL)
     PetscCall(SetWall(r, op, a));
+  else if (op->kind == MPM_ADD)
+    PetscCall(AddParticles(r, op, a));
   else if (op->kind == MPM_SCALE && a == 0)
     PetscCall(Empty(r, r->particles, &r->particle[op->dst]));
   else if (op->kind == MPM_SCALE) {

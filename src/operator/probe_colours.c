@@ -89,8 +89,10 @@ static PetscErrorCode Begin(MpmProbe *p, Colouring *c)
 
   PetscFunctionBegin;
   *c = (Colouring){.probe = p, .dim = s->dim};
-  MpmCheckInput(s->place != MPM_NONE || s->cell, "%s: no field is the place and there are no cells, ,
-                                                 s->where);
+  MpmCheckInput(s->place != MPM_NONE || s->cell,
+                "%s: it does not say where its particles are; needed: a field with \"place\": true, or \"cell\" in its "
+                "description",
+                s->where);
   PetscCall(PetscMalloc2(s->particles * s->dim, &c->cell, s->particles, &c->slot));
   PetscCall(Box(c));
   PetscCall(Slots(c));

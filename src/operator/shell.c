@@ -69,6 +69,10 @@ static PetscErrorCode ApplyOp(Shell *s, const MpmOp *op, PetscInt k, PetscBool t
     PetscCall(SetWall(s, op, a, transpose));
   else if (op->kind == MPM_SCALE)
     PetscCall(VecScale(dst, a));
+  else if (op->kind == MPM_ADD && op->dst == op->src)
+    PetscCall(VecScale(dst, 1 + a));
+  else if (op->kind == MPM_ADD)
+    PetscCall(transpose ? VecAXPY(src, a, dst) : VecAXPY(dst, a, src));
   else {
     PetscCall(MpmStepMapsGet(&s->maps[k], &s->sizes, op, s->first + k, &map));
     if (transpose) {
@@ -232,10 +236,12 @@ static PetscErrorCode MakeMaps(Shell *s)
   PetscFunctionBegin;
   for (PetscInt k = 0; k < s->steps; k++) {
     for (PetscInt o = 0; o < table->nops; o++) {
-      const MpmOp *op = &table->ops[o];
-      Mat          map;
+      const MpmOp      *op     = &table->ops[o];
+      const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+      Mat               map;
 
-      if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE || op->kind == MPM_WALL || op->kind == MPM_SCALE) continue;
+      if (traits.dst == MPM_NOWHERE || op->kind == MPM_WALL) continue;
+      if (traits.dst == MPM_ON_PARTICLES && traits.src == MPM_ON_PARTICLES) continue;
       PetscCall(MpmStepMapsGet(&s->maps[k], &s->sizes, op, s->first + k, &map));
     }
     for (PetscInt m = 0; m < MPM_OP_KINDS * MPM_MAX_DIM * MPM_PARITIES; m++) {

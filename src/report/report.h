@@ -12,6 +12,14 @@ PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], Petsc
 PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
 
 /*
+   MpmReportNodal - prints, after the text before, the order of the matrix that takes the nodes of particles at rest
+   through a step at a phase, and in one dimension what it acts on: what the nodes get of the particles.
+
+   Not collective. Prints nothing for a table without such a matrix, where particles change by more than nodes send.
+*/
+PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
+
+/*
    MpmReportUnits - prints wave speed, width of a cell, density and Poisson's ratio of a scene in physical units in one
    line. Where the Courant number is not one number, the line also has what a time step is.
 

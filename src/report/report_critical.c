@@ -82,9 +82,11 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints the direction of a wave of several phases. */
-static PetscErrorCode PrintDirection(PetscInt dim, const PetscReal beta[], PetscReal length)
+/* The direction of a wave of several phases. */
+static PetscErrorCode DirectionText(PetscInt dim, const PetscReal beta[], PetscReal length, size_t room, char text[])
 {
+  char part[32];
+
   PetscInt along = 0, alike = 0;
 
   PetscFunctionBegin;
@@ -93,33 +95,36 @@ static PetscErrorCode PrintDirection(PetscInt dim, const PetscReal beta[], Petsc
     if (PetscAbsReal(PetscAbsReal(beta[a]) * PetscSqrtReal((PetscReal)dim) - length) <= ALONG * length) alike++;
   }
   if (along) {
-    MpmPrint("along %c", "xyz"[along - 1]);
+    PetscCall(PetscSNPrintf(text, room, "along %c", "xyz"[along - 1]));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  MpmPrint(alike == dim ? "along a diagonal (" : "along (");
-  for (PetscInt a = 0; a < dim; a++) MpmPrint("%s%.4g", a ? ", " : "", beta[a] / length);
-  MpmPrint(")");
+  PetscCall(PetscStrncpy(text, alike == dim ? "along a diagonal " : "along ", room));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", a ? ", " : "(", beta[a] / length));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  PetscCall(PetscStrlcat(text, ")", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints which wave of two or three dimensions limits: type, length, direction, phases. */
-static PetscErrorCode PrintWave(PetscInt dim, const MpmCritical *c)
+/* Type, length, direction and phases of a wave of two or three dimensions. */
+static PetscErrorCode WaveText(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal phase[],
+                               size_t room, char text[])
 {
   const char *const said[] = {[MPM_WAVE_NONE]  = "waves",
                               [MPM_WAVE_P]     = "P waves",
                               [MPM_WAVE_S]     = "S waves",
                               [MPM_WAVE_MIXED] = "mixed P and S waves"};
   PetscReal         length = 0;
+  char              direction[96], beta[96];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) length += PetscSqr(c->beta[a]);
+  for (PetscInt a = 0; a < dim; a++) length += PetscSqr(phase[a]);
   length = PetscSqrtReal(length);
-  MpmPrint("%s%s", c->assembled ? "a mode with " : "", said[c->wave]);
-  MpmPrint(" of %.4g cells ", 2 * PETSC_PI / length);
-  PetscCall(PrintDirection(dim, c->beta, length));
-  MpmPrint(", beta = (");
-  for (PetscInt a = 0; a < dim; a++) MpmPrint("%s%.6g", a ? ", " : "", c->beta[a]);
-  MpmPrint(")");
+  PetscCall(DirectionText(dim, phase, length, sizeof direction, direction));
+  PetscCall(MpmReportVector(dim, phase, 6, sizeof beta, beta));
+  PetscCall(PetscSNPrintf(text, room, "%s%s of %.4g cells %s, beta = %s", assembled ? "a mode with " : "", said[wave],
+                          2 * PETSC_PI / length, direction, beta));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -131,23 +136,33 @@ static PetscBool IsUniform(PetscInt dim, const PetscReal beta[])
   return PETSC_TRUE;
 }
 
+PetscErrorCode MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
+                             char text[])
+{
+  PetscFunctionBegin;
+  if (isnan(beta[0]))
+    PetscCall(PetscStrncpy(text, "a mode whose trace on the nodes has no phase", room));
+  else if (IsUniform(dim, beta))
+    PetscCall(PetscStrncpy(text, "the mode with beta = 0", room));
+  else if (dim > 1)
+    PetscCall(WaveText(dim, assembled, wave, beta, room, text));
+  else
+    PetscCall(PetscSNPrintf(text, room, "%s of %.4g cells, beta = %.6g", assembled ? "a mode with waves" : "waves",
+                            2 * PETSC_PI / beta[0], beta[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCritical *c)
 {
+  char wave[256];
+
   PetscFunctionBegin;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!isnan(c->fading) && !isnan(c->courant))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
              c->fading, tolerance);
-  MpmPrint("  limited by   ");
-  if (isnan(c->beta[0]))
-    MpmPrint("a mode whose trace on the nodes has no phase");
-  else if (IsUniform(dim, c->beta))
-    MpmPrint("the mode with beta = 0");
-  else if (dim > 1)
-    PetscCall(PrintWave(dim, c));
-  else
-    MpmPrint("%s of %.4g cells, beta = %.6g", c->assembled ? "a mode with waves" : "waves", 2 * PETSC_PI / c->beta[0],
-             c->beta[0]);
+  PetscCall(MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave));
+  MpmPrint("  limited by   %s", wave);
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
   if (c->closed > 0 && isfinite(c->closed))
@@ -186,20 +201,9 @@ static PetscErrorCode PrintAsked(const MpmScene *s, PetscReal tolerance, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, const MpmCritical *c)
+static PetscErrorCode PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
-  PetscMPIInt ranks;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(s, request, ranks));
-  MpmPrint("\n");
-  PetscCall(PrintLimit(s, request->tolerance, c));
-  PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
-  if (MpmSceneHasStep(s)) {
-    PetscCall(PrintAsked(s, request->tolerance, c));
-    PetscCall(MpmReportFinding(&c->asked, NAN));
-  }
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
              c->order, c->evaluations);
@@ -212,8 +216,34 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   else
     MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
              c->evaluations, c->order);
-  MpmPrint("time: %.3g s\n", c->seconds);
-  PetscCall(MpmReportLimit(s, request->tolerance, c->courant, c->asked.growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, const MpmCritical *c,
+                                const MpmNeighbourhoods *all)
+{
+  PetscReal   seconds = c ? c->seconds : 0;
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmReportScene(s, request, ranks));
+  if (c) {
+    MpmPrint("\n");
+    PetscCall(PrintLimit(s, request->tolerance, c));
+    PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
+    if (MpmSceneHasStep(s)) PetscCall(PrintAsked(s, request->tolerance, c));
+  }
+  if (all)
+    PetscCall(MpmNeighbourhoodsPrint(s, request, PETSC_TRUE, all));
+  else if (MpmSceneHasStep(s))
+    PetscCall(MpmReportFinding(&c->asked, NAN));
+  if (c) PetscCall(PrintSearch(s, c));
+  for (PetscInt i = 0; all && i < all->n; i++)
+    if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
+  MpmPrint("time: %.3g s\n", seconds);
+  PetscCall(MpmReportLimit(s, request->tolerance, all ? all->courant : c->courant,
+                           all ? all->finding.growth : c->asked.growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,18 +261,9 @@ static void SetWave(json_t *object, PetscInt dim, const MpmCritical *c)
   if (c->phases) json_object_set_new(object, "phases", json_integer(c->phases));
 }
 
-PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const MpmCritical *c, PetscReal wall_s)
+/* What the search in the bulk found, but for the limit, which may be that of another neighbourhood. */
+static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
 {
-  const PetscInt dim = s->layout.dim;
-  PetscMPIInt    ranks;
-  json_t        *object, *critical = json_object();
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
-  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, &c->asked);
-  MpmJsonSet(critical, "critical_courant", c->courant);
-  if (MpmSceneIsPhysical(s)) MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, c->courant));
   if (dim == 1)
     MpmJsonSet(critical, "limited_by_beta", c->beta[0]);
   else
@@ -257,6 +278,23 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const 
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));
   json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
   MpmJsonSet(critical, "seconds", c->seconds);
+}
+
+PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const MpmCritical *c,
+                                    const MpmNeighbourhoods *all, PetscReal wall_s)
+{
+  const PetscReal courant = all ? all->courant : c->courant;
+  PetscMPIInt     ranks;
+  json_t         *object, *critical = json_object();
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
+  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, all ? &all->finding : &c->asked);
+  MpmJsonSet(critical, "critical_courant", courant);
+  if (MpmSceneIsPhysical(s)) MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, courant));
+  if (c) SetBulk(critical, s->layout.dim, c);
+  if (all) MpmNeighbourhoodsJson(s, all, PETSC_TRUE, critical);
   json_object_set_new(object, "critical", critical);
   PetscCall(MpmJsonWrite(path, object));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -378,8 +416,8 @@ static PetscErrorCode PrintHeading(const MpmScene *s)
       MpmPrint("%s %s %s", i ? "," : "", said[i], text);
     }
   }
-  MpmPrint(", xpic_order %" PetscInt_FMT ", blend_ratio %.6g\nscheme   transfer  ", s->scheme.numbers.order,
-           s->scheme.numbers.ratio);
+  MpmPrint(", xpic_order %" PetscInt_FMT ", blend_ratio %.6g, aflip_ratio %.6g\nscheme   transfer  ",
+           s->scheme.numbers.order, s->scheme.numbers.ratio, s->scheme.numbers.affine_ratio);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

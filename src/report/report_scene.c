@@ -61,6 +61,20 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What tells a scheme as text from others. Of parameters that a map varies the scene's own values do not count. */
+static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
+{
+  const PetscBool varied = MpmRequestVaries(request, MPM_AXIS_PARAMETER);
+
+  PetscFunctionBegin;
+  if (!s->written) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PrintFields(s, request, "scheme as text, hash {scheme}"));
+  if (s->parameters[0])
+    PetscCall(PrintFields(s, request, varied ? ", parameters varied" : ", parameters {parameters}"));
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Whether the Courant number of the scene is that of the task. */
 static PetscBool HasOneStep(const MpmScene *s, const MpmRequest *request)
 {
@@ -110,6 +124,7 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
       s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
   PetscCall(PrintStep(s, request));
   MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PetscCall(PrintScheme(s, request));
   PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);

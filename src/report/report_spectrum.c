@@ -107,13 +107,9 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
+static PetscErrorCode PrintBulk(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  if (s->scene)
-    PetscCall(MpmReportScene(s->scene, s->request, s->ranks));
-  else if (!MpmRequestProbes(s->request)) /* whose heading is printed before it is probed */
-    PetscCall(MpmReportFile(s->request, "the matrix", s->ranks));
   MpmPrint("\ngrowth per step\n");
   if (s->scene) PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
   if (s->scene) PetscCall(PrintSymbol(s));
@@ -121,7 +117,25 @@ PetscErrorCode MpmSpectrumPrint(const MpmSpectrum *s)
   if (s->scene) PetscCall(PrintMeasured(s));
   PetscCall(PrintOperator(s));
   PetscCall(MpmTransientPrint(s));
-  PetscCall(MpmReportFinding(&s->finding, s->condition));
-  PetscCall(PrintCost(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                const MpmNeighbourhoods *all)
+{
+  PetscMPIInt ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  if (scene)
+    PetscCall(MpmReportScene(scene, request, ranks));
+  else if (!MpmRequestProbes(request)) /* whose heading is printed before it is probed */
+    PetscCall(MpmReportFile(request, "the matrix", ranks));
+  if (s) PetscCall(PrintBulk(s));
+  if (all)
+    PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));
+  else
+    PetscCall(MpmReportFinding(&s->finding, s->condition));
+  if (s) PetscCall(PrintCost(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

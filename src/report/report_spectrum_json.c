@@ -48,14 +48,12 @@ static json_t *Modes(const MpmSpectrum *s)
   return list;
 }
 
-PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s, json_t *more)
+/* What was found of the bulk. */
+static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
 {
-  json_t *object, *run;
+  json_t *run;
 
   PetscFunctionBegin;
-  PetscCall(s->scene ? MpmJsonScene(s->scene, "spectrum", s->ranks, s->wall_s, &object)
-                     : MpmJsonFile(s->request, s->ranks, s->wall_s, &object));
-  MpmJsonSetFinding(object, &s->finding);
   if (s->scene)
     json_object_set_new(object, "predicted",
                         MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
@@ -70,7 +68,27 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmSpectrum *s, json_t *more)
   }
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                    const MpmNeighbourhoods *all, PetscReal wall_s, json_t *more)
+{
+  PetscMPIInt ranks;
+  json_t     *object, *spectrum;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(scene ? MpmJsonScene(scene, "spectrum", ranks, all ? wall_s : s->wall_s, &object)
+                  : MpmJsonFile(request, ranks, s->wall_s, &object));
+  MpmJsonSetFinding(object, all ? &all->finding : &s->finding);
+  if (s) PetscCall(SetBulk(object, s));
+  if (all) {
+    if (!s) json_object_set_new(object, "spectrum", json_object());
+    spectrum = json_object_get(object, "spectrum");
+    MpmNeighbourhoodsJson(scene, all, PETSC_FALSE, spectrum);
+  }
   if (more) json_object_update(object, more);
-  PetscCall(MpmJsonWrite(s->request->json, object));
+  PetscCall(MpmJsonWrite(request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

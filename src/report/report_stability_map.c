@@ -25,7 +25,7 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
   const PetscInt down = (rows - 1) / MOST_ROWS + 1, right = (columns - 1) / MOST_COLUMNS + 1;
 
   PetscFunctionBegin;
-  MpmPrint("\n%s\n", MpmAxisNames[map->request->axes[0].kind]);
+  MpmPrint("\n%s\n", map->request->axes[0].name);
   for (PetscInt i = (rows - 1) / down * down; i >= 0; i -= down) {
     char     line[MOST_COLUMNS + 1];
     PetscInt n = 0;
@@ -34,8 +34,7 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
     line[n] = '\0';
     MpmPrint("%8.5g  %s\n", map->at[0][i], line);
   }
-  MpmPrint("%8s  %s %.6g to %.6g\n", "", MpmAxisNames[map->request->axes[1].kind], map->at[1][0],
-           map->at[1][columns - 1]);
+  MpmPrint("%8s  %s %.6g to %.6g\n", "", map->request->axes[1].name, map->at[1][0], map->at[1][columns - 1]);
   MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -55,9 +54,8 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
            map->points[1], MpmStabilityMapPhases(map));
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
-  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, MpmAxisNames[axes[0].kind],
-           map->at[0][map->worst / map->points[1]], MpmAxisNames[axes[1].kind],
-           map->at[1][map->worst % map->points[1]]);
+  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
+           map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
   if (!isnan(map->published_limit))
     MpmPrint("published  stable up to Courant number %.6g (particles at rest)\n", map->published_limit);
   MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
@@ -77,7 +75,7 @@ static json_t *Numbers(PetscInt n, const PetscReal values[])
 
 PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
 {
-  const char *const names[2] = {MpmAxisNames[map->request->axes[0].kind], MpmAxisNames[map->request->axes[1].kind]};
+  const char *const names[2] = {map->request->axes[0].name, map->request->axes[1].name};
   const int         other    = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   json_t           *object, *part = json_object();
   PetscMPIInt       ranks;
@@ -125,8 +123,7 @@ PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(map->request->csv, &csv));
   if (csv.stream) {
-    fprintf(csv.stream, "%s,%s,growth", MpmAxisNames[map->request->axes[0].kind],
-            MpmAxisNames[map->request->axes[1].kind]);
+    fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name, map->request->axes[1].name);
     for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
     for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", DriftName(dim, a));
     fprintf(csv.stream, ",verdict\n");
@@ -150,7 +147,7 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
   PetscFunctionBegin;
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, map->request, &file));
   for (int a = 0; a < 2; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", MpmAxisNames[map->request->axes[a].kind], map->points[a], 1, map->at[a]));
+    PetscCall(MpmDataFileArray(&file, "/map", map->request->axes[a].name, map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
   for (PetscInt a = 0; a < map->scene->layout.dim; a++)
     PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->scene->layout.dim, a), map->points[0], map->points[1],

@@ -68,6 +68,16 @@ static const char *GradientWord(PetscInt i)
   return MpmGradientNames[i];
 }
 
+static const char *FilterTimeWord(PetscInt i)
+{
+  return MpmFilterTimeNames[i];
+}
+
+static const char *NeighbourhoodWord(PetscInt i)
+{
+  return MpmNeighbourhoodNames[i];
+}
+
 static const char *SplineEndsWord(PetscInt i)
 {
   return MpmSplineEndNames[i];
@@ -90,6 +100,16 @@ static const char *FormulationOf(const MpmScene *scene)
   return scene->scheme.formulation->name;
 }
 
+static const char *SchemeHashOf(const MpmScene *scene)
+{
+  return scene->scheme_hash;
+}
+
+static const char *ParametersOf(const MpmScene *scene)
+{
+  return scene->parameters;
+}
+
 static const char *BasisOf(const MpmScene *scene)
 {
   return scene->scheme.basis->name;
@@ -103,6 +123,11 @@ static const char *TransferOf(const MpmScene *scene)
 static const char *GradientOf(const MpmScene *scene)
 {
   return MpmGradientNames[scene->scheme.space.gradient];
+}
+
+static const char *FilterTimeOf(const MpmScene *scene)
+{
+  return MpmFilterTimeNames[scene->scheme.space.filter];
 }
 
 static const char *SplineEndsOf(const MpmScene *scene)
@@ -142,6 +167,18 @@ static PetscBool TransferReads(const MpmScene *scene, const char option[])
   return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool HasScheme(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->written ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasParameters(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->parameters[0] ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -152,6 +189,18 @@ static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
   return TransferReads(scene, "blend_ratio");
+}
+
+static PetscBool HasAffineRatio(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return TransferReads(scene, "aflip_ratio");
+}
+
+static PetscBool HasFilterTime(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmSceneChoosesFilter(scene);
 }
 
 /* Files that were written before there was more than one dimension have none of these three. */
@@ -265,17 +314,23 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, .rival = "scheme", TEXT(FormulationOf), IN(1, 1, 1, 1)},
+  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
+   NO_RANGE, .rival = "formulation", TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
   {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
    .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
    .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
-  {"xpic_order", MPM_INTEGER, "2", "terms of transfer xpic; 1 is pic",
+  {"xpic_order", MPM_INTEGER, "2", "order of transfers xpic and fmpm, the terms of their sum; 1 is pic",
    BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = HasOrder},
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
+  {"aflip_ratio", MPM_REAL, "1", "share of flip in the velocities of transfers aflip and asflip, the rest is apic",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = HasAffineRatio},
+  {"pic_filter", MPM_WORD, "after", "gas and elastic: a transfer that filters does so after nodes take the values of the particles (the textbook's pic), or before",
+   .word = FilterTimeWord, TEXT(FilterTimeOf), IN(53, 36, 43, 36), .shown = HasFilterTime},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = HasDim},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
@@ -364,6 +419,10 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
    .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+  {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
+   .tasks = "symbol", ASKED(AS_SWITCH, damping)},
+  {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
+   BETWEEN(1, 1000000), .tasks = "symbol"},
   {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach",
    .word = AxisWord, .tasks = "map"},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
@@ -416,8 +475,12 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "symbol", OF_MATRIX},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
-  {"layouts", MPM_INTEGER, "100", "random layouts: of seed and the seeds after it",
-   BETWEEN(1, 1000000), .tasks = "ensemble", ASKED(AS_COUNT, layouts)},
+  {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
+   .word = NeighbourhoodWord, .tasks = "critical, spectrum"},
+  {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
+   BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
+  {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
+   BETWEEN(1, 1000000), .tasks = "ensemble, critical, spectrum", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
    NO_RANGE, .tasks = "run, spectrum, symbol, map", OF_MATRIX},
   {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",
@@ -429,7 +492,7 @@ const MpmField MpmOptions[] = {
   {"restart", MPM_PATH, NULL, "checkpoint to go on from",
    NO_RANGE, .tasks = "run"},
   {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, OF_MATRIX},
-  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
   {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
    .word = VerdictWord, OF_MATRIX},
@@ -453,6 +516,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
+  {"parameters", TEXT(ParametersOf), IN(60, 42, 48, 41), .shown = HasParameters, .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */

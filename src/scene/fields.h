@@ -7,7 +7,8 @@
 #pragma once
 #include "scene/request.h"
 
-/* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them. */
+/* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them;
+   words: any of its words with commas between them. */
 typedef enum {
   MPM_WORD,
   MPM_INTEGER,
@@ -18,7 +19,8 @@ typedef enum {
   MPM_RANGE,
   MPM_SPAN,
   MPM_ENDS,
-  MPM_LIST
+  MPM_LIST,
+  MPM_WORDS
 } MpmOptionKind;
 
 /*

@@ -55,10 +55,18 @@ static PetscInt64 Number(const MpmLayout *layout, const PetscInt64 site[])
   return number;
 }
 
-/* The seed of the jitter in a direction. */
+/* The seed of the jitter in a direction, and of voids, for which axis is MPM_MAX_DIM. */
 static PetscInt64 SeedOf(const MpmLayout *layout, PetscInt axis)
 {
   return axis == 0 ? layout->seed : (PetscInt64)(0x1p52 * MpmHash(layout->seed + 1, -MPM_MAX_FIELDS - 2 - axis));
+}
+
+PetscBool MpmLayoutIsVoid(const MpmLayout *layout, PetscInt64 id, PetscReal share)
+{
+  PetscInt64 site[MPM_MAX_DIM];
+
+  MpmLayoutSites(layout, id, site);
+  return MpmHash(SeedOf(layout, MPM_MAX_DIM), Number(layout, site)) < share ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* The resting place of particle j of the count in cell n of a direction. number: of the site. */

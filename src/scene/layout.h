@@ -26,6 +26,14 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 */
 void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
+/*
+   MpmLayoutIsVoid - whether the site of particle id is a void, where a share of all sites are voids.
+
+   Not collective. Site number g is a void where hash(seed', g) < share, with the hash of base/hash.h and a seed' that is
+   itself hashed from the layout's seed (THEORY.md, section 1).
+*/
+PetscBool MpmLayoutIsVoid(const MpmLayout *layout, PetscInt64 id, PetscReal share);
+
 /* Not collective. The resting place of particle id in each direction, in cells from the left end of the domain. */
 void MpmLayoutRest(const MpmLayout *layout, PetscInt64 id, PetscReal x[]);
 

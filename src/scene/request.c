@@ -57,13 +57,31 @@ static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmSce
 /* A survey goes through all schemes and does not depend on the scene's Courant number. */
 static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
 {
-  static const char *const idle[] = {"formulation", "basis",  "transfer",        "courant",
+  static const char *const idle[] = {"formulation", "scheme", "basis",           "transfer", "courant",
                                      "dt",          "expect", "expect_critical", "json"};
 
   PetscFunctionBegin;
   for (size_t i = 0; request->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
     if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
       PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The waves are those of the phases along x that are at least 3 cells long. */
+static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (!request->damping && MpmSettingsSource(settings, "damping_divisors") == MPM_FROM_COMMAND_LINE)
+    PetscCall(MpmSettingsRefuse(settings, "damping_divisors", "allowed: only with damping"));
+  if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->scheme.formulation->wave)
+    PetscCall(MpmSettingsRefuse(settings, "damping",
+                                "the formulation names no continuous problem whose waves could be followed; allowed: a "
+                                "formulation with an exact solution"));
+  if (request->phases[0] < 3)
+    PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                                "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
+  PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -187,32 +205,116 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+/* Tells the two words of map_axes from one another. A word that is no axis may be a parameter of the scheme. */
+static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request)
 {
-  PetscInt kinds[2], points[2], n;
+  const char *text = MpmSettingsText(settings, "map_axes"), *separators = ", ";
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
-  if (kinds[0] == kinds[1])
+  for (int a = 0; a < 2; a++) {
+    const size_t length = strcspn(text, separators);
+    MpmAxis     *axis   = &request->axes[a];
+
+    PetscCall(PetscStrncpy(axis->name, text, PetscMin(length + 1, sizeof axis->name)));
+    axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
+    text += length + strspn(text + length, separators);
+  }
+  if (request->axes[0].parameter == MPM_NONE && request->axes[1].parameter == MPM_NONE) {
+    PetscInt kinds[2];
+
+    PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
+    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[a];
+  } else
+    for (int a = 0; a < 2; a++) {
+      PetscInt kind = 0;
+
+      while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], request->axes[a].name)) kind++;
+      if (!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE)
+        PetscCall(MpmSettingsRefuse(settings, "map_axes",
+                                    "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
+                                    "mach and the parameters of the scheme"));
+      request->axes[a].kind = request->axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
+    }
+  for (int a = 0; a < 2; a++)
+    if (request->axes[a].kind != MPM_AXIS_PARAMETER)
+      PetscCall(PetscStrncpy(request->axes[a].name, MpmAxisNames[request->axes[a].kind], sizeof request->axes[a].name));
+  if (*text || !strcmp(request->axes[0].name, request->axes[1].name))
     PetscCall(
         MpmSettingsRefuse(settings, "map_axes",
                           "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The span of a parameter, which has no default. The map takes the place of the parameter's value. */
+static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, MpmFraction span[2])
+{
+  const MpmSettingsParameter *own   = MpmSettingsParameterSaid(settings, "", axis->name);
+  const MpmSettingsParameter *said  = MpmSettingsParameterSaid(settings, "map_", axis->name);
+  const char                 *comma = said ? strchr(said->text, ',') : NULL;
+  char                        first[64];
+  PetscBool                   ok = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (own && own->source == MPM_FROM_COMMAND_LINE)
+    PetscCall(MpmSettingsRefuseParameter(settings, own, "the map goes over it; allowed: its span lo,hi, after map_"));
+  MpmCheckInput(said, "map_axes %s: allowed: with its span, as -map_%s lo,hi", MpmSettingsText(settings, "map_axes"),
+                axis->name);
+  if (comma && comma - said->text < (ptrdiff_t)sizeof first) {
+    PetscCall(PetscStrncpy(first, said->text, (size_t)(comma - said->text) + 1));
+    PetscCall(MpmFractionParse(first, &span[0], &ok));
+    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
+  }
+  if (!ok || !isfinite(span[0].value) || !isfinite(span[1].value) || span[0].value >= span[1].value)
+    PetscCall(MpmSettingsRefuseParameter(settings, said,
+                                         "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses the span of a parameter that is on the command line and that this map, or another task, does not read. */
+static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
+    const char                 *name = settings->scheme->parameters[i].name.text;
+    const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
+    const PetscBool             axis =
+        !strcmp(request->task, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
+
+    if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
+      PetscCall(
+          MpmSettingsRefuseParameter(settings, said, "allowed: with task map, where map_axes names the parameter"));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscInt points[2], n;
+
+  PetscFunctionBegin;
+  PetscCall(ReadKinds(settings, request));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
   for (int a = 0; a < 2; a++) {
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
 
-    PetscCall(RefuseReplaced(settings, scene, kinds[a]));
-    axis->kind = (MpmAxisKind)kinds[a];
-    PetscCall(MpmSettingsSpan(settings, spans[kinds[a]], span));
+    if (axis->kind == MPM_AXIS_PARAMETER)
+      PetscCall(ReadParameterSpan(settings, axis, span));
+    else {
+      PetscCall(RefuseReplaced(settings, scene, axis->kind));
+      PetscCall(MpmSettingsSpan(settings, spans[axis->kind], span));
+    }
     axis->from   = span[0];
     axis->to     = span[1];
     axis->points = points[a];
     if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
   }
   for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
-    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != kinds[0] && i != kinds[1])
+    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != (PetscInt)request->axes[0].kind &&
+        i != (PetscInt)request->axes[1].kind)
       PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
   PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -302,7 +404,7 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
-  if (expect->has_verdict) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
+  if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
   if (expect->has_verdict) {
     PetscCall(MpmSettingsWord(settings, "expect", &i));
     expect->verdict = (MpmVerdict)i;
@@ -330,9 +432,13 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
+  PetscCall(ReadDamping(settings, scene, request));
+  for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
+  PetscCall(CheckSpans(settings, request));
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
+  PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
   PetscCall(CheckDiagnostics(settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
@@ -357,7 +463,7 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene **scene, MpmRequest *request)
+static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
 {
   PetscBool matrix;
 
@@ -365,6 +471,7 @@ static PetscErrorCode ReadBoth(const MpmSettings *settings, MpmScene **scene, Mp
   PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
   if (matrix) {
     PetscCall(MpmSceneDestroy(scene));
+    PetscCall(MpmSettingsReadScheme(settings));
     PetscCall(ReadMatrixRequest(settings, request));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

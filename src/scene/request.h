@@ -5,6 +5,7 @@
 #pragma once
 #include "base/progress.h"
 #include "scene/mach.h"
+#include "scene/neighbourhood.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -21,7 +22,8 @@ typedef struct {
 
 /*S
    MpmAxis - one axis of a map: points numbers at equal distances from one to another. They are exact fractions where
-   these have short terms. The angle of the drift is in degrees, from x to y.
+   these have short terms. The angle of the drift is in degrees, from x to y. A parameter is one
+   of the scheme's, by its number; other kinds have MPM_NONE there. name: as map_axes has it.
 S*/
 typedef enum {
   MPM_AXIS_COURANT,
@@ -30,14 +32,16 @@ typedef enum {
   MPM_AXIS_PPC,
   MPM_AXIS_POISSON,
   MPM_AXIS_DRIFT_ANGLE,
-  MPM_AXIS_MACH
+  MPM_AXIS_MACH,
+  MPM_AXIS_PARAMETER
 } MpmAxisKind;
 extern const char *const MpmAxisNames[];
 
 typedef struct {
   MpmAxisKind kind;
   MpmFraction from, to;
-  PetscInt    points;
+  PetscInt    points, parameter;
+  char        name[32];
 } MpmAxis;
 
 /*E
@@ -47,6 +51,7 @@ typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_ANY } MpmProbeKind
 extern const char *const MpmProbeNames[];
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
+#define MPM_MAX_DIVISORS 16
 
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
@@ -61,7 +66,10 @@ extern const char *const MpmProbeNames[];
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
-   layouts           - how many random layouts an ensemble has
+   neighbourhood     - those that critical and spectrum look at
+   layouts           - how many random layouts an ensemble, or neighbourhood random, has
+   voids             - the share of sites without a particle in neighbourhood random
+   damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
@@ -77,9 +85,11 @@ S*/
 typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
-  PetscReal       tolerance;
-  PetscBool       weights, source_term, ringing, measure, survey, refine;
+  PetscReal       tolerance, voids;
+  PetscBool       weights, source_term, ringing, measure, survey, refine, damping;
+  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
+  PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
   PetscBool       at_mach;

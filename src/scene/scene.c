@@ -15,13 +15,33 @@
 
 /* ---- words ---- */
 
-static PetscErrorCode ReadWords(const MpmSettings *settings, MpmScene *scene)
+/* The scene takes the written scheme over from the settings. */
+static PetscErrorCode ReadWritten(MpmSettings *settings, MpmScene *scene)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmWrittenCompile(settings->scheme, 0, NULL, NULL, &scene->own));
+  scene->scheme.formulation = scene->own;
+  MpmWrittenHash(settings->scheme, scene->scheme_hash);
+  PetscCall(MpmWrittenParametersText(settings->scheme, scene->parameters));
+  scene->written = settings->scheme;
+  if (settings->scheme == settings->inside)
+    settings->inside = NULL;
+  else
+    settings->outside = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
 {
   PetscInt i;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "formulation", &i));
-  scene->scheme.formulation = MpmFormulations[i];
+  if (settings->scheme)
+    PetscCall(ReadWritten(settings, scene));
+  else {
+    PetscCall(MpmSettingsWord(settings, "formulation", &i));
+    scene->scheme.formulation = MpmFormulations[i];
+  }
   PetscCall(MpmSettingsWord(settings, "basis", &i));
   scene->scheme.basis = MpmBases[i];
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
@@ -254,6 +274,11 @@ static PetscBool CanBeFree(const MpmFormulation *f)
   return f->free_ends;
 }
 
+static PetscBool HasImpose(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_IMPOSE);
+}
+
 static PetscBool CanReact(const MpmFormulation *f)
 {
   return MpmFormulationHas(f, MPM_REACT);
@@ -274,10 +299,11 @@ static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number that only one transfer reads, when the scene has another transfer. */
+/* Refuses a number that only some transfers read, when the scene has another transfer. */
 static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
-  char message[128];
+  char message[128] = "allowed: only with transfer ";
+  int  named        = 0;
 
   PetscFunctionBegin;
   if (MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, "transfer"))
@@ -286,10 +312,45 @@ static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmS
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt t = 0; MpmTransfers[t]; t++) {
     if (!MpmTransfers[t]->option || strcmp(MpmTransfers[t]->option, option)) continue;
-    PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with transfer %s", MpmTransfers[t]->name));
-    PetscCall(MpmSettingsRefuse(settings, option, message));
+    if (named++) PetscCall(PetscStrlcat(message, " or ", sizeof message));
+    PetscCall(PetscStrlcat(message, MpmTransfers[t]->name, sizeof message));
   }
+  PetscCall(MpmSettingsRefuse(settings, option, message));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool CanChooseFilter(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_FILTER_AFTER);
+}
+
+PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
+{
+  return CanChooseFilter(scene->scheme.formulation) && scene->scheme.transfer->filter ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt i;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "pic_filter", &i));
+  scene->scheme.space.filter = (MpmFilterTime)i;
+  if (MpmSceneChoosesFilter(scene) || MpmSettingsSource(settings, "pic_filter") == MPM_FROM_DEFAULT ||
+      MpmSettingsOverruled(settings, "pic_filter", "formulation") ||
+      MpmSettingsOverruled(settings, "pic_filter", "transfer"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Require(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
+  PetscCall(MpmSettingsRefuse(settings, "pic_filter", "flip has no filter; allowed: with another transfer"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool HasFilter(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) ||
+                 MpmFormulationHas(f, MPM_FILTER_AFTER)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
@@ -297,6 +358,11 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(CheckTransferReads(settings, scene, "xpic_order"));
   PetscCall(CheckTransferReads(settings, scene, "blend_ratio"));
+  if (scene->scheme.transfer->filter)
+    PetscCall(
+        Require(settings, scene, "transfer", HasFilter, "FILTER, which says where other transfers than flip act"));
+  PetscCall(CheckTransferReads(settings, scene, "aflip_ratio"));
+  PetscCall(ReadFilterTime(settings, scene));
   if (scene->scheme.transfer->affine)
     PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -322,6 +388,8 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   for (int e = 0; e < 2; e++) {
     if (l->grid[a].ends[e] == MPM_FREE)
       PetscCall(Require(settings, scene, "boundary", CanBeFree, "condition for a free end (fixed: a wall reflects)"));
+    if (MpmEndIsFixed(l->grid[a].ends[e]))
+      PetscCall(Require(settings, scene, "boundary", HasImpose, "IMPOSE, so that nothing would hold at a wall"));
     if (l->grid[a].ends[e] == MPM_FIXED_REACTION)
       PetscCall(Require(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
   }
@@ -541,9 +609,10 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
 }
 
 /* The order matters: what is read later needs what was read before. */
-PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene)
+PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
+  PetscCall(MpmSettingsReadScheme(settings));
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
@@ -598,7 +667,11 @@ PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
 PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 {
   PetscFunctionBegin;
-  if (*scene) PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+  if (*scene) {
+    PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+    PetscCall(MpmWrittenFormulationDestroy(&(*scene)->own));
+    PetscCall(MpmWrittenDestroy(&(*scene)->written));
+  }
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -59,6 +59,7 @@ PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings)
   PetscFunctionBegin;
   PetscCall(ReadFrom(settings, MPM_FROM_OUTSIDE));
   PetscCall(ReadFrom(settings, MPM_FROM_COMMAND_LINE));
+  settings->has_options = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -76,8 +77,15 @@ PetscErrorCode MpmSettingsCreate(MpmSettings **settings)
 PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
 {
   PetscFunctionBegin;
-  if (*settings)
+  if (*settings) {
     for (PetscInt i = 0; MpmOptions[i].name; i++) PetscCall(PetscFree((*settings)->text[i]));
+    for (PetscInt i = 0; i < (*settings)->nparameters; i++) {
+      PetscCall(PetscFree((*settings)->parameter[i].name));
+      PetscCall(PetscFree((*settings)->parameter[i].text));
+    }
+    PetscCall(MpmWrittenDestroy(&(*settings)->inside));
+    PetscCall(MpmWrittenDestroy(&(*settings)->outside));
+  }
   PetscCall(PetscFree(*settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

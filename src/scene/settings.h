@@ -5,16 +5,35 @@
 */
 #pragma once
 #include "scene/fields.h"
+#include "scheme/language.h"
 #include <mpmstab/errors.h>
 
 /* Outside: PETSC_OPTIONS, or a file in which PETSc looks for options. */
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_OUTSIDE, MPM_FROM_COMMAND_LINE } MpmSource;
 
+/* What was said of a parameter of the scheme, or of map_ and its name. */
+typedef struct {
+  char     *name, *text;
+  MpmSource source;
+  int       line;
+} MpmSettingsParameter;
+
+#define MPM_MOST_SAID 64 /* of parameters */
+
+/*
+   inside, outside: the schemes that are written in the scene and in the file that the option scheme names. scheme: the
+   one of them that counts; NULL: none. has_options: the command line has been read.
+*/
 typedef struct {
   char     *text[MPM_MAX_OPTIONS]; /* NULL: not given and no default */
   MpmSource source[MPM_MAX_OPTIONS];
   int       line[MPM_MAX_OPTIONS]; /* in the scene, from 1 */
   char      scene[PETSC_MAX_PATH_LEN];
+
+  MpmWritten          *inside, *outside, *scheme;
+  PetscBool            has_options;
+  PetscInt             nparameters;
+  MpmSettingsParameter parameter[MPM_MOST_SAID];
 } MpmSettings;
 
 /* Not collective. The defaults, over which the other readers write. */
@@ -35,13 +54,41 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
+/* Collective. Refuses a key of a scene that does not exist, and names one that may be meant. */
+PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line);
+
+/*
+   MpmSettingsKeepScheme    - keeps a scheme that is written in the scene
+   MpmSettingsKeepParameter - keeps what was said of what may be a parameter
+   MpmSettingsReadScheme    - reads the scheme of a file, and what the command line says of the scheme's parameters. It
+                              refuses keys and names that are neither options nor parameters.
+   MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
+   MpmSettingsRefuseParameter - ends with a message that names it, its value, where it stands, and why it cannot be
+   MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and one
+
+   Collective.
+*/
+PetscErrorCode MpmSettingsKeepScheme(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *node,
+                                     int line);
+PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmSource source,
+                                        int line);
+PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
+const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
+                                                     const char name[]);
+PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
+                                                       const char why[]);
+PetscErrorCode              MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has);
+
+/* Not collective. Whether PETSc or SLEPc takes an option of this name, as far as is known beforehand. */
+PetscBool MpmSettingsIsLibrary(const char name[]);
+
 /*
    MpmSettingsCheckOutside - prints a line for each place other than command line and scene that gives options, such as
    'from PETSC_OPTIONS: -courant 0.3', also those that the task does not read.
 
-   Collective. Refuses options that do not exist, with their place, before anything runs.
+   Collective. Refuses options that do not exist, with their place, before anything runs. scene: its file, or NULL.
 */
-PetscErrorCode MpmSettingsCheckOutside(const char task[]);
+PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[]);
 
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);
@@ -52,7 +99,7 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
-   List: whole numbers with commas between them, at most room.
+   List: whole numbers with commas between them, at most room. Words: the same of words, as their indices.
 
    Each: the values of dim directions, which are one for all or one for each with commas between them. The Ends of
    several directions have a hyphen between the two words of one: periodic,fixed-free.
@@ -72,6 +119,8 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[]);
+PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscInt index[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether an option has a value, who gave it, and the value as text. */
@@ -107,8 +156,11 @@ PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene
 PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
 
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
-PetscErrorCode MpmSettingsReadProblem(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
+
+/* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
+PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 
 /*
    MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.

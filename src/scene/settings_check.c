@@ -11,14 +11,14 @@
    Whether an option is one of PETSc's or SLEPc's. These libraries read their options while the task runs, so beforehand
    only the families are known, and which tasks call SLEPc.
 */
+static const char *const any[]   = {"log_",          "malloc",  "objects_",    "options_", "on_error_", "info",
+                                    "dm_",           "da_",     "vec_",        "mat_",     "sf_",       "viewer_",
+                                    "mpi_",          "memory_", "fp_trap",     "debugger", "start_in",  "saws",
+                                    "check_pointer", "nodal_",  "skip_petscrc"};
+static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
+
 static PetscErrorCode CheckLibrary(const char task[], const char name[], const char place[], PetscBool *is_theirs)
 {
-  static const char *const any[]   = {"log_",          "malloc",  "objects_",    "options_", "on_error_", "info",
-                                      "dm_",           "da_",     "vec_",        "mat_",     "sf_",       "viewer_",
-                                      "mpi_",          "memory_", "fp_trap",     "debugger", "start_in",  "saws",
-                                      "check_pointer", "nodal_",  "skip_petscrc"};
-  static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
-
   PetscFunctionBegin;
   *is_theirs = PETSC_FALSE;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
@@ -31,6 +31,19 @@ static PetscErrorCode CheckLibrary(const char task[], const char name[], const c
     *is_theirs = PETSC_TRUE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmSettingsIsLibrary(const char name[])
+{
+  static const char *const help[] = {"h", "help", "v", "version"};
+
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
+    if (!strncmp(name, any[i], strlen(any[i]))) return PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(slepc); i++)
+    if (!strncmp(name, slepc[i], strlen(slepc[i]))) return PETSC_TRUE;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(help); i++)
+    if (!strcmp(name, help[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 /* place: where it stands, as MpmSettingsPlace says it; more: what the user has to know besides. */
@@ -47,6 +60,18 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
   near = MpmSuggest(name, n, names);
   if (near) MpmRefuse("unknown option -%.200s%s; did you mean -%s?%s", name, place, near, more);
   MpmRefuse("unknown option -%.200s%s; 'mpmstab list options' shows those there are%s", name, place, more);
+}
+
+/* An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names. */
+static PetscErrorCode CheckParameter(const char scene[], const char name[], const char place[])
+{
+  PetscBool is = PETSC_FALSE, file;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-scheme", &file));
+  if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is));
+  if (!is) PetscCall(RefuseUnknown(name, place, ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscBool IsKey(const char word[])
@@ -77,7 +102,9 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
       PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
     else {
       PetscCall(CheckLibrary(task, argv[i] + 1, "", &is_theirs));
-      if (!is_theirs) PetscCall(RefuseUnknown(argv[i] + 1, "", ""));
+      if (!is_theirs) PetscCall(CheckParameter(first ? argv[0] : NULL, argv[i] + 1, ""));
+      for (int j = first; j < i && !is_theirs; j++)
+        MpmCheckInput(strcmp(argv[i], argv[j]), "%s is given a second time; allowed: once", argv[i]);
     }
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
   }
@@ -119,7 +146,7 @@ static PetscErrorCode Say(const char task[], const char name[], const char value
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsCheckOutside(const char task[])
+PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
 {
   Lines     lines = {{""}};
   char      place[MPM_PLACE_TEXT], **names, **values;
@@ -134,7 +161,7 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[])
     if (!place[0]) continue;
     if (MpmOptionIndex(names[i]) == MPM_NOT_AN_OPTION) {
       PetscCall(CheckLibrary(task, names[i], place, &is_theirs));
-      if (!is_theirs) PetscCall(RefuseUnknown(names[i], place, ""));
+      if (!is_theirs) PetscCall(CheckParameter(scene, names[i], place));
     }
     PetscCall(Say(task, names[i], values[i], place + strlen(", "), &lines));
   }

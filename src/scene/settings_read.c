@@ -305,6 +305,32 @@ PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A word more than once counts once. */
+PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscInt index[])
+{
+  const char *text = MpmSettingsText(settings, name);
+  char        word[64];
+  PetscInt    found;
+  PetscBool   known;
+
+  PetscFunctionBegin;
+  for (*n = 0;; text++) {
+    const size_t length = strcspn(text, ",");
+
+    PetscCall(PetscStrncpy(word, text, PetscMin(length + 1, sizeof word)));
+    PetscCall(FindWord(settings, name, word, &found));
+    known = PETSC_FALSE;
+    for (PetscInt i = 0; i < *n; i++)
+      if (index[i] == found) known = PETSC_TRUE;
+    PetscCheck(known || *n < room, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%s has more words than fit", name);
+    if (!known) index[(*n)++] = found;
+    text += length;
+    if (!*text) break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], const char text[], PetscInt index[2])
 {
   const size_t ends = strcspn(text, SEPARATORS);

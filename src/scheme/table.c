@@ -2,21 +2,26 @@
    MpmTableCreate makes a table from a formulation, a transfer and a space, and checks it. It writes the operations on
    scalars, vectors and stresses out as operations on numbers, so that those who interpret a table know only numbers.
 */
+#include "scheme/language.h"
 #include "scheme/table_check.h"
+#include <mpmstab/errors.h>
 
-const char *const MpmGradientNames[] = {"basis", "mls", NULL};
+const char *const MpmGradientNames[]   = {"basis", "mls", NULL};
+const char *const MpmFilterTimeNames[] = {"after", "before", NULL};
 
 /*
    What MpmTableCreate needs while it makes a table. particle[f] and node[n] are the first registers of the formulation's
-   fields. kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE.
+   fields. kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE. sharp[n]: the
+   node register that particles take instead of node register n, as it was when the table had sharp_at[n] operations.
 */
 typedef struct {
   const MpmFormulation     *formulation;
   const MpmTransfer        *transfer;
   const MpmTransferNumbers *numbers;
   const MpmSpace           *space;
-  PetscInt                  particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS];
-  MpmTable                 *table;
+  PetscInt                  particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
+      sharp_at[MPM_MAX_FIELDS];
+  MpmTable *table;
 } Builder;
 
 /* ---- fields and their components ---- */
@@ -36,7 +41,7 @@ static PetscInt Stress(const MpmSpace *space, PetscInt a, PetscInt b)
   return least * space->dim - least * (least - 1) / 2 + most - least;
 }
 
-static PetscErrorCode AppendOp(MpmTable *t, MpmOp op)
+PetscErrorCode MpmTableAppendOwn(MpmTable *t, MpmOp op)
 {
   PetscFunctionBegin;
   if (t->nops == t->room) {
@@ -52,8 +57,7 @@ static PetscBool IsAffine(const MpmTable *t, PetscInt particle)
   return particle >= t->affine && particle < t->affine + t->dim ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* For an operation on a component of the vector with an affine part, appends those on the numbers of that part. */
-static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
+PetscErrorCode MpmTableAppendAffine(MpmTable *t, MpmOp op)
 {
   const MpmOp of = op;
 
@@ -65,37 +69,41 @@ static PetscErrorCode AppendAffine(MpmTable *t, MpmOp op)
       op.src         = t->affine_part + t->dim * (of.src - t->affine) + axis;
       op.accumulates = PETSC_TRUE;
     } else if (of.kind == MPM_G2P && IsAffine(t, of.dst)) {
-      op.kind = MPM_G2P_AFFINE;
+      op.kind = t->affine_map;
       op.dst  = t->affine_part + t->dim * (of.dst - t->affine) + axis;
-    } else if (of.kind == MPM_SCALE && IsAffine(t, of.dst)) {
+    } else if ((of.kind == MPM_SCALE || of.kind == MPM_ADD) && of.dst == of.src && IsAffine(t, of.dst)) {
       op.dst = op.src = t->affine_part + t->dim * (of.dst - t->affine) + axis;
       op.axis         = 0;
     } else
       PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(AppendOp(t, op));
+    PetscCall(MpmTableAppendOwn(t, op));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode AppendBoth(MpmTable *t, MpmOp op)
-{
-  PetscFunctionBegin;
-  PetscCall(AppendOp(t, op));
-  if (t->affine != MPM_NONE) PetscCall(AppendAffine(t, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTableAppend(MpmTable *t, MpmOp op)
 {
   PetscFunctionBegin;
-  PetscCall(AppendBoth(t, op));
+  PetscCall(MpmTableAppendOwn(t, op));
+  if (t->affine != MPM_NONE) PetscCall(MpmTableAppendAffine(t, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a written scheme that needs more registers than there are. Those of the program fit. */
+static PetscErrorCode CheckRoom(const MpmTable *t, PetscInt used, const char place[])
+{
+  PetscFunctionBegin;
+  MpmCheckInput(used < MPM_MAX_FIELDS,
+                "%s: more than the %d numbers that fit at a %s, with dim %" PetscInt_FMT
+                " and transfer %s; allowed: fewer fields, dimensions or terms of xpic",
+                t->where, MPM_MAX_FIELDS, place, t->dim, t->transfer);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 {
   PetscFunctionBegin;
-  PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, t->nnodes, "node"));
   *node = t->nnodes++;
   PetscCall(PetscArraycpy(t->parity[*node], t->parity[like], MPM_MAX_DIM));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -104,7 +112,7 @@ PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
 PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
 {
   PetscFunctionBegin;
-  PetscCheck(t->nparticles < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, t->nparticles, "particle"));
   *particle = t->nparticles++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,8 +122,8 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
 static PetscErrorCode Wall(MpmTable *t, PetscInt axis, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
 {
   PetscFunctionBegin;
-  PetscCall(
-      AppendOp(t, (MpmOp){.kind = MPM_WALL, .axis = axis, .dst = dst, .src = src, .factor = factor, .side = end}));
+  PetscCall(MpmTableAppendOwn(
+      t, (MpmOp){.kind = MPM_WALL, .axis = axis, .dst = dst, .src = src, .factor = factor, .side = end}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -174,6 +182,35 @@ static PetscErrorCode React(Builder *b, PetscInt dst, PetscInt imposed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- what particles take from nodes ---- */
+
+/* Whether an operation from number first on, but a WALL, writes to a register at a place. */
+static PetscBool IsWritten(const MpmTable *t, PetscInt first, MpmPlace place, PetscInt reg)
+{
+  for (PetscInt o = first; o < t->nops; o++)
+    if (t->ops[o].kind != MPM_WALL && MpmOpTraitsOf(t->ops[o].kind).dst == place && t->ops[o].dst == reg)
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Appends an operation. Where it goes from nodes to particles, it reads what the transfer's sharpen makes of the nodes. */
+static PetscErrorCode Append(Builder *b, MpmOp op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op.kind);
+  const PetscInt    n      = op.src;
+
+  PetscFunctionBegin;
+  if (b->transfer->sharpen && traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES) {
+    if (b->sharp[n] == MPM_NONE || IsWritten(b->table, b->sharp_at[n], MPM_ON_NODES, n)) {
+      b->sharp_at[n] = b->table->nops;
+      PetscCall(b->transfer->sharpen(b->table, b->numbers, n, &b->sharp[n]));
+    }
+    op.src = b->sharp[n];
+  }
+  PetscCall(MpmTableAppend(b->table, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- the operations of formulations, written out for components ---- */
 
 static PetscInt ComponentsOf(const Builder *b, PetscBool on_nodes, PetscInt field)
@@ -196,7 +233,7 @@ static PetscErrorCode Each(Builder *b, const MpmOp *op)
 
   PetscFunctionBegin;
   if (traits.dst == MPM_NOWHERE) {
-    PetscCall(AppendBoth(b->table, *op));
+    PetscCall(Append(b, *op));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCheck(ComponentsOf(b, to, op->dst) == ComponentsOf(b, from, op->src), PETSC_COMM_SELF, PETSC_ERR_SUP,
@@ -204,7 +241,7 @@ static PetscErrorCode Each(Builder *b, const MpmOp *op)
   for (PetscInt c = 0; c < ComponentsOf(b, to, op->dst); c++) {
     one.dst = RegisterOf(b, to, op->dst) + c;
     one.src = RegisterOf(b, from, op->src) + c;
-    PetscCall(AppendBoth(b->table, one));
+    PetscCall(Append(b, one));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -224,7 +261,7 @@ static PetscErrorCode Term(Builder *b, const MpmOp *op, PetscInt dst, PetscInt s
   one.axis        = axis;
   one.factor      = op->factor * factor;
   one.accumulates = accumulates;
-  PetscCall(AppendBoth(b->table, one));
+  PetscCall(Append(b, one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -232,12 +269,21 @@ static PetscErrorCode Div(Builder *b, const MpmOp *op)
 {
   const PetscInt dim = b->space->dim, dst = b->node[op->dst], src = b->particle[op->src];
   const MpmRank  to = b->formulation->node_ranks[op->dst], from = b->formulation->particle_ranks[op->src];
+  PetscBool      accumulates = op->accumulates;
 
   PetscFunctionBegin;
-  PetscCheck(dim == 1 || (to == MPM_VECTOR && from == MPM_TENSOR), PETSC_COMM_SELF, PETSC_ERR_SUP,
-             "the table: DIV makes a vector of a stress");
+  PetscCheck(dim == 1 || (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR),
+             PETSC_COMM_SELF, PETSC_ERR_SUP,
+             "the table: DIV makes a vector of a stress or a number, and a number of a vector");
+  if (from != MPM_TENSOR) {
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(Term(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1, accumulates));
+      if (to != MPM_VECTOR) accumulates = PETSC_TRUE;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt a = 0; a < dim; a++) {
-    PetscBool accumulates = op->accumulates;
+    accumulates = op->accumulates;
 
     for (PetscInt axis = 0; axis < dim; axis++) {
       const PetscInt component = Stress(b->space, a, axis);
@@ -335,23 +381,44 @@ static PetscErrorCode Expand(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A filter needs P2G of its field. Where the table has none before the filter, one is added. */
+/* Whether a node register holds P2G of a particle register as it is now. */
+static PetscBool Holds(const MpmTable *t, PetscInt node, PetscInt particle)
+{
+  PetscInt taken = MPM_NONE;
+
+  for (PetscInt o = 0; o < t->nops; o++)
+    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == node && t->ops[o].src == particle) taken = o;
+  return taken != MPM_NONE && !IsWritten(t, taken + 1, MPM_ON_PARTICLES, particle) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Whether an operation is a filter that acts in the space. */
+static PetscBool IsFilter(const Builder *b, const MpmOp *op)
+{
+  const MpmFilterTime at = b->space->filter;
+
+  return op->kind == MPM_FILTER || (op->kind == MPM_FILTER_BEFORE && at == MPM_FILTERS_BEFORE) ||
+                 (op->kind == MPM_FILTER_AFTER && at == MPM_FILTERS_AFTER)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* A filter needs P2G of its field. Where the nodes do not hold it, one is added. */
 static PetscErrorCode Filter(Builder *b, const MpmOp *op)
 {
   MpmTable      *t     = b->table;
   const PetscInt first = b->particle[op->dst], node = b->node[op->src], n = ComponentsOf(b, PETSC_TRUE, op->src);
-  PetscBool      taken = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (!b->transfer->filter) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt o = 0; o < t->nops; o++)
-    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == node) taken = PETSC_TRUE;
-  if (!taken) {
+  if (!Holds(t, node, first)) {
     PetscCall(Each(b, &(MpmOp)P2G(op->src, op->dst)));
     for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableImpose(t, node + c));
   }
   for (PetscInt c = 0; c < n; c++) {
+    const PetscInt before = t->nops;
+
     PetscCall(b->transfer->filter(t, b->numbers, first + c, node + c));
+    if (!IsWritten(t, before, MPM_ON_PARTICLES, first + c)) continue;
     t->filtered[first + c] = PETSC_TRUE;
     t->unfiltered--;
   }
@@ -375,7 +442,7 @@ static PetscErrorCode Translate(Builder *b)
   for (PetscInt o = 0; o < f->nops; o++) {
     const MpmOp    *op = &f->ops[o];
     const PetscBool filtered =
-        o + 1 < f->nops && op[1].kind == MPM_FILTER && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
+        o + 1 < f->nops && IsFilter(b, &op[1]) && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
 
     if (op->kind == MPM_IMPOSE) {
       const PetscInt n = ComponentsOf(b, PETSC_TRUE, op->dst);
@@ -383,8 +450,10 @@ static PetscErrorCode Translate(Builder *b)
       for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableImpose(b->table, b->node[op->dst] + c));
       if (filtered) PetscCall(Filter(b, &f->ops[++o]));
       for (PetscInt c = 0; c < n; c++) PetscCall(ImposeWithReaction(b, b->node[op->dst] + c, IsKept(f, op->dst)));
-    } else if (op->kind == MPM_FILTER)
+    } else if (IsFilter(b, op))
       PetscCall(Filter(b, op));
+    else if (op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+      continue; /* the filter acts in the other place */
     else if (op->kind == MPM_REACT)
       for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, op->dst); c++)
         PetscCall(React(b, b->node[op->dst] + c, b->node[op->src] + c));
@@ -401,7 +470,7 @@ static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, P
   const PetscInt r = t->nstate;
 
   PetscFunctionBegin;
-  PetscCheck(r < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+  PetscCall(CheckRoom(t, r, "particle"));
   PetscCall(PetscStrncpy(t->names[r], name, sizeof t->names[r]));
   t->fields[r]    = t->names[r];
   t->field[r]     = field;
@@ -448,6 +517,7 @@ static PetscErrorCode AddAffinePart(Builder *b)
   PetscCheck(b->formulation->affine != MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no field to be affine");
   t->affine      = b->particle[b->formulation->affine];
   t->affine_part = t->nstate;
+  t->affine_map  = b->transfer->taylor ? MPM_G2P_SLOPE : MPM_G2P_AFFINE;
   for (PetscInt a = 0; a < t->dim; a++)
     for (PetscInt axis = 0; axis < t->dim; axis++) {
       PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "c" : "c_%c%c", axes[a], axes[axis]));
@@ -465,7 +535,7 @@ static MpmParity ParityOf(const Builder *b, PetscInt node, PetscInt component, P
 
   for (PetscInt o = 0; o < f->nops; o++)
     if ((f->ops[o].kind == MPM_IMPOSE || f->ops[o].kind == MPM_REACT) && f->ops[o].dst == node) imposed = PETSC_TRUE;
-  if (!imposed) return MPM_EVEN;
+  if (!imposed) return f->like[node] ? ParityOf(b, f->like[node] - 1, component, axis) : MPM_EVEN;
   if (b->space->dim > 1 && f->node_ranks[node] != MPM_VECTOR) return MPM_TANGENTIAL;
   return component == axis ? MPM_NORMAL : MPM_TANGENTIAL;
 }
@@ -478,11 +548,40 @@ static PetscErrorCode AddNodes(Builder *b)
   for (PetscInt n = 0; b->formulation->node_fields[n]; n++) {
     b->node[n] = t->nnodes;
     for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, n); c++) {
-      PetscCheck(t->nnodes < MPM_MAX_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+      PetscCall(CheckRoom(t, t->nnodes, "node"));
       for (PetscInt axis = 0; axis < t->dim; axis++) t->parity[t->nnodes][axis] = ParityOf(b, n, c, axis);
       t->nnodes++;
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a written scheme with more operations on nodes in a row than march has room for. */
+static PetscErrorCode CheckRuns(const MpmTable *t)
+{
+  PetscInt run = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    run = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES ? run + 1 : 0;
+    MpmCheckInput(run <= MPM_MAX_NODE_OPS,
+                  "%s: more than %d operations on nodes follow one another, with dim %" PetscInt_FMT
+                  "; allowed: fewer lines or dimensions",
+                  t->where, MPM_MAX_NODE_OPS, t->dim);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What messages call a formulation: a written scheme stands in a line of a file. */
+static PetscErrorCode WhereOf(const MpmFormulation *f, size_t room, char where[])
+{
+  PetscFunctionBegin;
+  if (f->written)
+    (void)snprintf(where, room, "%.400s:%d: scheme %.60s", f->written->file, f->written->line, f->name);
+  else
+    PetscCall(PetscSNPrintf(where, room, "formulation %s", f->name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -497,7 +596,9 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   t       = *table;
   b.table = t;
   t->dim  = space->dim;
-  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = MPM_NONE;
+  PetscCall(WhereOf(formulation, sizeof t->where, t->where));
+  t->transfer = transfer->name;
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;
   PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
   for (PetscInt f = 0; formulation->particle_fields[f]; f++) PetscCall(AddField(&b, f));
   t->unfiltered = t->nstate;
@@ -505,6 +606,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   t->nparticles = t->nstate;
   PetscCall(AddNodes(&b));
   PetscCall(Translate(&b));
+  PetscCall(CheckRuns(t));
   PetscCall(MpmTableCheck(t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -23,6 +23,7 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const PetscInt    nodes = t->nnodes, particles = t->nparticles;
   const PetscBool   stencil  = op->kind == MPM_LAP || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   itself   = op->kind == MPM_COPY && !op->accumulates ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool   sum      = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool   to_nodes = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
 
@@ -37,9 +38,11 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
             "the register that it reads does not exist");
   if (traits.dst == MPM_ON_PARTICLES && traits.src == MPM_ON_NODES)
     SUPPORTED(op->accumulates, o, "what goes to particles is added to what they have");
+  else if (op->kind == MPM_ADD)
+    SUPPORTED(op->accumulates, o, "what it adds is added to what the particles have");
   else if (!stencil && !sum)
     SUPPORTED(!op->accumulates, o, "this kind does not accumulate");
-  SUPPORTED(!stencil || op->dst != op->src, o, "it would read the nodes that it writes");
+  SUPPORTED(!stencil || itself || op->dst != op->src, o, "it would read the nodes that it writes");
   SUPPORTED(!sum || !op->accumulates || ContinuesSum(t, o), o,
             "it continues a sum, but other operations have come in between");
   SUPPORTED(traits.src != MPM_ON_NODES || written[op->src] || op->kind == MPM_WALL, o,

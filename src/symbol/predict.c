@@ -14,6 +14,7 @@ static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 #define AGREE 1e-6
 #define AGREE_IN_SPACE 1e-4
 #define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
+#define REAL 1e-12    /* the largest imaginary part of theta that is rounding */
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
@@ -51,6 +52,18 @@ static PetscInt Problems(const MpmPredictor *p)
   return HasStress(p) ? PetscMin(dim, numbers * MpmLayoutPpc(p->layout)) : 1;
 }
 
+/*
+   With an affine part that is not a fit, theta is a real number where the particles of a cell are their own mirror image. A
+   sum of few waves that is real at three phases is real at all.
+*/
+static PetscBool ThetaIsReal(const MpmPredictor *p)
+{
+  for (PetscInt a = 0; a < p->layout->dim; a++)
+    for (int beta = 1; beta <= 3; beta++)
+      if (fabs(cimag(MpmPredictorAlong(p, a, beta).theta)) > REAL) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
 {
   const MpmFraction rest               = {.den = 1};
@@ -67,7 +80,7 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
   p->problems              = Problems(p);
   used[MPM_P2G]            = PETSC_TRUE;
   used[GradientOf(scheme)] = PETSC_TRUE;
-  if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[MPM_G2P_AFFINE] = PETSC_TRUE;
+  if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[scheme->table->affine_map] = PETSC_TRUE;
   for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &rest, used, &p->ties[a]));
   for (PetscInt j = 0; j < layout->ppc[0]; j++) {
     PetscInt  cell[MPM_MAX_DIM];
@@ -77,6 +90,11 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
     mean += xi[0] / layout->ppc[0];
   }
   p->e = 2 * mean - 1;
+  if (scheme->table->affine != MPM_NONE && !ThetaIsReal(p)) {
+    p->why_not = "no closed form for this transfer where particles are not their own mirror image in a cell";
+    if (!p->why_not_corrected) p->why_not_corrected = p->why_not;
+    if (!p->why_not_published) p->why_not_published = p->why_not;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,8 +120,8 @@ MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
     along.kappa += creal(conj(slope) * slope) / ties->n;
     along.mu += conj(value) * slope / ties->n;
     if (p->scheme->table->affine != MPM_NONE)
-      along.theta +=
-          creal(conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) * MpmTie(ties, 0, MPM_G2P_AFFINE, j, wave)) / ties->n;
+      along.theta += conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) *
+                     MpmTie(ties, 0, p->scheme->table->affine_map, j, wave) / ties->n;
   }
   if (along.alpha < NOTHING) along.alpha = 0;
   return along;
@@ -145,7 +163,7 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
 {
   const PetscInt dim = p->layout->dim;
   MpmCellSymbols all = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
-  PetscReal      kappa[MPM_MAX_DIM];
+  PetscReal      kappa[MPM_MAX_DIM], sharp                = 1;
   double complex vector[MPM_MAX_DIM][MPM_MAX_DIM], square = 0;
 
   for (PetscInt a = 0; a < dim; a++) {
@@ -157,12 +175,16 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
   }
   if (dim > 1) all.mu = csqrt(square);
   if (p->scheme->table->affine != MPM_NONE)
-    for (PetscInt a = 0; a < dim; a++) all.alpha += along[a].theta * Others(p, along, a, a);
+    for (PetscInt a = 0; a < dim; a++) all.alpha += creal(along[a].theta) * Others(p, along, a, a);
   all.filter = p->scheme->transfer->filter_symbol(&p->scheme->numbers, all.alpha);
+  all.taken  = p->scheme->space.filter == MPM_FILTERS_BEFORE ? all.filter : 1;
+  if (p->scheme->transfer->sharp_symbol) sharp = p->scheme->transfer->sharp_symbol(&p->scheme->numbers, all.alpha);
+  all.alpha *= sharp;
+  all.mu *= sharp;
   if (HasStress(p)) Stiffness(p, along, kappa, vector);
   for (PetscInt i = 0; i < p->problems; i++) {
     cell[i]       = all;
-    cell[i].kappa = HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa;
+    cell[i].kappa = sharp * (HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa);
   }
   return p->problems;
 }

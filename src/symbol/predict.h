@@ -8,11 +8,11 @@
    MpmAlong - the symbols of the maps along one direction, at a phase of that direction.
 
    alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
-   theta - the symbol of P2G_AFFINE G2P_AFFINE
+   theta - the symbol of P2G_AFFINE and the table's affine map after one another; it must be a real number (why_not)
 S*/
 typedef struct {
-  PetscReal      alpha, kappa, lap, theta;
-  double complex mu;
+  PetscReal      alpha, kappa, lap;
+  double complex mu, theta;
 } MpmAlong;
 
 /*S

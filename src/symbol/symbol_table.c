@@ -133,7 +133,7 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
     for (PetscInt other = a - 1; other >= 0; other--)
       if (Alike(layout, step, a, other)) source->alike[a] = other;
   }
-  if (b->period == 1 && scheme->transfer->null_factor) {
+  if (b->period == 1 && scheme->transfer->null_factor && MpmFormulationKeepsUnseen(scheme->formulation)) {
     CountNull(b, &source->null_rest, &source->null_all);
     source->null_factor = scheme->transfer->null_factor(&scheme->numbers);
   }

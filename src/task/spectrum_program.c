@@ -88,7 +88,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(OtherGrowth(p, B, &other));
   PetscCall(MpmProgramJudge(p, other, isnan(s->condition) ? 1 : s->condition, &s->finding));
   PetscCall(MpmCarriersFind(p, s, &carriers));
-  PetscCall(MpmSpectrumPrint(s));
+  PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
   PetscCall(MpmReportCarriers(p, &carriers));
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
@@ -134,7 +134,7 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
   s = states.most;
   if (request->at[0]) json_object_set(states.more, "states", states.list);
   PetscCall(MpmSpectrumWriteFiles(s));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(s, states.more));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(NULL, request, s, NULL, s->wall_s, states.more));
   if (request->write_matrix[0])
     PetscCall(MpmMatrixWrite(request->write_matrix, s->op->A, s->op->exponent, s->op->period, &kept));
   PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));

@@ -154,7 +154,7 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
   refined = json_object();
   MpmJsonSet(refined, "growth", a->worst.growth);
   MpmJsonSet(refined, "condition", a->worst.condition);
-  json_object_set(refined, "beta", b->dim == 1 ? json_array_get(beta, 0) : beta);
+  json_object_set(refined, "beta_at_max", b->dim == 1 ? json_array_get(beta, 0) : beta);
   json_decref(beta);
   json_object_set_new(object, "refined", refined);
   PetscCall(MpmJsonWrite(request->json, object));

@@ -8,17 +8,24 @@
 static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
+  const PetscBool       wanted = MpmNeighbourhoodsWanted(request);
   MpmExpect             expect = request->expect;
-  MpmCritical           critical;
+  MpmNeighbourhood      place  = {.kind = MPM_IN_BULK};
+  MpmNeighbourhoods     around, *all = wanted ? &around : NULL;
+  MpmCritical           found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
-  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &critical));
-  if (request->csv[0]) PetscCall(MpmCriticalWriteCsv(request->csv, scene, &critical));
-  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, &critical, MPI_Wtime() - started));
-  PetscCall(MpmCriticalPrint(scene, request, &critical));
-  PetscCall(MpmExpectFinding(&expect, &critical.asked, missed));
-  PetscCall(MpmExpectCritical(&expect, critical.courant, missed));
+  if (bulk) {
+    PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
+    place = MpmNeighbourhoodOfCritical(bulk);
+  }
+  if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_TRUE, all));
+  if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
+  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, bulk, all, MPI_Wtime() - started));
+  PetscCall(MpmCriticalPrint(scene, request, bulk, all));
+  PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
+  PetscCall(MpmExpectCritical(&expect, all ? all->courant : bulk->courant, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

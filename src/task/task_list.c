@@ -1,6 +1,8 @@
-/* The task list: mpmstab list [formulation|basis|transfer|boundary|layout|options|versions|codes] */
+/* The task list: mpmstab list [formulation [NAME]|basis|transfer|boundary|layout|options|versions|codes] */
 #include "base/suggest.h"
+#include "report/report.h"
 #include "scene/fields.h"
+#include "scheme/language.h"
 #include "task/codes.h"
 #include "task/task.h"
 #include <slepcsys.h>
@@ -11,6 +13,35 @@ static PetscErrorCode ListFormulations(void)
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmFormulations[i]; i++)
     MpmPrint("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints a formulation in the language of schemes, so that the text can be changed and given back. */
+static PetscErrorCode ListOneFormulation(const char name[])
+{
+  const MpmTransferNumbers numbers = {.order = 1};
+  const MpmSpace           space   = {.dim = 1};
+
+  const MpmFormulation *formulation = MpmFormulationFind(name);
+  MpmTable             *table;
+  const char           *names[64], *near;
+  MpmWritten           *written;
+  PetscInt              n = 0;
+  char                 *yaml;
+
+  PetscFunctionBegin;
+  for (; MpmFormulations[n]; n++) names[n] = MpmFormulations[n]->name;
+  near = MpmSuggest(name, n, names);
+  MpmCheckInput(formulation, "list formulation %.200s: allowed: a name that 'mpmstab list formulation' prints%s%s%s",
+                name, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  PetscCall(MpmWrittenFromFormulation(formulation, &written));
+  PetscCall(MpmWrittenYaml(written, &yaml));
+  MpmPrint("%s", yaml);
+  PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
+  PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));
+  PetscCall(MpmTableDestroy(&table));
+  PetscCall(PetscFree(yaml));
+  PetscCall(MpmWrittenDestroy(&written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -120,6 +151,11 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
+  if (argc == 2 && !strcmp(argv[0], "formulation")) {
+    PetscCall(ListOneFormulation(argv[1]));
+    *status = MPM_EXIT_DONE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   MpmCheckInput(
       argc <= 1,
       "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions|codes]",

@@ -2,6 +2,7 @@
 #include "task/expect.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
+#include "linalg/eigen.h"
 #include "report/results.h"
 #include "task/spectrum_program.h"
 #include "task/task.h"
@@ -51,7 +52,9 @@ static PetscErrorCode Write(const char path[], const MpmOperator *op)
 
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmSpectrum *spectrum;
+  MpmSpectrum      *bulk  = NULL;
+  MpmNeighbourhood  place = {.kind = MPM_IN_BULK};
+  MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
 
   PetscFunctionBegin;
   if (MpmRequestProbes(request)) {
@@ -59,13 +62,20 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(CheckWritten(scene, request));
-  PetscCall(scene ? MpmSpectrumCreate(scene, request, started, &spectrum) : OfFile(request, started, &spectrum));
-  PetscCall(MpmSpectrumWriteFiles(spectrum));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(spectrum, NULL));
-  PetscCall(MpmSpectrumPrint(spectrum));
-  if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, spectrum->op));
-  PetscCall(MpmExpectFinding(&request->expect, &spectrum->finding, missed));
-  PetscCall(MpmSpectrumDestroy(&spectrum));
+  if (!scene)
+    PetscCall(OfFile(request, started, &bulk));
+  else if (request->neighbourhood[MPM_IN_BULK])
+    PetscCall(MpmSpectrumCreate(scene, request, started, &bulk));
+  else
+    PetscCall(MpmEigenRefuseUnread());
+  if (bulk) place = MpmNeighbourhoodOfFinding(&bulk->finding);
+  if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_FALSE, all));
+  if (bulk) PetscCall(MpmSpectrumWriteFiles(bulk));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, bulk, all, MPI_Wtime() - started, NULL));
+  PetscCall(MpmSpectrumPrint(scene, request, bulk, all));
+  if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
+  PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));
+  if (bulk) PetscCall(MpmSpectrumDestroy(&bulk));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

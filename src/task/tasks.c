@@ -40,7 +40,7 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
-  PetscCall(MpmSettingsCheckOutside(task));
+  PetscCall(MpmSettingsCheckOutside(task, path));
   PetscCall(MpmMemoryCheckLapack());
   PetscCall(MpmSceneCreate(task, path, &scene, &request));
   PetscCall(CheckStart(scene, &request));

@@ -47,7 +47,7 @@ def main():
     shutil.rmtree(prefix, ignore_errors=True)
     prefix.mkdir(parents=True)
     (prefix / "build").symlink_to(build)
-    (_, commands), (_, expected) = blocks_of(readme.read_text(encoding="utf-8"))
+    (_, commands), (_, expected), (_, scheme), (_, of_scheme) = blocks_of(readme.read_text(encoding="utf-8"))
     first, rest = commands.split("\n", 1)
     if not first.startswith("PREFIX="):
         fail(f"{readme}: the first command no longer sets PREFIX: {first}")
@@ -58,6 +58,9 @@ def main():
         fail(f"{readme} says that each run prints {expected!r}; they printed {printed}")
 
     environment["PKG_CONFIG_PATH"] = f"{prefix}/lib/pkgconfig:{os.environ.get('PKG_CONFIG_PATH', '')}"
+    printed_of_scheme = run(["sh", "-e", "-c", scheme], prefix, environment).stdout.splitlines()
+    if printed_of_scheme != 2 * of_scheme.splitlines():
+        fail(f"{readme} says that each run of the second program prints {of_scheme!r}; they printed {printed_of_scheme}")
     check_package(prefix, environment)
     run(["bin/mpmstab", "critical", "-formulation", "usl", "-json", "limit.json"], prefix, environment)
     limit = json.loads((prefix / "limit.json").read_text(encoding="utf-8"))["critical"]["critical_courant"]

@@ -23,7 +23,8 @@ static PetscErrorCode Agrees(const char path[])
   CHECK(s->step_mismatch <= 1e-14 * s->op->period, "%s: A q and march(q) differ by %.3g", path, s->step_mismatch);
   CHECK(s->eigen->complete && s->max_residual <= 1e-12, "%s: %d eigenvalues, residual %.3g", path, (int)s->eigen->n,
         s->max_residual);
-  CHECK(MpmSceneIsPeriodic(scene) == (s->symbol != NULL), "%s: a symbol between walls, or none without", path);
+  CHECK((MpmSymbolWhyNot(&scene->layout) == NULL) == (s->symbol != NULL),
+        "%s: a symbol of cells that differ, or none of like ones", path);
   CHECK(!s->symbol || fabs(s->symbol->growth - s->growth) <= 3e-8, "%s: symbol %.12g, spectrum %.12g", path,
         s->symbol ? s->symbol->growth : 0, s->growth);
   CHECK(!s->symbol || s->symbol_mismatch <= 1e-6, "%s: off the symbol's set by %.3g", path, s->symbol_mismatch);

@@ -74,15 +74,18 @@ static PetscErrorCode CheckHat(int n)
 /* Compares search and closed form, for every scheme that has a closed form. */
 static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t, const MpmBasis *b, const char rest[])
 {
+  /* a gradient that is no fit is its own mirror image where the layout is */
+  const PetscBool closed =
+      t->filter_symbol && !(t->taylor && !b->hat && strstr(rest, "offset")) ? PETSC_TRUE : PETSC_FALSE;
   char        options[256];
   MpmCritical c;
 
   PetscFunctionBegin;
-  if (t->affine && f->affine == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!t->filter_symbol || (t->affine && f->affine == MPM_NONE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s", f->name, t->name,
                           b->name, rest));
   PetscCall(Find(options, &c));
-  CHECK(isnan(c.closed) == !t->filter_symbol, "%s: closed form %g", options, c.closed);
+  CHECK(isnan(c.closed) == !closed, "%s: closed form %g", options, c.closed);
   if (isnan(c.closed)) PetscFunctionReturn(PETSC_SUCCESS);
   CHECK(
       c.courant >= c.closed * (1 - 1e-9) && c.courant <= c.closed * (1 + 1e-5) && c.stable_at >= c.closed * (1 - 1e-9),
@@ -190,7 +193,7 @@ static PetscErrorCode CheckDrift(void)
   PetscCall(CheckBelow("-basis cubic -drift 1/3", 0.069086)); /* waves of nearly two cells */
   PetscCall(CheckBelow("-formulation musl -transfer xpic -basis gimp -drift 1/8", 0.7718));
   /* the limit of an assembled operator, where the waves are those of the grid */
-  PetscCall(Find("-transfer nullspace -cells 4 -ppc 3 -jitter 0.2 -seed 72 -drift 2/5", &c));
+  PetscCall(Find("-transfer nullspace -pic_filter before -cells 4 -ppc 3 -jitter 0.2 -seed 72 -drift 2/5", &c));
   CHECK(c.courant < 0.45 && c.courant > 0.43 && c.asked.verdict == MPM_UNSTABLE, "jittered: %g", c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

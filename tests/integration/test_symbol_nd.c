@@ -91,10 +91,12 @@ static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
 static PetscErrorCode Random(int n, size_t room, char options[])
 {
   static const char *const formulations[] = {"gas1", "gas2", "elastic", "usl", "usf", "musl", "usavg"};
-  static const char *const transfers[]    = {"flip", "pic", "blend", "xpic -xpic_order 3", "nullspace", "apic"};
-  static const char *const bases[]        = {"linear", "quadratic", "cubic", "gimp"};
-  static const char *const poissons[]     = {"0", "0.3", "0.49", "0.5"};
+  static const char *const transfers[]    = {
+         "flip", "pic", "blend", "xpic -xpic_order 3", "nullspace", "fmpm -xpic_order 3", "apic", "tpic"};
+  static const char *const bases[]    = {"linear", "quadratic", "cubic", "gimp"};
+  static const char *const poissons[] = {"0", "0.3", "0.49", "0.5"};
   const PetscInt           dim = 1 + Choice(n, 0, 3), formulation = Choice(n, 1, 7);
+  const PetscInt           transfer = Choice(n, 2, formulation < 3 ? 6 : 8);
   char                     ppc[32] = "", offset[64] = "", part[32];
 
   PetscFunctionBegin;
@@ -103,18 +105,19 @@ static PetscErrorCode Random(int n, size_t room, char options[])
         PetscSNPrintf(part, sizeof part, "%s%d", a ? "," : "", 1 + (int)Choice(n, 10 + (int)a, dim == 3 ? 2 : 3)));
     PetscCall(PetscStrlcat(ppc, part, sizeof ppc));
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.3f", a ? "," : "",
-                            n % 3   ? 0.001 * (double)Choice(n, 20 + (int)a, 1000)
-                            : n % 2 ? 0.5
-                                    : 0));
+                            n % 3 && transfer < 7 ? 0.001 * (double)Choice(n, 20 + (int)a, 1000)
+                            : n % 2               ? 0.5
+                                                  : 0));
     PetscCall(PetscStrlcat(offset, part, sizeof offset));
   }
   PetscCall(PetscSNPrintf(options, room,
                           "-dim %d -formulation %s -transfer %s -basis %s -gradient %s -ppc %s -offset %s "
-                          "-courant %.4f%s%s",
-                          (int)dim, formulations[formulation], transfers[Choice(n, 2, formulation < 3 ? 5 : 6)],
-                          bases[Choice(n, 3, 4)], formulation != 2 && Choice(n, 4, 2) ? "mls" : "basis", ppc, offset,
+                          "-courant %.4f%s%s%s",
+                          (int)dim, formulations[formulation], transfers[transfer], bases[Choice(n, 3, 4)],
+                          formulation != 2 && Choice(n, 4, 2) ? "mls" : "basis", ppc, offset,
                           0.05 + 2.5 * MpmHash(n, 5), dim > 1 && formulation > 2 ? " -poisson " : "",
-                          dim > 1 && formulation > 2 ? poissons[Choice(n, 6, 4)] : ""));
+                          dim > 1 && formulation > 2 ? poissons[Choice(n, 6, 4)] : "",
+                          formulation < 3 && transfer > 0 && Choice(n, 7, 2) ? " -pic_filter before" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

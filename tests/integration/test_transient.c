@@ -226,7 +226,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckKreiss("-formulation musl -courant 1.7 -cells 16", 5));
   PetscCall(CheckKreiss("-formulation elastic -courant 1 -boundary fixed -cells 16", 2));
   PetscCall(CheckKreiss("-formulation usl -transfer apic -cells 16", 1.3));
-  PetscCall(CheckKreiss("-transfer nullspace -cells 16", 1.1));
+  PetscCall(CheckKreiss("-transfer nullspace -pic_filter before -cells 16", 1.1));
   PetscCall(CheckNearLimit(1.5));
   PetscCall(CheckNearLimit(1.95));
   PetscCall(CheckOffRange());

@@ -94,7 +94,7 @@ static inline PetscErrorCode OracleGrowthNd(const char path[], int fewest, Oracl
   PetscFunctionBegin;
   PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
   while (fgets(row, sizeof row, file)) {
-    const char *order = "", *poisson = "";
+    const char *order = "", *poisson = "", *filter = "";
 
     if (sscanf(row, "%d,%31[^,],%31[^,],%31[^,],%31[^,],%d,%31[^,],%31[^,],%lf,%63[^,],%d,%lf", &dim, formulation,
                transfer, gradient, basis, &ppc, offset, nu, &courant, drift, &cells, &growth) != 12)
@@ -106,12 +106,14 @@ static inline PetscErrorCode OracleGrowthNd(const char path[], int fewest, Oracl
       order       = transfer[4] == '3' ? "-xpic_order 3" : "-xpic_order 2";
       transfer[4] = 0;
     }
+    if (strchr("eg", formulation[0]) && strcmp(transfer, "flip"))
+      filter = "-pic_filter before";                                   /* the rows' convention */
     if (dim > 1 && strchr("mu", formulation[0])) poisson = "-poisson"; /* musl, usl, usf, usavg */
     PetscCall(PetscSNPrintf(options, sizeof options,
                             "-dim %d -formulation %s -transfer %s %s -gradient %s -basis %s -ppc %d -offset %s "
-                            "%s %s -courant %.17g -drift %s -cells %d",
+                            "%s %s -courant %.17g -drift %s -cells %d %s",
                             dim, formulation, transfer, order, gradient, basis, ppc, offset, poisson,
-                            *poisson ? nu : "", courant, drift, cells));
+                            *poisson ? nu : "", courant, drift, cells, filter));
     PetscCall(check(row, options, growth));
     rows++;
   }

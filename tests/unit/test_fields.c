@@ -7,11 +7,15 @@
 /* For every field of a checkpoint, an option whose value is not the default. */
 static const char *const other[][2] = {
     {"formulation", "-formulation musl"},
+    {"scheme", "-scheme test_fields_scheme.yaml"},
+    {"parameters", "-scheme test_fields_scheme.yaml -theta 2"},
     {"basis", "-basis quadratic"},
     {"transfer", "-transfer pic"},
     {"xpic_order", "-transfer xpic -xpic_order 3"},
     {"blend_ratio", "-transfer blend -blend_ratio 0.5"},
     {"spline_ends", "-basis quadratic -boundary fixed -spline_ends open"},
+    {"aflip_ratio", "-formulation usl -transfer aflip -aflip_ratio 0.5"},
+    {"pic_filter", "-formulation elastic -transfer pic -pic_filter before"},
     {"boundary", "-boundary fixed,free"},
     {"cells", "-cells 9"},
     {"dim", "-dim 2"},
@@ -69,7 +73,8 @@ static PetscErrorCode CheckCheckpoint(const MpmField *field)
   PetscCall(KeyText(scene, field->name, sizeof text[0], text[0]));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(PetscSNPrintf(all, sizeof all, "%s%s %s", strstr(options, "-cells") ? "" : "-cells 8 ",
-                          strstr(options, "-formulation") ? "" : "-formulation usl", options));
+                          strstr(options, "-formulation") || strstr(options, "-scheme") ? "" : "-formulation usl",
+                          options));
   PetscCall(CheckScene(all, &scene));
   PetscCall(KeyText(scene, field->name, sizeof text[1], text[1]));
   CHECK(text[1][0] && strcmp(text[0], text[1]), "%s: '%s' and '%s'", field->name, text[0], text[1]);
@@ -199,11 +204,25 @@ static PetscErrorCode CheckText(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A scheme as text, for the fields that only scenes with one have. */
+static PetscErrorCode WriteScheme(void)
+{
+  FILE *file = fopen("test_fields_scheme.yaml", "w");
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "test_fields_scheme.yaml");
+  fprintf(file, "name: fields\nparticles: {v: vector}\nnodes: {v_i: vector}\nparameters: {theta: 1}\n"
+                "step:\n- v_i = P2G v\n- v = theta G2P v_i\n- DRIFT\n");
+  PetscCheck(!fclose(file), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE, "test_fields_scheme.yaml");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
+  PetscCall(WriteScheme());
   for (const MpmField *f = MpmOptions; f->name; f++) {
     PetscCall(CheckRead(f));
     if (f->place[MPM_IN_CHECKPOINT]) PetscCall(CheckCheckpoint(f));

@@ -252,5 +252,6 @@ static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle,
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
-  .kernel = {[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,              \
-             [MPM_G2P] = G2P_, [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE}
+  .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,         \
+             [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,     \
+             [MPM_G2P_SLOPE] = Grad}

@@ -18,9 +18,10 @@ enum { U_I, W_I, A_I }; /* nodes     */
 static const MpmOp ops[] = {
     P2G(U_I, U),            /* 1. u_i  = sum_p S_ip u_p                    */
     IMPOSE(U_I),            /*    u_i  = 0 at fixed ends                   */
-    FILTER(W, W_I),         /*    the transfer's filter (flip: none)       */
+    FILTER_BEFORE(W, W_I),  /*    the filter with pic_filter before        */
     P2G(W_I, W),            /* 2. w_i  = sum_p S_ip w_p                    */
     IMPOSE(W_I),            /*    w_i  = 0 at fixed ends                   */
+    FILTER_AFTER(W, W_I),   /*    the transfer's filter (flip: none)       */
     LAP(A_I, U_I, COURANT), /* 3. a_i  = k (u_{i+1} - 2 u_i + u_{i-1})     */
     REACT(A_I, W_I),        /*    a_i  = 0 at fixed ends, or the reaction  */
     ADD(W_I, A_I),          /* 4. w_i += a_i                               */
@@ -38,12 +39,17 @@ static PetscReal Published(PetscReal k, PetscReal beta)
   return MpmQuadraticRadius(2 - 4 * PetscSqr(k * sin(beta / 2)), 1);
 }
 
-/* P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi). */
+/*
+   P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi). With
+   u and w on the nodes and a = -(s/k) u, a step makes
+
+     w' = f w + alpha a,    u' = u + k alpha (t w + a)
+*/
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   const PetscReal s = k * k * cell->lap, alpha = cell->alpha, f = cell->filter;
 
-  return MpmQuadraticRadius(1 + f - alpha * s, f * (1 - alpha * (1 - alpha) * s));
+  return MpmQuadraticRadius(1 + f - alpha * s, f - alpha * (f - alpha * cell->taken) * s);
 }
 
 /* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
@@ -51,7 +57,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal alpha = cell->alpha, f = cell->filter;
 
-  return sqrt(2 * (1 + f) / (alpha * (1 + f * (1 - alpha))) / cell->lap);
+  return sqrt(2 * (1 + f) / (alpha * (1 + f - alpha * cell->taken)) / cell->lap);
 }
 
 const MpmFormulation MpmElastic = {.name            = "elastic",
@@ -72,9 +78,9 @@ const MpmFormulation MpmElastic = {.name            = "elastic",
                                    .published_text  = "G^2 - 2 (1 - 2 k^2 sin^2(beta/2)) G + 1 = 0",
                                    .published_slip  = "it takes P2G G2P for the identity; the symbol of that is "
                                                       "alpha = 1 - 4 q sin^2(beta/2), q = mean of xi (1 - xi)",
-                                   .corrected_text  = "tr = 1 + f - alpha s, det = f (1 - alpha (1 - alpha) s), "
+                                   .corrected_text  = "tr = 1 + f - alpha s, det = f - alpha (f - alpha t) s, "
                                                       "s = 4 k^2 sin^2(beta/2)",
-                                   .limit_text      = "s <= 2 (1 + f) / (alpha (1 + f (1 - alpha)))",
+                                   .limit_text      = "s <= 2 (1 + f) / (alpha (1 + f - alpha t))",
                                    .published       = Published,
                                    .corrected       = Corrected,
                                    .limit           = Limit};

@@ -14,13 +14,15 @@ enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
 
 static const MpmOp ops[] = {
-    FILTER(U, U_I),        /*    the transfer's filter      */
-    FILTER(R, R_I),        /*    (flip: none)               */
+    FILTER_BEFORE(U, U_I), /*    the filter with            */
+    FILTER_BEFORE(R, R_I), /*    pic_filter before          */
     P2G(U_I, U),           /* 1. u_i  = sum_p S_ip u_p      */
     IMPOSE(U_I),           /*    a wall reflects            */
     P2G(R_I, R),           /* 2. r_i  = sum_p S_ip r_p      */
     GRAD(U, R_I, COURANT), /* 3. u_p += k (r_{i+1} - r_i)   */
     GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)   */
+    FILTER_AFTER(U, U_I),  /*    the transfer's filter      */
+    FILTER_AFTER(R, R_I),  /*    (flip: none)               */
     DRIFT,                 /* 5. x_p += U0 dt               */
 };
 

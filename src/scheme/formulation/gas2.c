@@ -16,13 +16,15 @@ enum { U, R };     /* particles */
 enum { U_I, R_I }; /* nodes     */
 
 static const MpmOp ops[] = {
-    FILTER(U, U_I),        /*    the transfer's filter                        */
-    FILTER(R, R_I),        /*    (flip: none)                                 */
+    FILTER_BEFORE(U, U_I), /*    the filter with pic_filter before            */
+    FILTER_BEFORE(R, R_I), /*    (flip: none)                                 */
     P2G(R_I, R),           /* 1. r_i  = sum_p S_ip r_p                        */
     GRAD(U, R_I, COURANT), /* 2. u_p += k (r_{i+1} - r_i)                     */
     P2G(U_I, U),           /* 3. u_i  = sum_p S_ip u_p    (the old weights)   */
     IMPOSE(U_I),           /*    a wall reflects                              */
+    FILTER_AFTER(U, U_I),  /*    the transfer's filter (flip: none)           */
     GRAD(R, U_I, COURANT), /* 4. r_p += k (u_{i+1} - u_i)                     */
+    FILTER_AFTER(R, R_I),  /*    the transfer's filter                        */
     DRIFT,                 /* 5. x_p += U0 dt                                 */
 };
 

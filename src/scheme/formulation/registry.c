@@ -21,6 +21,21 @@ PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind)
   return PETSC_FALSE;
 }
 
+PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation)
+{
+  for (PetscInt o = 0; o < formulation->nops; o++) {
+    const MpmOp *op = &formulation->ops[o];
+
+    if (op->kind == MPM_SCALE || op->kind == MPM_ADD) return PETSC_FALSE;
+    if (op->kind != MPM_P2G && op->kind != MPM_DIV) continue;
+    for (PetscInt other = 0; other < o; other++)
+      if ((formulation->ops[other].kind == MPM_P2G || formulation->ops[other].kind == MPM_DIV) &&
+          formulation->ops[other].src == op->src && formulation->ops[other].kind != op->kind)
+        return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
 {
   static const MpmOpTraits traits[] = {
@@ -32,7 +47,9 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_GRAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
       [MPM_GRAD_MLS]   = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
+      [MPM_G2P_SLOPE]  = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_SCALE]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_ADD]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LAP]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
       [MPM_COPY]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
       [MPM_SOLVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},

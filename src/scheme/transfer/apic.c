@@ -8,18 +8,12 @@
 */
 #include <mpmstab/transfer.h>
 
-/* With the affine part P2G G2P is the filter, and alpha its symbol. */
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
-{
-  (void)numbers;
-  return alpha;
-}
-
 const MpmTransfer MpmApic = {.name = "apic",
                              .summary =
                                  "particles take values and an affine field from the grid; momentum schemes only",
                              .reference     = "Jiang, Schroeder, Selle, Teran and Stomakhin 2015",
                              .affine        = PETSC_TRUE,
+                             .mls_bound     = PETSC_TRUE,
                              .filter        = MpmTransferFromGrid,
-                             .filter_symbol = FilterSymbol,
+                             .filter_symbol = MpmTransferFromGridSymbol,
                              .null_factor   = MpmTransferForgets};

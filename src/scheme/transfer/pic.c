@@ -16,7 +16,7 @@ PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers)
   return 0;
 }
 
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+PetscReal MpmTransferFromGridSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   return alpha;
@@ -26,5 +26,5 @@ const MpmTransfer MpmPic = {.name          = "pic",
                             .summary       = "particles take values from the grid",
                             .reference     = "Harlow 1964",
                             .filter        = MpmTransferFromGrid,
-                            .filter_symbol = FilterSymbol,
+                            .filter_symbol = MpmTransferFromGridSymbol,
                             .null_factor   = MpmTransferForgets};

@@ -2,9 +2,11 @@
 #include <mpmstab/transfer.h>
 #include <string.h>
 
-extern const MpmTransfer MpmFlip, MpmPic, MpmBlend, MpmXpic, MpmNullspace, MpmApic;
+extern const MpmTransfer MpmFlip, MpmPic, MpmBlend, MpmXpic, MpmNullspace, MpmApic, MpmTpic, MpmAflip, MpmAsflip,
+    MpmFmpm;
 
-const MpmTransfer *const MpmTransfers[] = {&MpmFlip, &MpmPic, &MpmBlend, &MpmXpic, &MpmNullspace, &MpmApic, NULL};
+const MpmTransfer *const MpmTransfers[] = {&MpmFlip, &MpmPic,   &MpmBlend,  &MpmXpic, &MpmNullspace, &MpmApic,
+                                           &MpmTpic, &MpmAflip, &MpmAsflip, &MpmFmpm, NULL};
 
 const MpmTransfer *MpmTransferFind(const char name[])
 {

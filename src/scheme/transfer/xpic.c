@@ -21,30 +21,39 @@ static PetscErrorCode NextTerm(MpmTable *table, PetscInt scratch, PetscInt smoot
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+PetscErrorCode MpmTransferSum(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sum)
 {
-  PetscInt scratch, smoothed, term, sum = node;
+  PetscInt scratch, smoothed, term;
 
   PetscFunctionBegin;
-  if (numbers->order > 1) {
-    PetscCall(MpmTableScratch(table, &scratch));
-    PetscCall(MpmTableNode(table, node, &smoothed));
-    PetscCall(MpmTableNode(table, node, &term));
-    PetscCall(MpmTableNode(table, node, &sum));
-    PetscCall(MpmTableAppend(table, (MpmOp)COPY(term, node)));
-    PetscCall(MpmTableAppend(table, (MpmOp)COPY(sum, node)));
-    for (PetscInt r = 1; r < numbers->order; r++) PetscCall(NextTerm(table, scratch, smoothed, term, sum));
-  }
+  *sum = node;
+  if (numbers->order == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTableScratch(table, &scratch));
+  PetscCall(MpmTableNode(table, node, &smoothed));
+  PetscCall(MpmTableNode(table, node, &term));
+  PetscCall(MpmTableNode(table, node, sum));
+  PetscCall(MpmTableAppend(table, (MpmOp)COPY(term, node)));
+  PetscCall(MpmTableAppend(table, (MpmOp)COPY(*sum, node)));
+  for (PetscInt r = 1; r < numbers->order; r++) PetscCall(NextTerm(table, scratch, smoothed, term, *sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+{
+  PetscInt sum;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTransferSum(table, numbers, node, &sum));
   PetscCall(MpmTransferFromGrid(table, numbers, particle, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+PetscReal MpmTransferXpicSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
 {
   return 1 - pow(1 - alpha, (double)numbers->order);
 }
 
-static PetscReal Number(const MpmTransferNumbers *numbers)
+PetscReal MpmTransferOrder(const MpmTransferNumbers *numbers)
 {
   return (PetscReal)numbers->order;
 }
@@ -53,7 +62,7 @@ const MpmTransfer MpmXpic = {.name          = "xpic",
                              .summary       = "pic with its smoothing taken back, to xpic_order terms",
                              .reference     = "Hammerquist and Nairn 2017",
                              .option        = "xpic_order",
-                             .number        = Number,
-                             .filter        = Filter,
-                             .filter_symbol = FilterSymbol,
+                             .number        = MpmTransferOrder,
+                             .filter        = MpmTransferXpic,
+                             .filter_symbol = MpmTransferXpicSymbol,
                              .null_factor   = MpmTransferForgets};

@@ -1,0 +1,255 @@
+/* Asks each neighbourhood's own search, and takes the worst of what they find. */
+#include "analysis/critical_parts.h"
+#include "analysis/lone.h"
+#include "analysis/neighbourhoods.h"
+#include "analysis/patch.h"
+#include "analysis/random_layouts.h"
+#include <math.h>
+
+#define SAME 1e-6 /* relative difference of limits that come of searches, which may be a little off */
+
+PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request)
+{
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    if (kind != MPM_IN_BULK && request->neighbourhood[kind]) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static MpmNeighbourhood Nothing(MpmNeighbourhoodKind kind)
+{
+  MpmNeighbourhood one = {.kind = kind, .courant = NAN, .growth = NAN, .verdict = MPM_UNDECIDED};
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) one.place[a] = one.beta[a] = NAN;
+  return one;
+}
+
+MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical)
+{
+  MpmNeighbourhood one = Nothing(MPM_IN_BULK);
+
+  one.courant = critical->courant;
+  one.growth  = critical->asked.growth;
+  one.verdict = critical->asked.verdict;
+  one.wave    = critical->wave;
+  if (isnan(one.courant)) one.why_not = "said above";
+  if (isfinite(critical->unstable_at))
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) one.beta[a] = critical->beta[a];
+  one.evaluations = critical->evaluations;
+  one.seconds     = critical->seconds;
+  return one;
+}
+
+MpmNeighbourhood MpmNeighbourhoodOfFinding(const MpmFinding *finding)
+{
+  MpmNeighbourhood one = Nothing(MPM_IN_BULK);
+
+  one.growth  = finding->growth;
+  one.verdict = finding->verdict;
+  return one;
+}
+
+/* Growth within the tolerance is stable. NaN is undecided. */
+static MpmVerdict VerdictOf(PetscReal growth, PetscReal tolerance)
+{
+  if (isnan(growth)) return MPM_UNDECIDED;
+  return growth > 1 + tolerance ? MPM_UNSTABLE : MPM_STABLE;
+}
+
+/* Why the neighbourhoods of a scene have no answer: those are of a lattice whose particles are alike. */
+static const char *WhyNot(const MpmScene *scene)
+{
+  const MpmLayout *layout = &scene->layout;
+
+  if (layout->counts.n > 1 || layout->cluster[1] - layout->cluster[0] < 1)
+    return "the search is for particles at equal distances, not for counts and cluster";
+  if (layout->material.kind != MPM_MATERIAL_UNIFORM) return "the search is for one material";
+  return NULL;
+}
+
+/* A scene's lattice and scheme without walls, and at rest. Its table is destroyed with MpmTableDestroy. */
+static PetscErrorCode Unbound(const MpmScene *scene, MpmLayout *layout, MpmScheme *scheme, MpmStep *step)
+{
+  PetscFunctionBegin;
+  *layout       = scene->layout;
+  *scheme       = scene->scheme;
+  *step         = scene->step;
+  scheme->basis = MpmBasisFind(scheme->basis->name); /* without other splines next to walls */
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    MpmDirection *grid = &layout->grid[a];
+
+    for (int e = 0; e < 2; e++) grid->ends[e] = scheme->space.ends[a][e] = MPM_PERIODIC;
+    grid->nodes      = grid->cells;
+    layout->first[a] = 0;
+    layout->row[a]   = (PetscInt64)grid->cells * layout->ppc[a];
+  }
+  layout->particles = layout->sites;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) step->drift[a] = (MpmFraction){.den = 1};
+  PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &scheme->space, &scheme->table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the nodal operator of a scheme is a product of maps. A solve on the grid is none. */
+static PetscBool HasOperator(const MpmCriticalCase *of, MpmNeighbourhood *one)
+{
+  if (!MpmTableHas(of->scheme->table, MPM_SOLVE)) return PETSC_TRUE;
+  one->why_not = "the search is for transfers without a solve on the grid";
+  return PETSC_FALSE;
+}
+
+static PetscErrorCode Patch(const MpmCriticalCase *of, MpmPatchKind kind, MpmNeighbourhood *one)
+{
+  MpmPatchLimit limit;
+
+  PetscFunctionBegin;
+  if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchFind(of, kind, &limit));
+  one->courant     = limit.courant;
+  one->growth      = limit.growth;
+  one->approached  = limit.approached;
+  one->inside      = limit.inside;
+  one->evaluations = limit.evaluations;
+  for (PetscInt a = 0; a < of->layout->dim; a++) {
+    one->place[a] = limit.place[a];
+    one->beta[a]  = limit.beta[a];
+  }
+  if (isnan(limit.courant)) one->why_not = "the search could not tell";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Alone(const MpmCriticalCase *of, MpmNeighbourhood *one)
+{
+  MpmLone lone;
+
+  PetscFunctionBegin;
+  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &lone));
+  if (!lone.known) {
+    PetscCall(Patch(of, MPM_PATCH_LONE, one));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  one->closed     = PETSC_TRUE;
+  one->courant    = lone.courant;
+  one->growth     = lone.growth;
+  one->approached = lone.approached;
+  for (PetscInt a = 0; a < of->layout->dim; a++) one->place[a] = lone.place[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *request, PetscBool limits,
+                               MpmNeighbourhood *one)
+{
+  MpmRandomLayouts layouts = {
+      .n = request->layouts, .seed = of->layout->seed, .voids = request->voids, .limits = limits};
+
+  PetscFunctionBegin;
+  if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRandomLayoutsFind(of, &layouts));
+  one->courant     = layouts.courant;
+  one->growth      = layouts.growth;
+  one->layouts     = layouts.n;
+  one->unstable    = layouts.unstable;
+  one->undecided   = layouts.undecided;
+  one->worst_seed  = layouts.worst;
+  one->evaluations = layouts.evaluations;
+  if (limits && isnan(one->courant)) one->why_not = "LAPACK did not converge";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Search(const MpmCriticalCase *of, const MpmRequest *request, PetscBool limits,
+                             MpmNeighbourhood *one)
+{
+  PetscFunctionBegin;
+  switch (one->kind) {
+  case MPM_AT_EDGE:
+    PetscCall(Patch(of, MPM_PATCH_EDGE, one));
+    break;
+  case MPM_AT_CORNER:
+    PetscCall(Patch(of, MPM_PATCH_CORNER, one));
+    break;
+  case MPM_ALONE:
+    PetscCall(Alone(of, one));
+    break;
+  default:
+    PetscCall(AtRandom(of, request, limits, one));
+    break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, PetscBool limits, MpmNeighbourhood *one)
+{
+  const PetscReal begin = MPI_Wtime();
+  MpmLayout       layout;
+  MpmScheme       scheme;
+  MpmCriticalCase of = {.layout = &layout, .scheme = &scheme, .tolerance = request->tolerance};
+
+  PetscFunctionBegin;
+  one->why_not = WhyNot(scene);
+  if (one->why_not) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Unbound(scene, &layout, &scheme, &of.step));
+  PetscCall(Search(&of, request, limits, one));
+  PetscCall(MpmTableDestroy(&scheme.table));
+  one->verdict = VerdictOf(one->growth, request->tolerance);
+  if (one->unstable) one->verdict = MPM_UNSTABLE;
+  one->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit. One that is undecided could be less, unless it is 0 or a bound that holds for every layout. */
+static void TakeLeast(MpmNeighbourhoods *all)
+{
+  PetscBool open = PETSC_FALSE;
+
+  all->least = MPM_NONE;
+  for (PetscInt i = 0; i < all->n; i++) {
+    if (isnan(all->of[i].courant))
+      open = PETSC_TRUE;
+    else if (all->least == MPM_NONE || all->of[i].courant < all->of[all->least].courant * (1 - SAME))
+      all->least = i;
+  }
+  all->courant = all->least == MPM_NONE ? NAN : all->of[all->least].courant;
+  if (open && all->courant > all->bound * (1 + SAME)) all->courant = NAN;
+}
+
+/* The largest growth, and the worst verdict. */
+static PetscErrorCode TakeFastest(PetscReal tolerance, MpmNeighbourhoods *all)
+{
+  MpmFinding *f                             = &all->finding;
+  PetscInt    of_verdict[MPM_UNDECIDED + 1] = {0};
+
+  PetscFunctionBegin;
+  all->fastest = MPM_NONE;
+  *f           = (MpmFinding){.growth = NAN, .tolerance = tolerance};
+  PetscCall(PetscStrncpy(f->evidence, "the worst of these neighbourhoods:", sizeof f->evidence));
+  for (PetscInt i = 0; i < all->n; i++) {
+    const MpmNeighbourhood *one = &all->of[i];
+
+    of_verdict[one->verdict]++;
+    if (!isnan(one->growth) && (all->fastest == MPM_NONE || one->growth > f->growth)) {
+      all->fastest = i;
+      f->growth    = one->growth;
+    }
+    PetscCall(PetscStrlcat(f->evidence, i ? ", " : " ", sizeof f->evidence));
+    PetscCall(PetscStrlcat(f->evidence, MpmNeighbourhoodNames[one->kind], sizeof f->evidence));
+  }
+  f->verdict = of_verdict[MPM_UNSTABLE] ? MPM_UNSTABLE : of_verdict[MPM_UNDECIDED] ? MPM_UNDECIDED : MPM_STABLE;
+  if (f->verdict == MPM_UNDECIDED) f->uncertainty = f->defective_error = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *request, const MpmNeighbourhood *bulk,
+                                     PetscBool limits, MpmNeighbourhoods *all)
+{
+  PetscFunctionBegin;
+  *all = (MpmNeighbourhoods){.bound = MpmCriticalBound(&scene->layout, &scene->scheme)};
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++) {
+    MpmNeighbourhood *one = &all->of[all->n];
+
+    if (!request->neighbourhood[kind]) continue;
+    *one = kind == MPM_IN_BULK ? *bulk : Nothing((MpmNeighbourhoodKind)kind);
+    if (kind != MPM_IN_BULK) PetscCall(Find(scene, request, limits, one));
+    all->n++;
+  }
+  TakeLeast(all);
+  PetscCall(TakeFastest(request->tolerance, all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,69 @@
+/* Neighbourhoods: limits and growth where a particle may be, in the bulk, at a free surface, alone, among voids. */
+#pragma once
+#include "scene/request.h"
+#include <mpmstab/critical.h>
+
+/*S
+   MpmNeighbourhood - what was found of one neighbourhood. Growth is per step.
+
+   kind     - which one
+   courant  - the largest stable Courant number, over all places of the surface and of the particles: 0 where it falls
+              to 0, or there is growth at every one; infinite where there is no limit; NaN: undecided, or not asked for
+   growth   - the largest at the scene's own Courant number; infinite where it has no bound; NaN: undecided
+   verdict  - on growth
+   place    - where the first particle stands in its cell at the limit; NaN: no such place, or it is the same everywhere
+   beta     - the phases of the wave that limits; NaN in directions without one
+   wave     - of the bulk, as in MpmCritical
+   approached - the limit is approached at that place, and not attained
+   inside   - waves that the surfaces do not change have the limit of an edge or a corner
+   closed   - the limit is that of a closed form
+   why_not  - says why courant is undecided; else NULL
+   layouts, unstable, undecided - of neighbourhood random; unstable and undecided at the scene's own Courant number
+   worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
+   evaluations, seconds - what the search took
+S*/
+typedef struct {
+  MpmNeighbourhoodKind kind;
+  PetscReal            courant, growth, place[MPM_MAX_DIM], beta[MPM_MAX_DIM], seconds;
+  MpmVerdict           verdict;
+  MpmWaveType          wave;
+  PetscBool            approached, closed, inside;
+  const char          *why_not;
+  PetscInt             layouts, unstable, undecided;
+  PetscInt64           worst_seed, evaluations;
+} MpmNeighbourhood;
+
+/*S
+   MpmNeighbourhoods - the n neighbourhoods that a request asks for, and the worst of them.
+
+   least, fastest - which of them has the least limit, and which the largest growth; MPM_NONE where none is known
+   courant  - the largest Courant number that is stable in all of them; NaN where one that could be worse is undecided
+   bound    - no layout of such particles at rest grows up to this Courant number; 0: no such bound is known
+   finding  - growth and verdict at the scene's own Courant number, of all of them
+S*/
+typedef struct {
+  PetscInt         n, least, fastest;
+  MpmNeighbourhood of[MPM_NEIGHBOURHOODS];
+  PetscReal        courant, bound;
+  MpmFinding       finding;
+} MpmNeighbourhoods;
+
+/* Not collective. Whether a request asks for more than the bulk. */
+PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request);
+
+/*
+   MpmNeighbourhoodsFind - finds what a request asks for of the neighbourhoods of a scene's lattice.
+
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. bulk: what was found of the bulk already; read where the
+   request asks for it. limits: whether the limits of random layouts are sought, besides their growth. Neighbourhoods
+   other than the bulk are of particles at rest, whatever the scene's drift is.
+
+   A lone particle has a closed form for many schemes (MpmLoneFind). What has none, and edges and corners, are those of
+   MpmPatchFind.
+*/
+PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *request, const MpmNeighbourhood *bulk,
+                                     PetscBool limits, MpmNeighbourhoods *all);
+
+/* Not collective. The bulk, from the results of the tasks critical and spectrum. */
+MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical);
+MpmNeighbourhood MpmNeighbourhoodOfFinding(const MpmFinding *finding);

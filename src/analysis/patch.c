@@ -1,0 +1,404 @@
+/*
+   The limit of a patch.
+
+   A momentum scheme at rest leaves the unit circle at -1: of usl with apic an eigenvector's nodal velocity w has
+
+     G^2 - G (1 + f - s) + f = 0,    f = <w, F w> / <w, w>, s = <w, S w> / <w, w> = k^2 <w, K w> / <w, w>
+
+   with F = P2G G2P and S = k^2 DIV STRESS GRAD symmetric in the nodal masses, 0 <= f <= 1 (THEORY.md, section 4). This
+   is stable iff s <= 2 (1 + f), with equality at G = -1, and so at all smaller k. Of usl with flip the same holds with
+   4 S^-1 >= 2 - P2G G2P. So the limit of a spot is the least k with an eigenvalue -1, one eigenvalue problem without a
+   search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear it out, as
+   for a gas, growth decides at a row of k and by bisection.
+*/
+#include "analysis/patch.h"
+#include "analysis/patch_search.h"
+#include "base/farm.h"
+#include <math.h>
+
+#define STEADY 1e-9 /* relative change of a limit with depth that is none */
+#define DEEPEST 32  /* cells */
+#define JUST 1e-3   /* relative distance from a limit at which growth is looked at */
+#define CHECKS 240  /* the most spots of the grid at which growth is looked at */
+#define AWAY 0.02   /* they are so far from the ends of their panels */
+#define FEW 8       /* spots of the grid that are looked at for a limit of 0 */
+#define FROM 1e-2   /* the least k of a row */
+#define RATIO 1.25  /* of one to the next */
+#define PRECISION 1e-7
+#define NEARER 16 /* so many times nearer to a face a limit is looked at again */
+#define FALLS 0.5 /* it goes to 0 if it is less than this then */
+#define SAME 1e-6 /* relative difference of values that are the same but for rounding */
+
+/* What is sought on one lattice. slow: by rows of Courant numbers. */
+typedef struct {
+  MpmPatchLattice lattice;
+  MpmPatchSearch  search;
+  PetscBool       slow;
+  PetscReal       courant, tolerance; /* courant: at which growth is sought or checked */
+  PetscReal       worst;              /* growth below a limit */
+} Patch;
+
+/* ---- the limit and the growth of a spot ---- */
+
+typedef struct {
+  Patch              *patch;
+  const MpmPatchSpot *spot;
+} OneSpot;
+
+/* Growth, or 1 where it is not more than rounding may make. */
+static PetscErrorCode Visible(MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal courant, PetscReal *growth)
+{
+  PetscReal rounding;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchGrowth(l, spot, courant, growth, &rounding));
+  if (*growth <= 1 + rounding) *growth = PetscMin(*growth, 1);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GrowthOfSpot(void *context, PetscReal courant, PetscReal *growth)
+{
+  OneSpot *one = (OneSpot *)context;
+
+  PetscFunctionBegin;
+  PetscCall(Visible(&one->patch->lattice, one->spot, courant, growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LimitOfSpot(void *context, const MpmPatchSpot *spot, PetscReal *limit)
+{
+  const MpmCriticalSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+  Patch                 *p     = (Patch *)context;
+  OneSpot                one   = {.patch = p, .spot = spot};
+  MpmCritical            c     = {.threshold = PETSC_TRUE};
+  PetscReal              bracket[2];
+
+  PetscFunctionBegin;
+  if (!p->slow) {
+    PetscCall(MpmPatchCrossing(&p->lattice, spot, limit));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmCriticalCross(GrowthOfSpot, &one, p->tolerance, &steps, PRECISION, bracket));
+  c.stable_at   = bracket[0];
+  c.unstable_at = bracket[1];
+  *limit        = bracket[0];
+  if (isfinite(bracket[1])) {
+    PetscCall(MpmCriticalThreshold(GrowthOfSpot, &one, p->tolerance, &c));
+    if (!c.threshold) *limit = 0;
+  } else
+    *limit = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest growth is sought as the least of its negative. */
+static PetscErrorCode MinusGrowth(void *context, const MpmPatchSpot *spot, PetscReal *value)
+{
+  Patch *p = (Patch *)context;
+
+  PetscFunctionBegin;
+  PetscCall(Visible(&p->lattice, spot, p->courant, value));
+  *value = -*value;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GrowthThere(void *context, const MpmPatchSpot *spot, PetscReal *growth)
+{
+  Patch *p = (Patch *)context;
+
+  PetscFunctionBegin;
+  PetscCall(Visible(&p->lattice, spot, p->courant, growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first rank computes a value and sends it to all. */
+static PetscErrorCode Once(Patch *p, MpmPatchFunction f, const MpmPatchSpot *spot, PetscReal *value)
+{
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank == 0) PetscCall(f(p, spot, value));
+  PetscCallMPI(MPI_Bcast(value, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what is next to a face of a cell ---- */
+
+/* Moves a place that the search has left at the margin of its panel: to so many times nearer, or with 0 to its end. */
+static PetscReal Nearer(PetscReal t, PetscReal times)
+{
+  const PetscReal end = round(2 * t) / 2; /* panels are half a spacing */
+
+  if (fabs(t - end) > MPM_PATCH_MARGIN) return t;
+  return times > 0 ? end + (t - end) / times : end;
+}
+
+static PetscBool AtMargin(const MpmPatchLattice *l, const MpmPatchSpot *spot)
+{
+  for (PetscInt a = 0; a < l->plan->dim; a++)
+    if (Nearer(spot->t[a], 0) != spot->t[a]) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static MpmPatchSpot Move(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal times)
+{
+  MpmPatchSpot near = *spot;
+
+  for (PetscInt a = 0; a < l->plan->dim; a++) {
+    near.t[a] = Nearer(spot->t[a], times);
+    if (near.t[a] < 1) continue;
+    near.t[a] = 0; /* the first place of the next spacing, or of the next cell */
+    near.j[a] = (near.j[a] + 1) % l->of->layout->ppc[a];
+  }
+  return near;
+}
+
+/*
+   A limit that was found next to the end of a panel: its limit there, from this side, and whether the end itself has it.
+*/
+static PetscErrorCode AtFace(Patch *p, const MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
+{
+  const MpmPatchSpot near = Move(&p->lattice, spot, NEARER), end = Move(&p->lattice, spot, 0);
+  PetscReal          nearer, there;
+
+  PetscFunctionBegin;
+  PetscCall(Once(p, LimitOfSpot, &near, &nearer));
+  PetscCall(Once(p, LimitOfSpot, &end, &there));
+  if (nearer < FALLS * *limit) {
+    *limit      = 0;
+    *approached = PETSC_TRUE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *limit      = nearer + (nearer - *limit) / (NEARER - 1);
+  *approached = fabs(there - *limit) > SAME * *limit ? PETSC_TRUE : PETSC_FALSE;
+  if (!*approached) *limit = there;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- whether the limit is one ---- */
+
+static MpmPatchSpot Inner(const MpmPatchSpot *spot)
+{
+  MpmPatchSpot in = *spot;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscReal low = floor(2 * in.t[a]) / 2;
+
+    in.t[a] = PetscMin(PetscMax(in.t[a], low + AWAY), low + 0.5 - AWAY);
+  }
+  return in;
+}
+
+/* Growth just below the limit, and at one other Courant number below it, which differs from spot to spot. */
+static PetscErrorCode CheckPart(void *context, PetscInt i)
+{
+  static const PetscReal shares[] = {0.9, 0.7, 0.5, 0.3, 0.1, 0.03};
+  Patch                 *p        = (Patch *)context;
+  const PetscInt         size = MpmPatchGridSize(&p->search), stride = PetscMax(1, size / CHECKS);
+  const PetscReal        share = shares[i % (PetscInt)PETSC_STATIC_ARRAY_LENGTH(shares)];
+  MpmPatchSpot           spot;
+  PetscReal              growth;
+
+  PetscFunctionBegin;
+  if (!MpmPatchGridSpot(&p->search, i * stride, &spot)) PetscFunctionReturn(PETSC_SUCCESS);
+  spot = Inner(&spot);
+  PetscCall(Visible(&p->lattice, &spot, p->courant * (1 - JUST), &growth));
+  p->worst = PetscMax(p->worst, growth);
+  PetscCall(Visible(&p->lattice, &spot, p->courant * share, &growth));
+  p->worst = PetscMax(p->worst, growth);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether growth is none below a limit, over the grid of spots, and some above it, at the worst spot. */
+static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool *holds)
+{
+  const PetscInt size = MpmPatchGridSize(&p->search), n = size / PetscMax(1, size / CHECKS);
+  PetscReal      below, above;
+
+  PetscFunctionBegin;
+  p->lattice.depth = p->search.coarse;
+  p->courant       = limit;
+  p->worst         = 0;
+  PetscCall(MpmFarm("place", n, CheckPart, p));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->worst, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  p->lattice.depth = p->search.fine;
+  *holds           = p->worst <= 1 + p->tolerance ? PETSC_TRUE : PETSC_FALSE;
+  if (!*holds || AtMargin(&p->lattice, spot)) PetscFunctionReturn(PETSC_SUCCESS);
+  p->courant = limit * (1 - JUST);
+  PetscCall(Once(p, GrowthThere, spot, &below));
+  p->courant = limit * (1 + JUST);
+  PetscCall(Once(p, GrowthThere, spot, &above));
+  *holds = below <= 1 + p->tolerance && above > 1 + p->tolerance ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- one lattice ---- */
+
+/* Deepens the lattice until its limit moves no more. */
+static PetscErrorCode Deepen(Patch *p, const MpmPatchSpot *spot, PetscReal *limit)
+{
+  PetscReal deeper;
+
+  PetscFunctionBegin;
+  for (PetscInt depth = 2 * p->search.fine; depth <= DEEPEST; depth *= 2) {
+    p->lattice.depth = depth;
+    PetscCall(Once(p, LimitOfSpot, spot, &deeper));
+    if (fabs(deeper - *limit) <= STEADY * *limit) break;
+    *limit = PetscMin(deeper, *limit);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether some spots of the grid have the limit 0: no limit is less. */
+static PetscErrorCode FindNone(Patch *p, MpmPatchSpot *spot, PetscReal *limit)
+{
+  const PetscInt size = MpmPatchGridSize(&p->search), stride = PetscMax(1, size / FEW);
+
+  PetscFunctionBegin;
+  p->lattice.depth = p->search.coarse;
+  *limit           = INFINITY;
+  for (PetscInt i = 0; i<size && * limit> 0; i += stride)
+    if (MpmPatchGridSpot(&p->search, i, spot)) PetscCall(Once(p, LimitOfSpot, spot, limit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The limit of a lattice with so many surfaces. */
+static PetscErrorCode Find(Patch *p, PetscInt surfaces, MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
+{
+  PetscBool holds = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  *approached      = PETSC_FALSE;
+  p->search.coarse = surfaces == 2 ? 4 : 5;
+  p->search.fine   = surfaces == 2 ? 7 : 10;
+  for (p->slow = PETSC_FALSE;; p->slow = PETSC_TRUE) {
+    p->search.f       = LimitOfSpot;
+    p->search.context = p;
+    if (p->slow) PetscCall(FindNone(p, spot, limit));
+    if (p->slow && *limit > 0 && p->lattice.plan->dim > (p->lattice.end[0] == MPM_PATCH_SINGLE ? 2 : 1))
+      *limit = NAN; /* rows of Courant numbers would take minutes */
+    if (p->slow && !(*limit > 0)) break;
+    PetscCall(MpmPatchLeast(&p->search, spot, limit));
+    if (p->slow) break;
+    if (isfinite(*limit)) PetscCall(Check(p, spot, *limit, &holds));
+    if (holds) break;
+  }
+  p->lattice.depth = p->search.fine;
+  if (!isfinite(*limit) || *limit == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (surfaces > 0) PetscCall(Deepen(p, spot, limit));
+  if (AtMargin(&p->lattice, spot)) PetscCall(AtFace(p, spot, limit, approached));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Largest growth at the case's own Courant number. Beyond the limit it is sought over all spots. */
+static PetscErrorCode Growth(Patch *p, PetscReal courant, PetscReal limit, const MpmPatchSpot *worst, PetscReal *growth)
+{
+  MpmPatchSpot spot = *worst, near;
+  PetscReal    nearer;
+
+  PetscFunctionBegin;
+  p->courant       = courant;
+  p->search.f      = MinusGrowth;
+  p->lattice.depth = p->search.fine;
+  *growth          = NAN;
+  if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (courant > limit) {
+    p->search.fine = p->search.coarse; /* waves that grow stay near the surface */
+    PetscCall(MpmPatchLeast(&p->search, &spot, growth));
+    *growth = -*growth;
+  } else
+    PetscCall(Once(p, GrowthThere, &spot, growth));
+  if (courant > limit && AtMargin(&p->lattice, &spot)) {
+    near = Move(&p->lattice, &spot, NEARER);
+    PetscCall(Once(p, GrowthThere, &near, &nearer));
+    *growth = nearer > *growth / FALLS ? INFINITY : PetscMax(*growth, nearer);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- kinds ---- */
+
+static PetscBool Alike(const MpmLayout *layout)
+{
+  for (PetscInt a = 1; a < layout->dim; a++)
+    if (layout->ppc[a] != layout->ppc[0] || layout->half_width[a] != layout->half_width[0]) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+static PetscInt Bits(PetscInt set)
+{
+  PetscInt n = 0;
+
+  for (; set; set >>= 1) n += set & 1;
+  return n;
+}
+
+/* Keeps the limit of a lattice if it is less than what is known. */
+static void Keep(const Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool approached, PetscBool inside,
+                 MpmPatchLimit *out)
+{
+  const MpmLayout *layout = p->lattice.of->layout;
+
+  if (limit >= out->courant || isnan(out->courant)) return;
+  out->courant    = limit;
+  out->approached = approached;
+  out->inside     = inside;
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    out->place[a] = ((PetscReal)spot->j[a] + Nearer(spot->t[a], 0)) / (PetscReal)layout->ppc[a];
+    out->beta[a]  = p->lattice.end[a] == MPM_PATCH_ENDLESS ? spot->beta[a] : NAN;
+  }
+}
+
+/* The limit of the lattice that has ends in the directions of a set of bits. */
+static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *plan, MpmPatchEnd end, PetscInt set,
+                               PetscInt wanted, MpmPatchLimit *out)
+{
+  Patch        p = {.lattice = {.of = of, .plan = plan}, .tolerance = of->tolerance};
+  PetscBool    approached;
+  MpmPatchSpot spot;
+  PetscReal    limit, growth;
+  PetscInt64   count;
+
+  PetscFunctionBegin;
+  p.search = (MpmPatchSearch){.lattice = &p.lattice, .alike = Alike(of->layout)};
+  for (PetscInt a = 0; a < plan->dim; a++) p.lattice.end[a] = set >> a & 1 ? end : MPM_PATCH_ENDLESS;
+  PetscCall(Find(&p, end == MPM_PATCH_SINGLE ? 0 : Bits(set), &spot, &limit, &approached));
+  Keep(&p, &spot, limit, approached, Bits(set) < wanted ? PETSC_TRUE : PETSC_FALSE, out);
+  if (Bits(set) == wanted || limit == 0) {
+    PetscCall(Growth(&p, of->step.courant, limit, &spot, &growth));
+    out->growth = isnan(growth) ? growth : PetscMax(out->growth, growth);
+  }
+  count = p.lattice.count;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPIU_INT64, MPI_SUM, PETSC_COMM_WORLD));
+  out->evaluations += count;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPatchLimit *out)
+{
+  const PetscReal begin = MPI_Wtime();
+  const PetscInt  dim = of->layout->dim, all = (1 << dim) - 1;
+  const PetscInt  wanted = kind == MPM_PATCH_LONE ? dim : PetscMin(dim, kind == MPM_PATCH_CORNER ? 2 : 1);
+  MpmNodalPlan   *plan;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!MpmTableHas(of->scheme->table, MPM_SOLVE),
+                "transfer %s: limits of edges, corners and lone particles are not known for a transfer that solves for "
+                "the values of nodes; allowed: all others",
+                of->scheme->transfer->name);
+  *out = (MpmPatchLimit){.courant = INFINITY};
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) out->place[a] = out->beta[a] = NAN;
+  PetscCall(MpmPatchPlanCreate(of->scheme, &plan));
+  if (kind == MPM_PATCH_LONE)
+    PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, out));
+  else
+    for (PetscInt n = 0; n <= wanted && out->courant > 0; n++) /* no limit is less than 0 */
+      for (PetscInt set = 0; set <= all; set++) {
+        if (Bits(set) != n) continue;
+        PetscCall(FindEnds(of, plan, MPM_PATCH_SURFACE, set, wanted, out));
+        if (Alike(of->layout)) break;
+      }
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  out->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,322 @@
+/*
+   The maps of a lattice are products over the directions, and so are the masses. So the matrices of P W are Kronecker
+   products of small matrices of one direction each:
+
+     T_ij = sum_p conj(P_pi) W_pj / sqrt(m_i m_j)
+
+   p are the particles in a row and i, j the nodes along it. In a direction without an end there is one node, the rows
+   are symbols of a cell's particles, sum_d row_d e^(i beta d).
+*/
+#include "analysis/patch_lattice.h"
+#include "linalg/matrix_polynomial.h"
+#include "scheme/maps.h"
+#include <math.h>
+
+#define MOST_NODES 64 /* along a direction */
+
+/*
+   nodes, particles - along the direction
+   at    - the place of each node, in cells
+   root  - the root of its mass
+   row   - row[kind][p x nodes + i]: the weight of a map; NULL for kinds that are not in use
+*/
+typedef struct {
+  PetscInt        nodes, particles;
+  PetscInt       *at;
+  PetscReal      *root;
+  double complex *row[MPM_OP_KINDS];
+} Line;
+
+/* The kinds of maps that a plan has along an axis. P2G and G2P are always among them: they weigh the other directions. */
+static void KindsAlong(const MpmNodalPlan *plan, PetscInt axis, PetscBool used[])
+{
+  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++)
+    used[kind] = kind == MPM_P2G || kind == MPM_G2P ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt m = 0; m < plan->nmaps; m++)
+    for (PetscInt i = 0; i < plan->map[m].n; i++) {
+      const MpmNodalProduct *product = &plan->map[m].product[i];
+
+      if (product->axis_nodes == axis) used[product->to_nodes] = PETSC_TRUE;
+      if (product->axis_particles == axis) used[product->to_particles] = PETSC_TRUE;
+    }
+}
+
+/* The cell of particle p of a row, and its place there. */
+static PetscInt PlaceOf(const MpmPatchSpot *spot, PetscInt axis, PetscInt ppc, PetscInt p, PetscReal *xi)
+{
+  const PetscInt site = spot->j[axis] + p;
+
+  *xi = ((PetscReal)(site % ppc) + spot->t[axis]) / (PetscReal)ppc;
+  return site / ppc;
+}
+
+/* The weights of a map at all particles, on nodes from first on. Without an end all nodes are one, with phases. */
+static void FillRows(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt axis, PetscInt first, MpmOpKind kind,
+                     Line *line)
+{
+  const MpmBasis *basis = l->of->scheme->basis;
+  const PetscBool wave  = l->end[axis] == MPM_PATCH_ENDLESS ? PETSC_TRUE : PETSC_FALSE;
+
+  for (PetscInt p = 0; p < line->particles; p++) {
+    PetscReal      xi, weight[MPM_MAX_REACH];
+    const PetscInt cell = PlaceOf(spot, axis, l->of->layout->ppc[axis], p, &xi);
+
+    MpmMapRow(basis, kind, xi, l->of->layout->half_width[axis], MpmNoWalls, weight);
+    for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
+      const PetscInt node = cell - basis->reach_left + d, i = wave ? 0 : node - first;
+
+      if (i >= line->nodes) continue;
+      line->row[kind][p * line->nodes + i] += weight[d] * (wave ? cexp(I * (spot->beta[axis] * (PetscReal)node)) : 1);
+    }
+  }
+}
+
+/* Masses of nodes; in a direction without an end that of a cell's particles. */
+static void FillMasses(const MpmPatchLattice *l, PetscInt axis, Line *line)
+{
+  for (PetscInt i = 0; i < line->nodes; i++) {
+    PetscReal mass = l->end[axis] == MPM_PATCH_ENDLESS ? (PetscReal)line->particles : 0;
+
+    for (PetscInt p = 0; p < line->particles && l->end[axis] != MPM_PATCH_ENDLESS; p++)
+      mass += creal(line->row[MPM_P2G][p * line->nodes + i]);
+    line->root[i] = sqrt(mass);
+  }
+}
+
+/* Takes the nodes without mass out: what a sum over particles gives them is 0. */
+static void DropEmpty(Line *line)
+{
+  PetscInt kept = 0, from[MOST_NODES];
+
+  for (PetscInt i = 0; i < line->nodes; i++)
+    if (line->root[i] > 0) from[kept++] = i;
+  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++)
+    for (PetscInt p = 0; p < line->particles && line->row[kind]; p++)
+      for (PetscInt i = 0; i < kept; i++) line->row[kind][p * kept + i] = line->row[kind][p * line->nodes + from[i]];
+  for (PetscInt i = 0; i < kept; i++) {
+    line->at[i]   = line->at[from[i]];
+    line->root[i] = line->root[from[i]];
+  }
+  line->nodes = kept;
+}
+
+static PetscErrorCode LineCreate(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt axis, Line *line)
+{
+  const MpmBasis *basis = l->of->scheme->basis;
+  const PetscInt  ppc = l->of->layout->ppc[axis], reach = MpmMapReach(basis);
+  PetscBool       used[MPM_OP_KINDS];
+
+  PetscFunctionBegin;
+  *line = (Line){.nodes = 1, .particles = ppc};
+  if (l->end[axis] == MPM_PATCH_SURFACE) {
+    line->nodes     = l->depth + 1 + basis->reach_left;
+    line->particles = (l->depth + reach) * ppc;
+  } else if (l->end[axis] == MPM_PATCH_SINGLE) {
+    line->nodes     = reach;
+    line->particles = 1;
+  }
+  PetscCheck(line->nodes <= MOST_NODES, PETSC_COMM_SELF, PETSC_ERR_PLIB, "too many nodes in a row");
+  PetscCall(PetscMalloc2(line->nodes, &line->at, line->nodes, &line->root));
+  for (PetscInt i = 0; i < line->nodes; i++) line->at[i] = i - basis->reach_left;
+  KindsAlong(l->plan, axis, used);
+  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++) {
+    if (!used[kind]) continue;
+    PetscCall(PetscCalloc1(line->particles * line->nodes, &line->row[kind]));
+    FillRows(l, spot, axis, -basis->reach_left, (MpmOpKind)kind, line);
+  }
+  FillMasses(l, axis, line);
+  DropEmpty(line);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LineDestroy(Line *line)
+{
+  PetscFunctionBegin;
+  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++) PetscCall(PetscFree(line->row[kind]));
+  PetscCall(PetscFree2(line->at, line->root));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* T of two kinds, by columns. */
+static void Product(const Line *line, MpmOpKind to_nodes, MpmOpKind to_particles, double complex T[])
+{
+  const double complex *P = line->row[to_nodes], *W = line->row[to_particles];
+  const PetscInt        n = line->nodes;
+
+  for (PetscInt j = 0; j < n; j++)
+    for (PetscInt i = 0; i < n; i++) {
+      double complex sum = 0;
+
+      for (PetscInt p = 0; p < line->particles; p++) sum += conj(P[p * n + i]) * W[p * n + j];
+      T[j * n + i] = sum / (line->root[i] * line->root[j]);
+    }
+}
+
+/* The second difference along a direction. */
+static void Laplacian(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt axis, const MpmOp *op,
+                      const Line *line, double complex T[])
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    n      = line->nodes;
+
+  for (PetscInt c = 0; c < n * n; c++) T[c] = 0;
+  for (PetscInt s = -1; s <= 1; s++)
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt j = 0; j < n; j++) {
+        if (l->end[axis] == MPM_PATCH_ENDLESS)
+          T[0] += traits.stencil[s + 1] * cexp(I * (spot->beta[axis] * (PetscReal)s));
+        else if (line->at[j] == line->at[i] + s)
+          T[j * n + i] += traits.stencil[s + 1] * line->root[i] / line->root[j];
+      }
+}
+
+/* out += factor (T_2 x T_1 x T_0), Kronecker; direction 0 counts first. */
+static void AddKronecker(PetscInt dim, const Line line[], double complex *const T[], PetscReal factor,
+                         double complex out[])
+{
+  const PetscInt n0 = line[0].nodes, n1 = dim > 1 ? line[1].nodes : 1, n2 = dim > 2 ? line[2].nodes : 1;
+  const PetscInt n = n0 * n1 * n2;
+
+  for (PetscInt j2 = 0; j2 < n2; j2++)
+    for (PetscInt j1 = 0; j1 < n1; j1++)
+      for (PetscInt i2 = 0; i2 < n2; i2++)
+        for (PetscInt i1 = 0; i1 < n1; i1++) {
+          const double complex scale = factor * (dim > 1 ? T[1][j1 * n1 + i1] : 1) * (dim > 2 ? T[2][j2 * n2 + i2] : 1);
+
+          for (PetscInt j0 = 0; j0 < n0; j0++) {
+            double complex *column = out + ((j2 * n1 + j1) * n0 + j0) * n + (i2 * n1 + i1) * n0;
+
+            for (PetscInt i0 = 0; i0 < n0; i0++) column[i0] += scale * T[0][j0 * n0 + i0];
+          }
+        }
+}
+
+static void Identity(PetscInt n, double complex T[])
+{
+  for (PetscInt c = 0; c < n; c++)
+    for (PetscInt i = 0; i < n; i++) T[c * n + i] = i == c ? 1 : 0;
+}
+
+/* The matrix of one of the plan's maps. */
+static PetscErrorCode MapOf(const MpmPatchLattice *l, const MpmPatchSpot *spot, const Line line[],
+                            const MpmNodalMap *map, double complex *const T[], double complex out[])
+{
+  PetscFunctionBegin;
+  if (map->n == 0) {
+    PetscCheck(map->op.kind == MPM_LAP, PETSC_COMM_SELF, PETSC_ERR_SUP, "SOLVE in a patch");
+    for (PetscInt a = 0; a < l->plan->dim; a++)
+      if (a == map->op.axis)
+        Laplacian(l, spot, a, &map->op, &line[a], T[a]);
+      else
+        Identity(line[a].nodes, T[a]);
+    AddKronecker(l->plan->dim, line, T, 1, out);
+  }
+  for (PetscInt i = 0; i < map->n; i++) {
+    const MpmNodalProduct *p = &map->product[i];
+
+    for (PetscInt a = 0; a < l->plan->dim; a++)
+      Product(&line[a], a == p->axis_nodes ? p->to_nodes : MPM_P2G, a == p->axis_particles ? p->to_particles : MPM_G2P,
+              T[a]);
+    AddKronecker(l->plan->dim, line, T, p->factor, out);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan)
+{
+  MpmSpace  space = scheme->space;
+  MpmTable *table;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) space.ends[a][0] = space.ends[a][1] = MPM_PERIODIC;
+  PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &space, &table));
+  PetscCall(MpmNodalPlanCreate(table, plan));
+  PetscCall(MpmTableDestroy(&table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchOperator(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt *n,
+                                double complex *coefficient[])
+{
+  const MpmNodalPlan *plan = l->plan;
+  Line                line[MPM_MAX_DIM];
+  double complex     *T[MPM_MAX_DIM] = {NULL}, **map;
+  PetscInt            nodes          = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < plan->dim; a++) {
+    PetscCall(LineCreate(l, spot, a, &line[a]));
+    PetscCall(PetscMalloc1(line[a].nodes * line[a].nodes, &T[a]));
+    nodes *= line[a].nodes;
+  }
+  *n = plan->nimages * nodes;
+  PetscCall(PetscMalloc1(plan->nmaps, &map));
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    PetscCall(PetscCalloc1(nodes * nodes, &map[m]));
+    PetscCall(MapOf(l, spot, line, &plan->map[m], T, map[m]));
+  }
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(*n * *n, &coefficient[j]));
+  PetscCall(MpmNodalRun(plan, nodes, map, coefficient));
+  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
+  PetscCall(PetscFree(map));
+  for (PetscInt a = 0; a < plan->dim; a++) {
+    PetscCall(PetscFree(T[a]));
+    PetscCall(LineDestroy(&line[a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchCrossing(MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal *courant)
+{
+  const PetscInt  degree = l->plan->degree;
+  double complex *c[64];
+  PetscInt        n;
+  PetscReal       x;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchOperator(l, spot, &n, c));
+  for (PetscInt i = 0; i < n; i++) c[0][i * n + i] += 1;
+  PetscCall(MpmPolynomialSingular(n, degree, c, &x));
+  *courant = l->plan->stride == 2 ? sqrt(x) : x;
+  for (PetscInt j = 0; j <= degree; j++) PetscCall(PetscFree(c[j]));
+  l->count++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The polynomial at x, which takes the place of its first coefficient; returns the largest sum of abs in a row. */
+static PetscReal Evaluate(PetscInt n, PetscInt degree, PetscReal x, double complex *const c[])
+{
+  PetscReal norm = 0;
+
+  for (PetscInt row = 0; row < n; row++) {
+    PetscReal sum = 0;
+
+    for (PetscInt i = row; i < n * n; i += n) {
+      double complex value = 0;
+
+      for (PetscInt j = degree; j >= 0; j--) value = value * x + c[j][i];
+      c[0][i] = value;
+      sum += cabs(value);
+    }
+    norm = PetscMax(norm, sum);
+  }
+  return norm;
+}
+
+PetscErrorCode MpmPatchGrowth(MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal courant, PetscReal *growth,
+                              PetscReal *rounding)
+{
+  const PetscInt  degree = l->plan->degree;
+  double complex *c[64];
+  PetscInt        n;
+  PetscReal       norm;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchOperator(l, spot, &n, c));
+  norm      = Evaluate(n, degree, l->plan->stride == 2 ? courant * courant : courant, c);
+  *rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), 0, 1);
+  PetscCall(MpmPolynomialRadius(n, c[0], growth));
+  for (PetscInt j = 0; j <= degree; j++) PetscCall(PetscFree(c[j]));
+  l->count++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

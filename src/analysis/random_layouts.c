@@ -1,0 +1,337 @@
+/*
+   The nodal operator of a random layout with voids. A product of maps, P W, is made particle by particle:
+
+     (P W)_ij = sum_p P_ip W_jp / m_i
+
+   In units in which a node's value is multiplied by the root of its mass it is P_ip W_jp / sqrt(m_i m_j), which has
+   entries of order 1 however little mass a node has. Nodes without mass are left out.
+*/
+#include "analysis/random_layouts.h"
+#include "base/farm.h"
+#include "linalg/dense.h"
+#include "operator/nodal.h"
+#include "scene/layout.h"
+#include "scheme/maps.h"
+#include <math.h>
+
+#define LEAST 1e-6     /* Courant number below which no limit is sought */
+#define PRECISION 1e-7 /* relative, of a limit */
+#define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
+
+static const PetscInt box[MPM_MAX_DIM] = {24, 6, 3}; /* cells along each direction, by dimension */
+
+typedef struct {
+  const MpmCriticalCase *of;
+  const MpmNodalPlan    *plan;
+  MpmRandomLayouts      *asked;
+  PetscReal              courant, *growth; /* growth of each layout at this Courant number */
+  PetscBool             *looks;            /* whether a layout is looked at */
+  PetscInt               evaluations;
+} Search;
+
+/* One layout in its box: its particles, the nodal masses, and its nodal operator as a polynomial. */
+typedef struct {
+  const Search    *search;
+  MpmLayout        layout;
+  PetscInt         nodes, n;
+  PetscReal       *mass;
+  double complex **coefficient;
+  PetscReal       *matrix, *re, *im;
+  PetscInt        *evaluations;
+} Boxed;
+
+static MpmLayout BoxOf(const MpmLayout *from, PetscInt64 seed)
+{
+  MpmLayout l = *from;
+
+  l.seed  = seed;
+  l.sites = 1;
+  if (l.jitter == 0) l.jitter = 1;
+  for (PetscInt a = 0; a < l.dim; a++) {
+    const PetscInt cells = box[l.dim - 1];
+
+    l.grid[a]  = (MpmDirection){.cells = cells, .nodes = cells, .ends = {MPM_PERIODIC, MPM_PERIODIC}};
+    l.first[a] = 0;
+    l.row[a]   = (PetscInt64)cells * l.ppc[a];
+    l.sites *= l.row[a];
+  }
+  l.particles = l.sites;
+  return l;
+}
+
+/* The nodes of a site's particle, and its weights there of a kind of map along an axis. Returns how many there are. */
+static PetscInt Weights(const Boxed *b, PetscInt64 site, MpmOpKind kind, PetscInt axis, PetscInt node[],
+                        PetscReal weight[])
+{
+  const MpmLayout *l     = &b->layout;
+  const MpmBasis  *basis = b->search->of->scheme->basis;
+  const PetscInt   reach = MpmMapReach(basis);
+  PetscInt         cell[MPM_MAX_DIM], n = 1, stride = 1;
+  PetscReal        xi[MPM_MAX_DIM];
+
+  MpmLayoutPlace(l, site, cell, xi);
+  node[0]   = 0;
+  weight[0] = 1;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscInt cells = l->grid[a].cells;
+    PetscReal      row[MPM_MAX_REACH];
+
+    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], l->half_width[a], MpmNoWalls, row);
+    for (PetscInt i = n * reach - 1; i >= 0; i--) { /* from the last, since the first n are read by all */
+      const PetscInt d = i / n, at = (cell[a] - basis->reach_left + d) % cells;
+
+      node[i]   = node[i % n] + stride * (at < 0 ? at + cells : at);
+      weight[i] = weight[i % n] * row[d];
+    }
+    n *= reach;
+    stride *= cells;
+  }
+  return n;
+}
+
+static PetscBool IsThere(const Boxed *b, PetscInt64 site)
+{
+  return MpmLayoutIsVoid(&b->layout, site, b->search->asked->voids) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+static PetscErrorCode Masses(Boxed *b)
+{
+  PetscInt  node[MOST_WEIGHTS];
+  PetscReal phi[MOST_WEIGHTS];
+
+  PetscFunctionBegin;
+  for (PetscInt64 site = 0; site < b->layout.sites; site++) {
+    const PetscInt n = IsThere(b, site) ? Weights(b, site, MPM_P2G, 0, node, phi) : 0;
+
+    for (PetscInt i = 0; i < n; i++) b->mass[node[i]] += phi[i];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void AddProduct(const Boxed *b, const MpmNodalProduct *product, double complex map[])
+{
+  PetscInt  from[MOST_WEIGHTS], to[MOST_WEIGHTS];
+  PetscReal w[MOST_WEIGHTS], p[MOST_WEIGHTS];
+
+  for (PetscInt64 site = 0; site < b->layout.sites; site++) {
+    PetscInt n;
+
+    if (!IsThere(b, site)) continue;
+    n = Weights(b, site, product->to_particles, product->axis_particles, from, w);
+    (void)Weights(b, site, product->to_nodes, product->axis_nodes, to, p);
+    for (PetscInt j = 0; j < n; j++)
+      for (PetscInt i = 0; i < n; i++) {
+        const PetscReal mass = b->mass[to[i]] * b->mass[from[j]];
+
+        if (mass > 0) map[from[j] * b->nodes + to[i]] += product->factor * p[i] * w[j] / sqrt(mass);
+      }
+  }
+}
+
+/* The second difference along an axis, between nodes with mass. */
+static void AddStencil(const Boxed *b, const MpmOp *op, double complex map[])
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscInt    cells  = b->layout.grid[0].cells;
+  PetscInt          stride = 1;
+
+  for (PetscInt a = 0; a < op->axis; a++) stride *= cells;
+  for (PetscInt i = 0; i < b->nodes; i++)
+    for (PetscInt d = -1; d <= 1; d++) {
+      const PetscInt along = i / stride % cells, other = i + stride * ((along + d + cells) % cells - along);
+
+      if (b->mass[i] > 0 && b->mass[other] > 0)
+        map[other * b->nodes + i] += traits.stencil[d + 1] * sqrt(b->mass[i] / b->mass[other]);
+    }
+}
+
+static PetscErrorCode Assemble(Boxed *b)
+{
+  const MpmNodalPlan *plan = b->search->plan;
+  double complex    **map;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(plan->nmaps, &map));
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    PetscCall(PetscCalloc1(b->nodes * b->nodes, &map[m]));
+    for (PetscInt i = 0; i < plan->map[m].n; i++) AddProduct(b, &plan->map[m].product[i], map[m]);
+    if (!plan->map[m].n) AddStencil(b, &plan->map[m].op, map[m]);
+  }
+  PetscCall(MpmNodalRun(plan, b->nodes, map, b->coefficient));
+  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
+  PetscCall(PetscFree(map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
+{
+  const MpmNodalPlan *plan = search->plan;
+
+  PetscFunctionBegin;
+  *b        = (Boxed){.search = search, .evaluations = &search->evaluations};
+  b->layout = BoxOf(search->of->layout, search->asked->seed + i);
+  b->nodes  = (PetscInt)MpmLayoutNodes(&b->layout);
+  b->n      = plan->nimages * b->nodes;
+  PetscCall(PetscCalloc1(b->nodes, &b->mass));
+  PetscCall(PetscMalloc4(b->n * b->n, &b->matrix, b->n, &b->re, b->n, &b->im, plan->degree + 1, &b->coefficient));
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(b->n * b->n, &b->coefficient[j]));
+  PetscCall(Masses(b));
+  PetscCall(Assemble(b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BoxedDestroy(Boxed *b)
+{
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j <= b->search->plan->degree; j++) PetscCall(PetscFree(b->coefficient[j]));
+  PetscCall(PetscFree4(b->matrix, b->re, b->im, b->coefficient));
+  PetscCall(PetscFree(b->mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* NaN where LAPACK did not converge. */
+static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
+{
+  Boxed              *b    = (Boxed *)context;
+  const MpmNodalPlan *plan = b->search->plan;
+  int                 failed;
+
+  PetscFunctionBegin;
+  ++*b->evaluations;
+  for (PetscInt i = 0; i < b->n * b->n; i++) {
+    PetscReal sum = 0;
+
+    for (PetscInt j = plan->degree; j >= 0; j--) sum = sum * pow(courant, plan->stride) + creal(b->coefficient[j][i]);
+    b->matrix[i] = sum;
+  }
+  PetscCall(MpmDenseEigen(b->n, b->matrix, b->re, b->im, NULL, &failed));
+  *growth = failed ? NAN : 0;
+  for (PetscInt i = 0; i < b->n && !failed; i++) *growth = PetscMax(*growth, hypot(b->re[i], b->im[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GrowthOf(void *context, PetscInt i)
+{
+  Search *s = (Search *)context;
+  Boxed   b;
+
+  PetscFunctionBegin;
+  s->growth[i] = 0;
+  if (!s->looks[i]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BoxedCreate(s, i, &b));
+  PetscCall(Growth(&b, s->courant, &s->growth[i]));
+  PetscCall(BoxedDestroy(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Growth at a Courant number of the layouts that are looked at. grows: how many are beyond tolerance, or not known. */
+static PetscErrorCode GrowthOfAll(Search *s, PetscReal courant, PetscInt *grows)
+{
+  PetscFunctionBegin;
+  s->courant = courant;
+  PetscCall(PetscArrayzero(s->growth, s->asked->n));
+  PetscCall(MpmFarm("layout", s->asked->n, GrowthOf, s));
+  PetscCall(MpmFarmSumReals(s->asked->n, s->growth));
+  *grows = 0;
+  for (PetscInt i = 0; i < s->asked->n; i++) *grows += s->growth[i] <= 1 + s->of->tolerance ? 0 : 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Goes on with those that grow, which are the only ones whose limit may be the least. */
+static void KeepThoseThatGrow(Search *s)
+{
+  for (PetscInt i = 0; i < s->asked->n; i++)
+    s->looks[i] = s->growth[i] <= 1 + s->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
+}
+
+static PetscInt FirstOf(const Search *s)
+{
+  PetscInt i = 0;
+
+  while (!s->looks[i]) i++;
+  return i;
+}
+
+/* Without a threshold the limit is 0. All ranks do the same here, which counts once. */
+static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
+{
+  const PetscInt before = s->evaluations;
+  PetscMPIInt    rank;
+  MpmCritical    critical = {.stable_at = bracket[0], .unstable_at = bracket[1], .threshold = PETSC_TRUE};
+  Boxed          b;
+
+  PetscFunctionBegin;
+  PetscCall(BoxedCreate(s, FirstOf(s), &b));
+  PetscCall(MpmCriticalThreshold(Growth, &b, s->of->tolerance, &critical));
+  PetscCall(BoxedDestroy(&b));
+  s->asked->courant = critical.threshold ? bracket[0] : 0;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  if (rank) s->evaluations = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Halves a bracket of the least limit. Below it no layout grows, and above it those that are looked at do. */
+static PetscErrorCode FindLimit(Search *s)
+{
+  PetscReal bracket[2] = {LEAST, MPM_CRITICAL_TO};
+  PetscInt  grows;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < s->asked->n; i++) s->looks[i] = PETSC_TRUE;
+  PetscCall(GrowthOfAll(s, bracket[1], &grows));
+  s->asked->courant = INFINITY;
+  if (!grows) PetscFunctionReturn(PETSC_SUCCESS);
+  KeepThoseThatGrow(s);
+  while (bracket[1] > bracket[0] * (1 + PRECISION)) {
+    const PetscReal middle = sqrt(bracket[0] * bracket[1]);
+
+    PetscCall(GrowthOfAll(s, middle, &grows));
+    bracket[grows ? 1 : 0] = middle;
+    if (grows) KeepThoseThatGrow(s);
+  }
+  s->asked->worst = s->asked->seed + FirstOf(s);
+  PetscCall(Threshold(s, bracket));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Growth at the case's own Courant number. */
+static PetscErrorCode FindGrowth(Search *s)
+{
+  MpmRandomLayouts *asked = s->asked;
+  PetscInt          grows;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < asked->n; i++) s->looks[i] = PETSC_TRUE;
+  PetscCall(GrowthOfAll(s, s->of->step.courant, &grows));
+  for (PetscInt i = 0; i < asked->n; i++) {
+    if (isnan(s->growth[i])) asked->undecided++;
+    if (s->growth[i] <= asked->growth) continue;
+    asked->growth = s->growth[i];
+    asked->worst  = asked->seed + i;
+  }
+  asked->unstable = grows - asked->undecided;
+  if (asked->undecided) asked->growth = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts *asked)
+{
+  Search        s = {.of = of, .asked = asked};
+  MpmNodalPlan *plan;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalPlanCreate(of->scheme->table, &plan));
+  s.plan          = plan;
+  asked->growth   = 0;
+  asked->courant  = NAN;
+  asked->worst    = asked->seed;
+  asked->unstable = asked->undecided = 0;
+  PetscCall(PetscMalloc2(asked->n, &s.growth, asked->n, &s.looks));
+  PetscCall(FindGrowth(&s));
+  if (asked->limits) PetscCall(FindLimit(&s));
+  PetscCall(MpmFarmSumInts(1, &s.evaluations));
+  asked->evaluations = s.evaluations;
+  PetscCall(PetscFree2(s.growth, s.looks));
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,44 @@
+/* Random layouts with voids: which share of them grows, and the least of their limits. */
+#pragma once
+#include <mpmstab/critical.h>
+
+/*S
+   MpmRandomLayouts - what is asked of n layouts, and what was found.
+
+   n, seed - the number of layouts; layout i is hashed from seed + i
+   voids   - the share of sites without a particle
+   limits  - whether limits are sought
+   growth  - the largest at the case's own Courant number; NaN: it is not known of some layout
+   courant - the least limit: 0 where that layout grows at every Courant number; infinite where there is none; NaN: it is
+             not known, or was not asked for
+   unstable, undecided - the numbers of layouts that grow, and of those whose growth is not known
+   worst   - the seed of the layout with the least limit, or else of that with the largest growth
+   evaluations - the number of times that growth was computed, on all ranks
+S*/
+typedef struct {
+  PetscInt   n;
+  PetscInt64 seed;
+  PetscReal  voids;
+  PetscBool  limits;
+  PetscReal  growth, courant;
+  PetscInt   unstable, undecided;
+  PetscInt64 worst, evaluations;
+} MpmRandomLayouts;
+
+/*
+   MpmRandomLayoutsFind - growth and limits of layouts in a small periodic box: 24 cells in one dimension, 6 x 6 in two,
+   3 x 3 x 3 in three.
+
+   Collective on PETSC_COMM_WORLD. Each layout is solved by one rank alone (see farm.h), so that nothing depends on the
+   number of ranks.
+
+   A layout has the sites of the case's particles in each cell, jittered by the case's jitter, or where that is 0 by a
+   whole distance of particles, which puts each anywhere in its share of the cell. A site has no particle where
+   MpmLayoutIsVoid says so. Particles are at rest and alike, and there are no walls.
+
+   The eigenvalues are those of the nodal operator (operator/nodal.h). At rest a layout that has become unstable stays
+   so. The least limit is found by halving between 1e-6 and 64, with those layouts alone that grow at the upper end.
+
+   Errors: PETSC_ERR_SUP for a table whose nodal operator needs more than maps between particles and nodes and LAP.
+*/
+PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts *layouts);

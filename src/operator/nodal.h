@@ -1,0 +1,124 @@
+/*
+   What the nodes need to know of a step, for particles at rest. MpmNodalPlanCreate derives it from a table alone.
+
+   A particle register is, at every point of a step, c q plus a sum of terms W y. q is its value at the start, c a
+   number, y what some node register held, and W a map from nodes to particles. A map P to the nodes sees of it c (P q)
+   plus a sum of (P W) y. So the nodes need only the images z = P q of what the particles hold at the start, and a step
+   takes these to
+
+     z' = c z + sum of (P W) y
+
+   where the y are again sums over images. Images that are only ever read together are one: DIV of a stress is one
+   vector. The eigenvalues of this nodal operator are those of the operator A of all particles, but for numbers c: on
+   what no image sees, A is c. So a usl step with flip in one dimension has two numbers a node, P v and DIV s, however
+   many particles there are.
+*/
+#pragma once
+#include <mpmstab/table.h>
+#include <complex.h>
+
+#define MPM_MAX_IMAGES 16 /* the most images of a plan */
+
+/*S
+   MpmNodalTerm - a part of an image: what a map from particles to nodes makes of a state register.
+
+   kind, axis - of the map
+   src        - the state register
+   dst        - the node register that the table reads it into; its parity is that of the image
+   factor     - the number that multiplies it
+S*/
+typedef struct {
+  MpmOpKind kind;
+  PetscInt  axis, src, dst;
+  PetscReal factor;
+} MpmNodalTerm;
+
+/*S
+   MpmNodalImage - an unknown at each node: a sum of n terms. A step multiplies the registers of all of them by c before
+   it adds to them.
+S*/
+typedef struct {
+  PetscInt     n;
+  MpmNodalTerm term[MPM_MAX_FIELDS];
+  PetscReal    c;
+} MpmNodalImage;
+
+/*S
+   MpmNodalProduct - factor P W: a map from nodes to particles, and then one from particles to nodes.
+
+   to_particles, to_nodes   - the kinds of W and P
+   axis_particles, axis_nodes - their axes
+   src, dst - the node registers that W reads and P writes; their parities are those of W and P
+S*/
+typedef struct {
+  MpmOpKind to_particles, to_nodes;
+  PetscInt  axis_particles, axis_nodes, src, dst;
+  PetscReal factor;
+} MpmNodalProduct;
+
+/*S
+   MpmNodalMap - a map from nodes to nodes: the sum of n products, or with n = 0 that of one operation of the table. Of
+   a WALL it is the selection of the wall's nodes: 1 on them, 0 on others.
+S*/
+typedef struct {
+  PetscInt         n, room;
+  MpmNodalProduct *product;
+  MpmOp            op;
+} MpmNodalMap;
+
+/*S
+   MpmNodalLine - a line of a plan: slot dst += factor k^power (map of slot src). map is MPM_NONE for the identity. k is
+   the Courant number.
+S*/
+typedef struct {
+  PetscInt  dst, src, map, power;
+  PetscReal factor;
+} MpmNodalLine;
+
+/*S
+   MpmNodalPlan - the nodal operator of a table. A slot has a number at each node. Slot g starts as image g, for g <
+   nimages, and all others as 0.
+
+   nimages, image - the unknowns
+   nslots, nmaps, nlines, line, map - the slots, the maps and the lines, in order
+   next    - next[g]: the slot that holds image g after the step
+   kept    - kept[r]: the number c of state register r
+   powers  - powers[s x nimages + g]: bit j is set where slot s may have a part k^j times image g
+   weight, stride, degree - the operator on k^weight[g] z_g, which has the same eigenvalues, is a polynomial of this
+             degree in k^stride. stride is 2 where that is possible, as it is for all waves of second order, and else 1.
+S*/
+typedef struct {
+  PetscInt      dim, nstate, nimages, nslots, nmaps, nlines;
+  MpmNodalImage image[MPM_MAX_IMAGES];
+  MpmNodalMap  *map;
+  MpmNodalLine *line;
+  PetscInt      next[MPM_MAX_IMAGES], weight[MPM_MAX_IMAGES], stride, degree;
+  PetscReal     kept[MPM_MAX_FIELDS];
+  PetscInt64   *powers;
+} MpmNodalPlan;
+
+/*
+   MpmNodalPlanCreate - derives the plan of a table, for particles at rest.
+
+   Not collective. Errors: PETSC_ERR_SUP for a table that multiplies what particles hold by the Courant number or has
+   more than MPM_MAX_IMAGES images.
+*/
+PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **plan);
+PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan);
+
+/*
+   MpmNodalRun - the nodal operator as a polynomial, C_0 + x C_1 + x^2 C_2 + ... with x = k^stride, on the unknowns
+   k^weight[g] z_g.
+
+   Not collective.
+
+   Input Parameters:
++  plan  - the plan
+.  nodes - the number of nodes; with 1 and the symbols of the maps, the operator of a Bloch mode comes out
+-  map   - map[m]: the matrix of the plan's map m, nodes x nodes by columns
+
+   Output Parameter: coefficient - coefficient[j], j <= degree: n x n by columns, n = nimages x nodes. Unknown g of node
+                     i has the number g nodes + i.
+*/
+PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, double complex *const map[],
+                           double complex *const coefficient[]);

@@ -1,0 +1,252 @@
+/* Neighbourhoods: a line for each, and a sentence about the worst; the same as JSON. */
+#include "report/report.h"
+#include "report/results.h"
+#include <math.h>
+
+#define ROOM 192  /* of a reason */
+#define LONG 1e-6 /* the square of the phase of a wave that is taken for endless */
+
+/* Whether some direction has a value. */
+static PetscBool Has(PetscInt dim, const PetscReal values[])
+{
+  for (PetscInt a = 0; a < dim; a++)
+    if (!isnan(values[a])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Where the first particle stands, in the directions that count. */
+static PetscErrorCode PlaceText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
+{
+  char part[32];
+
+  PetscFunctionBegin;
+  text[0] = '\0';
+  for (PetscInt a = 0; a < dim; a++) {
+    if (isnan(one->place[a])) continue;
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", text[0] ? ", " : dim > 1 ? "(" : "", one->place[a]));
+    PetscCall(PetscStrlcat(text, part, room));
+  }
+  if (text[0] && dim > 1) PetscCall(PetscStrlcat(text, ")", room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What limits a surface or a lone particle. */
+static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
+{
+  const char *const who    = one->kind == MPM_ALONE ? "the particle" : "the first particle";
+  PetscReal         length = 0;
+  char              place[64];
+
+  PetscFunctionBegin;
+  if (one->inside) {
+    PetscCall(PetscStrncpy(text, "waves inside: the surfaces make nothing worse", room));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PlaceText(dim, one, sizeof place, place));
+  if (place[0])
+    PetscCall(PetscSNPrintf(text, room, "when %s %s xi = %s", who, one->approached ? "comes near" : "is at", place));
+  else
+    PetscCall(PetscSNPrintf(text, room, "wherever %s stands in its cell", who));
+  if (one->closed) PetscCall(PetscStrlcat(text, ", in closed form", room));
+  for (PetscInt a = 0; a < dim; a++)
+    if (!isnan(one->beta[a])) length += PetscSqr(one->beta[a]);
+  if (length < LONG) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(place, sizeof place, ", waves of %.4g cells along it", 2 * PETSC_PI / sqrt(length)));
+  PetscCall(PetscStrlcat(text, place, room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RandomText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
+                                 char text[])
+{
+  char grow[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(text, room,
+                          "the worst of %" PetscInt_FMT " layouts with %.4g%% voids (-seed %" PetscInt64_FMT ")",
+                          one->layouts, 100 * request->voids, one->worst_seed));
+  PetscCall(
+      PetscSNPrintf(grow, sizeof grow, ", %" PetscInt_FMT " of them grow at %.6g", one->unstable, s->step.courant));
+  if (MpmSceneHasStep(s)) PetscCall(PetscStrlcat(text, grow, room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
+                                 char text[])
+{
+  const PetscInt dim = s->layout.dim;
+
+  PetscFunctionBegin;
+  text[0] = '\0';
+  if (one->why_not)
+    PetscCall(PetscStrncpy(text, one->why_not, room));
+  else if (one->kind == MPM_AT_RANDOM)
+    PetscCall(RandomText(s, request, one, room, text));
+  else if (isinf(one->courant))
+    PetscCall(PetscStrncpy(text, "no Courant number is unstable", room));
+  else if (one->kind != MPM_IN_BULK)
+    PetscCall(StandsText(dim, one, room, text));
+  else if (!isnan(one->beta[0]))
+    PetscCall(MpmReportWave(dim, PETSC_FALSE, one->wave, one->beta, room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode NumberText(PetscReal value, const char infinite[], size_t room, char text[])
+{
+  PetscFunctionBegin;
+  if (isnan(value))
+    PetscCall(PetscStrncpy(text, "undecided", room));
+  else if (isinf(value))
+    PetscCall(PetscStrncpy(text, infinite, room));
+  else
+    PetscCall(PetscSNPrintf(text, room, "%.6g", value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A line: the limit and the time step, or the growth; then the reason. */
+static PetscErrorCode PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool limits,
+                                const MpmNeighbourhood *one)
+{
+  char number[24], reason[ROOM];
+
+  PetscFunctionBegin;
+  MpmPrint("%-8s", MpmNeighbourhoodNames[one->kind]);
+  if (limits) {
+    PetscCall(NumberText(one->courant, "none", sizeof number, number));
+    MpmPrint(" %-11s", number);
+    if (MpmSceneIsPhysical(s)) {
+      PetscCall(NumberText(MpmSceneTimeStep(s, one->courant), "none", sizeof number, number));
+      MpmPrint(" %-12s", number);
+    }
+  } else {
+    PetscCall(NumberText(one->growth, "unbounded", sizeof number, number));
+    MpmPrint(" %-11s", number);
+  }
+  PetscCall(ReasonText(s, request, one, sizeof reason, reason));
+  MpmPrint("%s%s\n", reason[0] ? " " : "", reason);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The neighbourhood as the subject of a sentence. */
+static const char *Subject(MpmNeighbourhoodKind kind)
+{
+  static const char *const said[] = {[MPM_IN_BULK]   = "the bulk",
+                                     [MPM_AT_EDGE]   = "an edge",
+                                     [MPM_AT_CORNER] = "a corner",
+                                     [MPM_ALONE]     = "a lone particle",
+                                     [MPM_AT_RANDOM] = "a random layout with voids"};
+
+  return said[kind];
+}
+
+static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhoods *all)
+{
+  const MpmNeighbourhood *least = all->least == MPM_NONE ? NULL : &all->of[all->least];
+  char                    reason[ROOM];
+
+  PetscFunctionBegin;
+  if (isnan(all->courant)) {
+    MpmPrint("the worst of them: undecided");
+    if (least) MpmPrint(", of those that are known %s has the least limit", Subject(least->kind));
+    MpmPrint("\n");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (isinf(all->courant)) {
+    MpmPrint("the worst of them: none limits the Courant number up to %.6g\n", MPM_CRITICAL_TO);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmPrint("the worst of them: %s limits the Courant number to %.6g", Subject(least->kind), all->courant);
+  if (MpmSceneIsPhysical(s)) MpmPrint(", the time step to %.6g", MpmSceneTimeStep(s, all->courant));
+  PetscCall(ReasonText(s, request, least, sizeof reason, reason));
+  MpmPrint(" (%s)\n", reason);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *all)
+{
+  const MpmFinding *f = &all->finding;
+
+  PetscFunctionBegin;
+  MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
+  if (f->verdict == MPM_UNSTABLE && all->fastest != MPM_NONE) {
+    MpmPrint(", at Courant number %.6g %s grows ", s->step.courant, Subject(all->of[all->fastest].kind));
+    if (isinf(f->growth))
+      MpmPrint("without bound\n");
+    else
+      MpmPrint("by a factor of %.9g per step\n", f->growth);
+  } else if (f->verdict == MPM_UNDECIDED)
+    MpmPrint(", growth at Courant number %.6g is not known of all of them\n", s->step.courant);
+  else
+    MpmPrint(", none of them grows at Courant number %.6g beyond 1 + %.6g per step\n", s->step.courant, f->tolerance);
+  MpmPrint("evidence: %s\n", f->evidence);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *request, PetscBool limits,
+                                      const MpmNeighbourhoods *all)
+{
+  PetscBool places = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  MpmPrint("\nwhere    %-11s%s reason\n", limits ? "limit" : "growth",
+           limits && MpmSceneIsPhysical(s) ? " time step   " : "");
+  for (PetscInt i = 0; i < all->n; i++) {
+    PetscCall(PrintLine(s, request, limits, &all->of[i]));
+    if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
+  }
+  if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
+  if (MpmSceneDrifts(s)) MpmPrint("the bulk is under the scene's drift, the others are of particles at rest\n");
+  if (all->bound > 0)
+    MpmPrint("no layout of such particles at rest grows up to the Courant number %.6g, so none is worse than that\n",
+             all->bound);
+  if (limits) PetscCall(PrintLeast(s, request, all));
+  if (MpmSceneHasStep(s) || !limits) PetscCall(PrintVerdict(s, all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static json_t *Array(PetscInt dim, const PetscReal values[])
+{
+  json_t *array = json_array();
+
+  for (PetscInt a = 0; a < dim; a++)
+    json_array_append_new(array, isnan(values[a]) ? json_null() : json_real(values[a]));
+  return array;
+}
+
+static json_t *One(const MpmScene *s, const MpmNeighbourhood *one)
+{
+  const PetscInt dim    = s->layout.dim;
+  json_t        *object = json_object();
+
+  MpmJsonSet(object, "critical_courant", one->courant);
+  if (MpmSceneIsPhysical(s)) MpmJsonSet(object, "critical_dt", MpmSceneTimeStep(s, one->courant));
+  MpmJsonSet(object, "growth", one->growth);
+  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[one->verdict]));
+  if (Has(dim, one->place)) json_object_set_new(object, "place", Array(dim, one->place));
+  if (Has(dim, one->beta)) json_object_set_new(object, "limited_by_beta", Array(dim, one->beta));
+  if (one->kind != MPM_IN_BULK && !isnan(one->courant))
+    json_object_set_new(object, "approached", json_boolean(one->approached));
+  if (one->why_not) json_object_set_new(object, "undecided", json_string(one->why_not));
+  if (one->layouts) {
+    json_object_set_new(object, "layouts", json_integer(one->layouts));
+    json_object_set_new(object, "unstable", json_integer(one->unstable));
+    json_object_set_new(object, "share", json_real((PetscReal)one->unstable / (PetscReal)one->layouts));
+    json_object_set_new(object, "worst_seed", json_integer(one->worst_seed));
+  }
+  json_object_set_new(object, "evaluations", json_integer(one->evaluations));
+  MpmJsonSet(object, "seconds", one->seconds);
+  return object;
+}
+
+void MpmNeighbourhoodsJson(const MpmScene *s, const MpmNeighbourhoods *all, PetscBool limits, json_t *object)
+{
+  const PetscInt worst = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
+  json_t        *each  = json_object();
+
+  for (PetscInt i = 0; i < all->n; i++)
+    json_object_set_new(each, MpmNeighbourhoodNames[all->of[i].kind], One(s, &all->of[i]));
+  json_object_set_new(object, "neighbourhoods", each);
+  if (worst != MPM_NONE)
+    json_object_set_new(object, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
+                        json_string(MpmNeighbourhoodNames[all->of[worst].kind]));
+}

@@ -1,0 +1,54 @@
+/* Says how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are. */
+#include "operator/nodal.h"
+#include "report/report.h"
+#include <string.h>
+
+/*
+   Particles that change by more than what nodes send, or by powers of the Courant number, have no such matrix. Of what
+   nodes get there is at most one image for each sum and each power of the Courant number in it.
+*/
+static PetscBool HasNodal(const MpmTable *table)
+{
+  PetscInt images = 0;
+
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp      *op     = &table->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (op->kind == MPM_ADD || (op->kind == MPM_SCALE && op->coefficient)) return PETSC_FALSE;
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) continue;
+    if (!op->accumulates || op->coefficient != op[-1].coefficient) images++;
+  }
+  return images <= MPM_MAX_IMAGES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The images by their maps and fields, in one dimension. */
+static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = 0;
+  for (PetscInt g = 0; g < plan->nimages && table->dim == 1; g++)
+    for (PetscInt i = 0; i < plan->image[g].n; i++) {
+      const MpmNodalTerm *term = &plan->image[g].term[i];
+
+      PetscCall(PetscStrlcat(text, i ? " + " : g ? ", " : ": ", room));
+      PetscCall(PetscStrlcat(text, MpmOpTraitsOf(term->kind).weight == MPM_MASS ? "P2G " : "DIV ", room));
+      PetscCall(PetscStrlcat(text, table->fields[term->src], room));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
+{
+  MpmNodalPlan *plan;
+  char          images[512];
+
+  PetscFunctionBegin;
+  if (!HasNodal(table)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodalPlanCreate(table, &plan));
+  PetscCall(NameImages(table, plan, sizeof images, images));
+  MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
+           plan->nimages, plan->nimages, images);
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,268 @@
+/* From a formulation to its text, and from that to YAML; the hash of a scheme. */
+#include "base/hash.h"
+#include "scheme/language_line.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const rank_names[] = {"scalar", "vector", "stress"}; /* as MpmRank */
+
+/* ---- from a formulation to texts ---- */
+
+static PetscErrorCode Keep(const char text[], MpmWrittenText *kept)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscStrallocpy(text, &kept->text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A factor before an operation or a field: nothing for 1, else with all digits that it has, and a blank after it. */
+static PetscErrorCode FactorText(const MpmOp *op, size_t room, char text[])
+{
+  const PetscReal size  = PetscAbsReal(op->factor);
+  const PetscInt  power = op->coefficient;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(text, op->factor < 0 ? "-" : "", room));
+  for (int digits = 1; digits <= 17 && size != 1; digits++) {
+    char number[32];
+
+    (void)snprintf(number, sizeof number, "%.*g", digits, size);
+    if (strtod(number, NULL) != size) continue;
+    PetscCall(PetscStrlcat(text, number, room));
+    PetscCall(PetscStrlcat(text, " ", room));
+    break;
+  }
+  if (power > 1)
+    (void)snprintf(text + strlen(text), room - strlen(text), "k^%" PetscInt_FMT " ", power);
+  else if (power)
+    PetscCall(PetscStrlcat(text, "k ", room));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *Word(const MpmFormulation *f, const MpmOp *op)
+{
+  switch (op->kind) {
+  case MPM_P2G:
+    return "P2G ";
+  case MPM_DIV:
+    return "DIV ";
+  case MPM_G2P:
+    return "G2P ";
+  case MPM_LAP:
+    return "LAP ";
+  case MPM_SOLVE:
+    return "SOLVE ";
+  case MPM_GRAD:
+    return f->particle_ranks[op->dst] == MPM_TENSOR   ? "STRESS GRAD "
+           : f->particle_ranks[op->dst] == MPM_SCALAR ? "GRAD . "
+                                                      : "GRAD ";
+  default:
+    return "";
+  }
+}
+
+static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
+{
+  const MpmOpTraits  traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
+  const char *const *to     = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
+  const char *const *from   = traits.src == MPM_ON_NODES ? f->node_fields : f->particle_fields;
+  char               factor[64];
+
+  PetscFunctionBegin;
+  if (op->kind == MPM_DRIFT)
+    PetscCall(PetscStrncpy(text, "DRIFT", room));
+  else if (op->kind == MPM_IMPOSE)
+    PetscCall(PetscSNPrintf(text, room, "IMPOSE %s", f->node_fields[op->dst]));
+  else if (op->kind == MPM_REACT)
+    PetscCall(PetscSNPrintf(text, room, "REACT %s %s", f->node_fields[op->dst], f->node_fields[op->src]));
+  else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s",
+                            op->kind == MPM_FILTER ? "FILTER"
+                                                   : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),
+                            f->particle_fields[op->dst], f->node_fields[op->src]));
+  else {
+    PetscCall(FactorText(op, sizeof factor, factor));
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s%s%s", to[op->dst], op->accumulates ? "+=" : "=", factor, Word(f, op),
+                            from[op->src]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *WaveName(const MpmWave *wave)
+{
+  return wave == &MpmWaveFirstOrder ? "gas" : wave == &MpmWaveSecondOrder ? "bar" : "momentum";
+}
+
+PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **written)
+{
+  MpmWritten *w;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(written));
+  w = *written;
+  PetscCall(Keep(f->name, &w->name));
+  PetscCall(Keep(f->summary, &w->summary));
+  PetscCall(Keep(f->reference, &w->reference));
+  for (; f->particle_fields[w->nparticles]; w->nparticles++) {
+    PetscCall(Keep(f->particle_fields[w->nparticles], &w->particles[w->nparticles].name));
+    w->particles[w->nparticles].rank = f->particle_ranks[w->nparticles];
+  }
+  for (; f->node_fields[w->nnodes]; w->nnodes++) {
+    PetscCall(Keep(f->node_fields[w->nnodes], &w->nodes[w->nnodes].name));
+    w->nodes[w->nnodes].rank = f->node_ranks[w->nnodes];
+  }
+  PetscCheck(f->nops <= MPM_MOST_LINES_OF_STEP, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MOST_LINES_OF_STEP");
+  for (; w->nstep < f->nops; w->nstep++) {
+    char text[128];
+
+    PetscCall(LineText(f, &f->ops[w->nstep], sizeof text, text));
+    PetscCall(Keep(text, &w->step[w->nstep]));
+  }
+  for (; w->nenergy < f->nenergy; w->nenergy++) {
+    const MpmEnergyTerm *term = &f->energy[w->nenergy];
+    const PetscBool      node = term->place == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+
+    PetscCall(Keep((node ? f->node_fields : f->particle_fields)[term->field], &w->energy[w->nenergy].field));
+    PetscCall(Keep(node ? "difference" : term->stress ? "compliance" : "mass", &w->energy[w->nenergy].kind));
+  }
+  if (f->wave) PetscCall(Keep(WaveName(f->wave), &w->wave));
+  if (f->staggered != MPM_NONE) PetscCall(Keep(f->particle_fields[f->staggered], &w->staggered));
+  if (f->affine != MPM_NONE) PetscCall(Keep(f->particle_fields[f->affine], &w->affine));
+  if (f->conserved != MPM_NONE) PetscCall(Keep(f->particle_fields[f->conserved], &w->conserved));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- from texts to YAML ---- */
+
+/* In single quotes, in which YAML takes everything but the quote as it stands. */
+static void PutQuoted(FILE *out, const char key[], const MpmWrittenText *text)
+{
+  if (!text->text) return;
+  fprintf(out, "  %s: '", key);
+  for (const char *at = text->text; *at; at++) fprintf(out, *at == '\'' ? "''" : "%c", *at);
+  fprintf(out, "'\n");
+}
+
+static void PutPlain(FILE *out, const char key[], const MpmWrittenText *text)
+{
+  if (text->text) fprintf(out, "  %s: %s\n", key, text->text);
+}
+
+static void PutFields(FILE *out, const char key[], PetscInt n, const MpmWrittenField fields[])
+{
+  fprintf(out, "  %s: {", key);
+  for (PetscInt i = 0; i < n; i++)
+    fprintf(out, "%s%s: %s", i ? ", " : "", fields[i].name.text, rank_names[fields[i].rank]);
+  fprintf(out, "}\n");
+}
+
+static void Put(FILE *out, const MpmWritten *w)
+{
+  fprintf(out, "scheme:\n");
+  PutPlain(out, "name", &w->name);
+  PutQuoted(out, "summary", &w->summary);
+  PutQuoted(out, "reference", &w->reference);
+  PutFields(out, "particles", w->nparticles, w->particles);
+  PutFields(out, "nodes", w->nnodes, w->nodes);
+  for (PetscInt i = 0; i < w->nparameters; i++)
+    fprintf(out, "%s%s: %s%s", i ? ", " : "  parameters: {", w->parameters[i].name.text, w->parameters[i].text.text,
+            i == w->nparameters - 1 ? "}\n" : "");
+  fprintf(out, "  step:\n");
+  for (PetscInt i = 0; i < w->nstep; i++) fprintf(out, "    - %s\n", w->step[i].text);
+  for (PetscInt i = 0; i < w->nenergy; i++)
+    fprintf(out, "%s%s: %s%s", i ? ", " : "  energy: {", w->energy[i].field.text, w->energy[i].kind.text,
+            i == w->nenergy - 1 ? "}\n" : "");
+  PutPlain(out, "wave", &w->wave);
+  PutPlain(out, "staggered", &w->staggered);
+  PutPlain(out, "affine", &w->affine);
+  PutPlain(out, "conserved", &w->conserved);
+}
+
+PetscErrorCode MpmWrittenYaml(const MpmWritten *w, char **yaml)
+{
+  char  *text = NULL;
+  size_t size = 0;
+  FILE  *out  = open_memstream(&text, &size);
+
+  PetscFunctionBegin;
+  PetscCheck(out, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
+  Put(out, w);
+  PetscCheck(!fclose(out), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
+  PetscCall(PetscStrallocpy(text, yaml));
+  free(text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the hash ---- */
+
+static PetscBool IsInWord(char c)
+{
+  return isalnum((unsigned char)c) || c == '_' || c == '.' ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void Mix(uint64_t *hash, unsigned char c)
+{
+  *hash = MpmHashMix(*hash + MPM_HASH_INCREMENT + c);
+}
+
+/* Adds a text and its end. Of blanks those between two words count, as one. */
+static void MixText(uint64_t *hash, const char text[])
+{
+  char last = 0;
+
+  for (const char *at = text ? text : ""; *at; at++) {
+    if (isspace((unsigned char)*at)) continue;
+    if (at > text && isspace((unsigned char)at[-1]) && IsInWord(last) && IsInWord(*at)) Mix(hash, ' ');
+    Mix(hash, (unsigned char)*at);
+    last = *at;
+  }
+  Mix(hash, 0);
+}
+
+static void MixFields(uint64_t *hash, PetscInt n, const MpmWrittenField fields[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    MixText(hash, fields[i].name.text);
+    MixText(hash, rank_names[fields[i].rank]);
+  }
+  Mix(hash, 1);
+}
+
+void MpmWrittenHash(const MpmWritten *w, char text[MPM_HASH_TEXT])
+{
+  uint64_t hash = 0;
+
+  MixFields(&hash, w->nparticles, w->particles);
+  MixFields(&hash, w->nnodes, w->nodes);
+  for (PetscInt i = 0; i < w->nparameters; i++) {
+    MixText(&hash, w->parameters[i].name.text);
+    MixText(&hash, w->parameters[i].text.text);
+  }
+  Mix(&hash, 1);
+  for (PetscInt i = 0; i < w->nstep; i++) MixText(&hash, w->step[i].text);
+  Mix(&hash, 1);
+  for (PetscInt i = 0; i < w->nenergy; i++) {
+    MixText(&hash, w->energy[i].field.text);
+    MixText(&hash, w->energy[i].kind.text);
+  }
+  MixText(&hash, w->wave.text);
+  MixText(&hash, w->staggered.text);
+  MixText(&hash, w->affine.text);
+  MixText(&hash, w->conserved.text);
+  (void)snprintf(text, MPM_HASH_TEXT, "%016llx", (unsigned long long)hash);
+}
+
+PetscErrorCode MpmWrittenParametersText(const MpmWritten *w, char text[MPM_PARAMETERS_TEXT])
+{
+  PetscReal numbers[MPM_MOST_PARAMETERS];
+
+  PetscFunctionBegin;
+  text[0] = 0;
+  PetscCall(MpmWrittenNumbers(w, numbers));
+  for (PetscInt i = 0; i < w->nparameters; i++)
+    (void)snprintf(text + strlen(text), MPM_PARAMETERS_TEXT - strlen(text), "%s%s=%.17g", i ? "," : "",
+                   w->parameters[i].name.text, numbers[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
