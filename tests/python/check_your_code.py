@@ -100,6 +100,7 @@ class Program:
     """A child that speaks the protocol of programs."""
 
     def __init__(self, *words):
+        self.option = ["-program", " ".join(str(w) for w in words)]
         self.child = subprocess.Popen([str(w) for w in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=ENVIRONMENT)
         self.description = self.ask({"do": "describe"})
         self.base = self.take()
@@ -130,6 +131,7 @@ class Plugin:
     """A shared library with the functions of mpmstab/plugin.h."""
 
     def __init__(self, path):
+        self.option = ["-plugin", path]
         self.library, self.state = ctypes.CDLL(path), ctypes.POINTER(ctypes.c_double)()
         self.library.mpmstab_describe.restype = ctypes.c_char_p
         self.description = json.loads(self.library.mpmstab_describe(ctypes.byref(self.state)))
@@ -180,6 +182,8 @@ def check_adapter(language, code):
     check(code.set("dt", 0.0), f"{language}: dt is not taken")
     near(code.step(state), state, 0, f"{language}: a step with dt = 0")
     code.end()
+    run(MPMSTAB, "spectrum", *code.option, "-write_matrix", "probed.mtx", "-expect", "stable")
+    near(scipy.io.mmread("probed.mtx").toarray(), OWN, 1e-9, f"{language}: matrix that {code.option[0]} gives")
 
 
 # ---- the hook itself, on a step whose matrix is known ----
