@@ -18,12 +18,12 @@ PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
 /*
    Collective. Print the table for people, and write the JSON object. spectrum: of the bulk, or NULL. all: of the
-   neighbourhoods, or NULL where there is the bulk alone.
+   neighbourhoods, or NULL where there is the bulk alone. more: an object whose keys JSON has too, or NULL.
 */
 PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
                                 const MpmNeighbourhoods *all);
 PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
-                                    const MpmNeighbourhoods *all, PetscReal wall_s);
+                                    const MpmNeighbourhoods *all, PetscReal wall_s, json_t *more);
 
 /*
    Collective. Print, and add to the JSON object, norm(A^n) and the pseudospectrum of a spectrum where the request asks

@@ -382,7 +382,7 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
                                         MpmExpect *expect)
 {
   PetscFunctionBegin;
-  if (strcmp(task, "critical") || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strcmp(task, "critical") || !scene || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
     PetscCall(
         MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
@@ -457,6 +457,7 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   PetscCall(MpmSettingsPhases(settings, &request->given_phases));
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
+  PetscCall(MpmSettingsReadProgram(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -169,6 +169,9 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
    MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
 */
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
+
+/* Collective. Reads which program or plugin takes the place of a scene, and how it is probed. */
+PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
 PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*

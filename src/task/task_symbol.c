@@ -1,4 +1,4 @@
-/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE] [-option value]... */
+/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "report/report.h"
 #include "report/results.h"
