@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 
+import numpy
 import scipy.sparse
 
 from checks import check, loaded, text_of
@@ -48,7 +49,23 @@ def check_operator(scheme):
              abs(scipy.sparse.load_npz("code.npz").toarray() - right).max(), 0)
 
 
+def blocks_of(*words):
+    """The blocks A_d that symbol writes, by d."""
+    run("symbol", *words, "-write_blocks", "blocks.npz")
+    with numpy.load("blocks.npz") as file:
+        return {tuple(d): A for d, A in zip(file["d"].reshape(len(file["A"]), -1), file["A"])}
+
+
+def check_blocks():
+    one = blocks_of("-formulation", "usl", "-cells", "16", "-courant", "0.5")
+    other = blocks_of("-program", program("program_steps.py", "usl"))
+    check(set(one) == set(other), f"blocks reach {sorted(one)} and {sorted(other)}")
+    for d, A in one.items():
+        near(f"block {d}", abs(A - other[d]).max(), 0)
+
+
 def check_steps():
+    check_blocks()
     for scheme in ("usl", "musl"):
         check_operator(scheme)
     drifts = ["-drift", "1/8", "-offset", "0.625"]
