@@ -6,7 +6,6 @@ import os
 import shutil
 import weakref
 
-import h5py
 import numpy
 
 from .drawing import draw, picture_module
@@ -100,20 +99,25 @@ class Result:
             return TABLES[self.task]
         return next((path for path in self._named() if path.rsplit("/", 1)[-1] == name), None)
 
+    def _opened(self):
+        import h5py  # here: adapters of this package run where h5py need not be
+
+        return h5py.File(self.files["output"], "r")
+
     @property
     def arrays(self):
         """The paths of the arrays in the HDF5 file, in the order of their names."""
         paths = []
         if "output" in self.files:
-            with h5py.File(self.files["output"], "r") as file:
-                file.visititems(lambda path, item: paths.append(path) if isinstance(item, h5py.Dataset) else None)
+            with self._opened() as file:
+                file.visititems(lambda path, item: paths.append(path) if hasattr(item, "dtype") else None)
         return paths
 
     def array(self, path):
         """Returns an array of the HDF5 file; eigenvalues and factors are complex."""
         if path not in self.arrays:
             raise KeyError(f"no array '{path}' in this result of {self.task}; .arrays is the list of all")
-        with h5py.File(self.files["output"], "r") as file:
+        with self._opened() as file:
             values = file[path][()]
         if path not in COMPLEX:
             return values
