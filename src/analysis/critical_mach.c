@@ -97,7 +97,7 @@ static PetscErrorCode Solve(void *context, PetscInt i)
   PetscFunctionBegin;
   at.step.courant = w->found->points[i].courant;
   MpmMachDrift(w->mach, &w->found->points[i].part, at.step.drift);
-  PetscCall(MpmRefinedGrowth(PETSC_COMM_SELF, at.layout, at.scheme, &at.step, &refined));
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_SELF, at.layout, at.scheme, &at.step, PETSC_FALSE, &refined));
   PetscCall(MpmRefinedFinding(&refined, at.tolerance, &finding));
   w->growth[i]  = refined.growth;
   w->verdict[i] = finding.verdict;
@@ -165,7 +165,7 @@ PetscErrorCode MpmCriticalMachCreate(const MpmCriticalCase *of, const MpmMach *m
                 mach->unit.value, c->to, MPM_LONGEST_PERIOD);
   PetscCall(SolveAll(of, mach, c));
   Sum(c);
-  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, &refined));
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, PETSC_FALSE, &refined));
   PetscCall(MpmRefinedFinding(&refined, of->tolerance, &c->asked));
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);

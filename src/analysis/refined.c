@@ -46,7 +46,7 @@ static PetscBool HasMoved(PetscReal excess, PetscReal before)
 }
 
 /* What one grid does not find again, another one has found. */
-static PetscErrorCode Refine(Search *s, MpmZoom *zoom, MpmRefined *r)
+static PetscErrorCode Refine(Search *s, MpmZoom *zoom, PetscBool to_finest, MpmRefined *r)
 {
   PetscReal excess = 0;
   PetscInt  still  = 0;
@@ -63,9 +63,9 @@ static PetscErrorCode Refine(Search *s, MpmZoom *zoom, MpmRefined *r)
       excess = 1 / value;
       PetscCall(PetscArraycpy(r->beta, beta, zoom->dim));
     }
-    still = points > first[zoom->dim] && !HasMoved(excess, before) ? still + 1 : 0;
+    still = points > first[zoom->dim] && !HasMoved(excess, before) && !(to_finest && excess == 0) ? still + 1 : 0;
   }
-  r->settled = still == 2 ? PETSC_TRUE : PETSC_FALSE;
+  r->settled = still == 2 || (to_finest && excess == 0 && r->points >= 4 * first[zoom->dim]) ? PETSC_TRUE : PETSC_FALSE;
   r->growth  = 1 + excess;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +114,7 @@ PetscErrorCode MpmRefinedFinding(const MpmRefined *r, PetscReal tolerance, MpmFi
 }
 
 PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                                MpmRefined *r)
+                                PetscBool to_finest, MpmRefined *r)
 {
   Search  s    = {.courant = step->courant};
   MpmZoom zoom = MpmCriticalZoom(layout, step->drift);
@@ -128,7 +128,7 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
   zoom.comm   = comm;
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &s.bloch));
   PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
-  PetscCall(Refine(&s, &zoom, r));
+  PetscCall(Refine(&s, &zoom, to_finest, r));
   PetscCall(FindError(&s, r));
   PetscCallMPI(MPI_Allreduce(&s.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));
   if (isnan(r->beta[0])) PetscCallMPI(MPI_Allreduce(&s.largest, &r->growth, 1, MPIU_REAL, MPI_MAX, comm));

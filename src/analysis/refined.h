@@ -28,11 +28,12 @@ typedef struct {
    Collective on comm, whose ranks share the work. The result does not depend on their number.
 
    Each grid has twice the phases of the one before it. From its largest growths the search goes on uphill with ever
-   smaller steps. It ends when the growth found has not moved over two grids, or at the finest grid. A peak that is
-   narrower than its distances may still be missed.
+   smaller steps. It ends when the growth found has not moved over two grids, or at the finest grid. With to_finest it
+   also goes on where nothing grows on two grids: a narrow peak may show on a finer one. A peak that is narrower than
+   the distances of the last grid may still be missed.
 */
 PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                                MpmRefined *refined);
+                                PetscBool to_finest, MpmRefined *refined);
 
 /* Not collective. The verdict on refined growth: stable only where it is settled. */
 PetscErrorCode MpmRefinedFinding(const MpmRefined *refined, PetscReal tolerance, MpmFinding *finding);

@@ -4,11 +4,13 @@
 #include "linalg/small_eigen.h"
 #include <mpmstab/verdict.h>
 
-#define MOST_POINTS 64 /* in (0, pi] in each direction */
-#define FEWEST_POINTS 4
+#define MOST_POINTS 64 /* in (0, pi] in each direction, for the phases of the symbol */
 #define STARTS 8
 #define WITHIN 0.5  /* searches go on from places with at least half of the largest growth */
 #define FINEST 1e-8 /* of a phase */
+
+/* By dimension: the fewest points in (0, pi]. Under drift growth may be confined to a thousandth of the phases. */
+static const PetscInt fewest[] = {0, 1024, 32, 4};
 
 typedef struct {
   const MpmSource *source;
@@ -33,14 +35,18 @@ static PetscErrorCode MinusGrowth(void *context, const PetscReal beta[], PetscRe
 PetscErrorCode MpmWorstPhase(MPI_Comm comm, const MpmSource *source, const PetscInt phases[], PetscReal beta[],
                              MpmSourceGrowth *at)
 {
-  Search  search = {.source = source};
-  MpmZoom zoom   = {
-        .dim = source->dim, .points = FEWEST_POINTS, .starts = STARTS, .within = WITHIN, .finest = FINEST, .comm = comm};
+  Search    search = {.source = source};
+  MpmZoom   zoom   = {.dim    = source->dim,
+                      .points = fewest[source->dim],
+                      .starts = STARTS,
+                      .within = WITHIN,
+                      .finest = FINEST,
+                      .comm   = comm};
   PetscReal value;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < source->dim; a++) {
-    zoom.points    = PetscMin(MOST_POINTS, PetscMax(zoom.points, phases[a] / 2));
+    zoom.points    = PetscMax(zoom.points, PetscMin(MOST_POINTS, phases[a] / 2));
     zoom.mirror[a] = source->reflects[a];
   }
   PetscCall(MpmSmallEigenCreate(source->size, &search.eigen));

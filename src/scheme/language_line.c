@@ -497,6 +497,7 @@ static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
   if (!Takes(r, '='))
     MpmRefuseLine(r->written, r->text,
                   "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER or DRIFT");
+  if (*r->at == '+') MpmRefuseLine(r->written, r->text, "'=+' is not allowed; did you mean +=?");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

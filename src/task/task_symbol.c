@@ -142,7 +142,7 @@ static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, con
                           "the symbol at %s phases, the whole spectrum of %s cells", phases, phases));
   finding->verdict = MpmVerdictOf(finding);
   if (!request->refine) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, r));
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, PETSC_TRUE, r));
   if (r->growth > s->growth) PetscCall(MpmRefinedFinding(r, request->tolerance, finding));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

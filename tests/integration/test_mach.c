@@ -114,7 +114,7 @@ static PetscErrorCode Refined(const char options[], MpmRefined *refined)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, refined));
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, PETSC_FALSE, refined));
   CHECK(refined->settled, "%s: %.12g still moves", options, refined->growth);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -199,6 +199,15 @@ def check_blocks(scene, ranks, verdict):
          f"{scene}: growth at the refined phase")
 
 
+def check_narrow():
+    """Blocks are searched between the phases of the symbol: here growth is confined to a thousandth of them."""
+    run("symbol", "-formulation", "gas2", "-basis", "quadratic", "-drift", "3/7", "-courant", "0.1", "-write_blocks",
+        "n.npz")
+    result = run("symbol", "-matrix_blocks", "n.npz")
+    check(result["verdict"] == "unstable", f"narrow window: {result['verdict']}")
+    near(result["growth"] - 1, 1.93e-6, 2e-8, "narrow window")
+
+
 def check_wave():
     """Centred differences of advection: G = 1 - 2 i c sin(beta), so abs(G) is largest at pi / 2, between six phases."""
     c, steps = 0.3, 2
@@ -329,6 +338,7 @@ def main():
     check_blocks(MOVES, 1, "unstable")
     check_blocks(PLANE, 2, run("symbol", *PLANE)["verdict"])
     check_blocks(AT_REST, 3, run("symbol", *AT_REST)["verdict"])
+    check_narrow()
     check_wave()
     check_example()
     check_refusals()
