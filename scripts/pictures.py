@@ -3,6 +3,7 @@
 
   pictures.py spectrum SPECTRUM.h5 [RESULT.json]      eigenvalues, unit circle, the symbol's and the published factors
   pictures.py symbol SYMBOL.h5|CSV [SPECTRUM.h5] [RESULT.json]   abs(G) over the phase, in all columns that there are
+  pictures.py damping SYMBOL.h5                       decay and frequency of waves over their length (symbol -damping)
   pictures.py modes SPECTRUM.h5                       the leading eigenmodes over x (-n: how many)
   pictures.py growth RUN.json...                      size over steps, predicted growth dashed (RUN.csv lies beside)
   pictures.py spacetime RUN.h5 [FIELD]                a particle field over place and time
@@ -18,6 +19,7 @@ from program import Parser, end_in_one_line, refuse, require_outputs, say  # thi
 import os
 import warnings
 
+from picture_damping import damping
 from picture_files import Refusal
 from picture_maps import growth_map, pseudospectrum, transient
 from picture_modes import modes
@@ -26,7 +28,8 @@ from picture_runs import frames, growth, spacetime
 from picture_spectra import spectrum, symbol
 from picture_style import names_of, save
 
-KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum")
+KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum",
+         "damping")
 
 
 def first_two(kind, paths):
@@ -60,15 +63,15 @@ def draw(args):
         if len(paths) > 2:
             raise Refusal(f"{paths[2]}: one too many; allowed: spacetime RUN.h5 [FIELD]")
         return spacetime(*paths)
-    if kind in ("modes", "transient", "frames") and len(paths) > 1:
+    if kind in ("modes", "transient", "frames", "damping") and len(paths) > 1:
         raise Refusal(f"{paths[1]}: one file too many; allowed: {kind} FILE")
     if kind == "frames":
         frames(paths[0], args.output or "frames")
         return None
     if kind == "modes":
         return modes(paths[0], args.number)
-    if kind == "transient":
-        return transient(paths[0])
+    if kind in ("transient", "damping"):
+        return {"transient": transient, "damping": damping}[kind](paths[0])
     return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
 
 

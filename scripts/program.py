@@ -4,18 +4,18 @@ The environment variable MPMSTAB names the program (by default build/mpmstab). S
 then on Ctrl-C ends them in one line, and the modules in scripts/report are found.
 """
 import argparse
-import contextlib
 import json
 import os
 import platform
-import secrets
-import stat
 import subprocess
 import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.append(os.path.join(ROOT, "scripts", "report"))
+
+from whole_files import fault_of, fault_of_outputs, write_whole  # noqa: E402,F401 (found by that line)
+
 PROGRAM = os.path.abspath(os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab")))
 
 
@@ -101,20 +101,6 @@ def launch(task, scene=None, options=(), ranks=1):
         return done.returncode, result_of(out), done.stderr.strip()
 
 
-def fault_of(path):
-    """Returns in words why a file cannot be read from its beginning to its end, or None when it can.
-
-    A pipe would wait for a writer and some devices have no end, so only regular files are read.
-    """
-    try:
-        mode = os.stat(path).st_mode
-    except OSError as error:
-        return error.strerror.lower()
-    if not stat.S_ISREG(mode):
-        return "is a folder" if stat.S_ISDIR(mode) else "is not a regular file"
-    return None if os.access(path, os.R_OK) else "permission denied"
-
-
 def require_input(path, allowed):
     """Refuses a file that cannot be read whole."""
     fault = fault_of(path)
@@ -123,35 +109,10 @@ def require_input(path, allowed):
 
 
 def require_outputs(outputs, inputs=()):
-    """Refuses to write a file that is also read, by this name or through a link, and what is not a regular file."""
-    for path in filter(os.path.exists, outputs):
-        if not os.path.isfile(path):
-            refuse(f"{path}: is {'a folder' if os.path.isdir(path) else 'not a regular file'}; "
-                   "allowed: a new file, or a regular file that is to be replaced")
-        for other in filter(os.path.exists, inputs):
-            if os.path.samefile(path, other):
-                refuse(f"{path}: would replace the input {other}; allowed: another file")
-
-
-def write_whole(path, content):
-    """Writes a file of text or bytes, which appears whole or not at all; an error names it.
-
-    It is written aside under a name that nobody else has, and then takes its place.
-    """
-    aside = os.path.join(os.path.dirname(path), f"{os.getpid()}-{secrets.token_hex(8)}.part")
-    made = False
-    try:
-        with open(aside, "xb") as file:
-            made = True
-            file.write(content if isinstance(content, bytes) else content.encode())
-        os.replace(aside, path)
-    except BaseException as error:
-        if made:
-            with contextlib.suppress(FileNotFoundError):
-                os.remove(aside)
-        if isinstance(error, OSError):
-            error.filename, error.filename2 = path, None
-        raise
+    """Refuses to write a file that is also read, and what is not a regular file."""
+    fault = fault_of_outputs(outputs, inputs)
+    if fault:
+        refuse(fault)
 
 
 def processor():

@@ -208,6 +208,8 @@ typedef struct {
 /* A scheme as it is written in a scene or in a file of its own. */
 typedef struct MpmWritten_ MpmWritten;
 
+typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
+
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
 
@@ -225,6 +227,7 @@ typedef struct MpmWritten_ MpmWritten;
    wave            - the continuous problem
    like            - like[n]: 1 + the node field whose mirror images node field n has, too; 0: its own, which IMPOSE gives
    written         - the text that the scheme was made from; NULL for one of MpmFormulations
+   transfer        - the transfer that this text has; NULL: it has none
    published       - abs(G) at a phase as the slides print it, NaN where the formula says nothing; NULL where the slides
                      do not treat the formulation
    published_limit - the Courant number up to which the slides say that it is stable; 0: never
@@ -252,6 +255,7 @@ typedef struct {
   const MpmWave       *wave;
   PetscInt             like[MPM_MAX_FIELDS];
   const MpmWritten    *written;
+  MpmTransfer         *transfer;
   PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
   PetscBool            published_centred, mls_bound;

@@ -29,22 +29,22 @@
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
    affine_map    - the kind of operation that fills the affine part from nodes: G2P_AFFINE or G2P_SLOPE
    ends          - the kinds of the left and of the right end of each direction
-   where, transfer - what messages call the formulation and the transfer
+   where, transfer - what messages call the formulation, and the transfer
 S*/
 struct MpmTable_ {
-  PetscInt    dim, nops, room;
-  MpmOp      *ops;
-  PetscInt    nstate, nparticles, nnodes, unfiltered;
-  const char *fields[MPM_MAX_FIELDS + 1];
-  char        names[MPM_MAX_FIELDS][16]; /* what fields points to */
-  PetscInt    field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
-  MpmParity   parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
-  PetscBool   filtered[MPM_MAX_FIELDS];
-  PetscInt    affine, affine_part;
-  MpmOpKind   affine_map;
-  MpmEnd      ends[MPM_MAX_DIM][2];
-  char        where[512];
-  const char *transfer;
+  PetscInt           dim, nops, room;
+  MpmOp             *ops;
+  PetscInt           nstate, nparticles, nnodes, unfiltered;
+  const char        *fields[MPM_MAX_FIELDS + 1];
+  char               names[MPM_MAX_FIELDS][16]; /* what fields points to */
+  PetscInt           field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
+  MpmParity          parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
+  PetscBool          filtered[MPM_MAX_FIELDS];
+  PetscInt           affine, affine_part;
+  MpmOpKind          affine_map;
+  MpmEnd             ends[MPM_MAX_DIM][2];
+  char               where[512];
+  const MpmTransfer *transfer;
 };
 
 #define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */

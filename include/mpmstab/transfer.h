@@ -33,8 +33,10 @@ typedef struct {
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
                    NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
+   nlines, lines - of a transfer as text: its operations, on nparticles and nnodes registers of its own, of which the
+                   first is q and g. filter puts them into a table.
 S*/
-typedef struct {
+struct MpmTransfer_ {
   const char *name, *summary, *reference, *option;
   PetscBool   affine, taylor, mls_bound;
   const char *same_as;
@@ -44,7 +46,9 @@ typedef struct {
   PetscReal (*sharp_symbol)(const MpmTransferNumbers *numbers, PetscReal alpha);
   PetscReal (*null_factor)(const MpmTransferNumbers *numbers);
   PetscReal (*number)(const MpmTransferNumbers *numbers);
-} MpmTransfer;
+  PetscInt     nlines, nparticles, nnodes;
+  const MpmOp *lines;
+};
 
 /* Not collective. All transfers, NULL-terminated. */
 extern const MpmTransfer *const MpmTransfers[];

@@ -7,7 +7,7 @@ import os
 import h5py
 import numpy
 
-from program import fault_of
+from whole_files import fault_of
 
 
 class Refusal(Exception):

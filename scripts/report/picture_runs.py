@@ -12,7 +12,7 @@ import picture_files as files
 import picture_plane as plane
 import picture_scenes as scenes
 import picture_style as style
-from program import require_outputs, write_whole
+from whole_files import fault_of_outputs, write_whole
 
 OUTPUT = "run -output -output_every n"
 MOST_ROWS = 300  # output steps in a space-time picture
@@ -266,7 +266,9 @@ def frames(path, folder, per_second=12):
             files.refuse(path, f"{len(steps)} steps in it", f"up to {MOST_FRAMES}, by a larger -output_every")
         draw = drawing_of(path, scene, steps)
         names = [os.path.join(folder, name) for name in (*(f"step_{step:010d}.png" for step, _ in steps), "movie.gif")]
-        require_outputs(names, [path])
+        fault = fault_of_outputs(names, [path])
+        if fault:
+            raise files.Refusal(fault)
         os.makedirs(folder, exist_ok=True)
         movie = PillowWriter(fps=per_second)
         for name, (step, group) in zip(names, steps):

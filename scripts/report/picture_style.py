@@ -2,11 +2,9 @@
 import io
 
 import matplotlib
+from matplotlib.figure import Figure
 
-matplotlib.use("Agg")
-from matplotlib.figure import Figure  # noqa: E402 (the backend must be chosen before)
-
-from program import write_whole  # noqa: E402
+from whole_files import write_whole
 
 # The colours of Okabe and Ito, which colour-blind people tell apart; each has a marker or a kind of line of its own.
 COLOURS = ["#D55E00", "#0072B2", "#CC79A7", "#009E73", "#E69F00", "#56B4E9"]
@@ -20,12 +18,13 @@ EIGENVALUES = {"linestyle": "none", "marker": "o", "markersize": 6, "markerfacec
 GREY = "#777777"
 PHASES = [(0, "0"), (0.25, "π/4"), (0.5, "π/2"), (0.75, "3π/4"), (1, "π")]
 
-matplotlib.rcParams.update({
+LOOK = {
     "svg.fonttype": "none",  # so that text stays text
     "svg.hashsalt": "mpmstab",  # so that the same data give the same file
     "font.size": 10, "axes.titlesize": 10.5, "axes.labelsize": 10, "xtick.labelsize": 9, "ytick.labelsize": 9,
     "legend.fontsize": 9, "legend.framealpha": 0.9, "axes.axisbelow": True, "lines.markersize": 5,
-})
+}
+matplotlib.rcParams.update(LOOK)
 
 
 def new_figure(height, footer, width=6.4):

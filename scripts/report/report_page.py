@@ -164,6 +164,17 @@ def transient_words(entry):
     return f"<h3>Transient growth</h3>\n<p>{words}</p>\n" + (html.preformatted("\n".join(lines)) if lines else "")
 
 
+def damping_words(entry):
+    """Returns the program's table of damping."""
+    answer = entry["answers"].get("damping")
+    if not answer or not answer.done:
+        return ""
+    lines = answer.table.splitlines()
+    begin = next(number for number, line in enumerate(lines) if line.startswith("damping of waves"))
+    end = next(number for number, line in enumerate(lines) if number > begin and not line)
+    return f"<h3>Damping</h3>\n{html.preformatted(chr(10).join(lines[begin:end]))}"
+
+
 def parameters(entry):
     """Returns a table of the scene as the program has read it, defaults included."""
     rows = [[escaped(key), escaped(", ".join(f"{one:.9g}" if isinstance(one, float) else str(one)
@@ -176,7 +187,7 @@ def missed(entry):
     """Lists tasks that were refused or failed, in the program's words, missed expectations, and what is left out."""
     items = []
     for name, answer in entry["answers"].items():
-        if answer.status == 3 and name not in ("at rest", "map"):  # expectations of a scene are not about those
+        if answer.status == 3 and name not in ("at rest", "damping", "map"):  # expectations of a scene are not about those
             items.append(f"<li><b>{escaped(name)}</b>: {escaped(answer.complaint)}</li>")
         elif not answer.done:
             kind = "does not cover this scene" if answer.status == 2 else "failed"
@@ -198,7 +209,8 @@ def scene_section(entry):
     return "\n".join([
         f'<article id="{entry["name"]}">', f"<h2>{escaped(entry['name'])}</h2>", verdict_box(entry),
         answers_list(entry), "<h3>Growth per step</h3>", five_columns(entry), "<h3>Pictures</h3>",
-        report_pictures.all_of(entry["asker"], entry["answers"]), transient_words(entry), work_precision(entry),
+        report_pictures.all_of(entry["asker"], entry["answers"]), damping_words(entry),
+        transient_words(entry), work_precision(entry),
         missed(entry), f"<h3>The scene</h3>\n<p>{escaped(shown(entry['file']))}</p>", html.preformatted(entry["text"]),
         "<details>\n<summary>As the program has read it, with defaults</summary>", parameters(entry), "</details>",
         "<h3>The same again</h3>", html.preformatted(commands), "</article>"])

@@ -12,6 +12,7 @@ CAPTIONS = {
     "symbol": "Growth of each wave: the symbol is exact, eigenvalues stand at the phase of their largest Fourier "
               "component; where published and corrected lie apart, the slides' formula fails.",
     "zone": "Growth of each wave over the phases of the directions: grey where nothing grows; circles at the fastest.",
+    "damping": "How fast waves decay, and how far their frequency is off: at the scene's time step and at parts of it.",
     "frame": "Particles at the end of the run.",
     "modes": "The leading eigenmodes: what grows fastest, or in a stable scene what stays.",
     "growth": "Size of the state as it was marched, and the growth that is predicted.",
@@ -40,6 +41,9 @@ def wanted(asker, answers):
         kind, phases = ("symbol", "phase") if dimension(result) == 1 else ("zone", "phases of all directions")
         yield (kind, lambda: pictures.symbol(path("symbol.h5"), *extra),
                f"Amplification factor over the {phases} for {scheme}; {growth}.")
+    if "damping" in answers and answers["damping"].done:
+        yield ("damping", lambda: pictures.damping(path("damping.h5")),
+               f"Decay and frequency error of waves along x over their length, {scheme} and smaller time steps.")
     if "map" in answers and answers["map"].done:
         yield ("map", lambda: pictures.growth_map(path("map.h5"), path("map.json"), path("map.csv")),
                f"Growth over Courant number and drift for {result['formulation']}; unstable at "

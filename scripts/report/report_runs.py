@@ -122,6 +122,8 @@ def ask_all(scene, folder, ranks, known):
     spectrum, symbol = answers["spectrum"], answers["symbol"]
     if symbol.done and any(each(symbol.result["drift"])):
         answers["at rest"] = asker.ask("symbol", "at-rest", ["-drift", "0"])
+    if symbol.done and "damping" in known:
+        answers["damping"] = asker.ask("symbol", "damping", ["-damping", "true"], ("json", "h5"))
     answers["critical"] = asker.ask("critical")
     answers["run"] = asker.ask("run", files=("json", "csv"))
     if answers["run"].done:

@@ -140,6 +140,8 @@ static PetscErrorCode PointFinish(Point *at)
   if (at->fixed) SetMachDrift(at);
   if (at->nset) {
     PetscCall(MpmWrittenCompile(scheme->formulation->written, at->nset, at->parameter, at->value, &at->formulation));
+    if (scheme->formulation->transfer && scheme->transfer == scheme->formulation->transfer)
+      scheme->transfer = at->formulation->transfer;
     scheme->formulation = at->formulation;
   }
   if (at->own)

@@ -100,16 +100,26 @@ static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp 
   return pass->nops >= MPM_MAX_PASS_OPS - MPM_MAX_FIELDS && !scratch ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. */
-static PetscBool EndsBefore(const MpmPass *pass, const MpmOp *op)
+/*
+   A pass must end before an operation that reads a field which the pass has yet to complete, or that sums it anew. A
+   scratch field begins in a pass that has completed what the field will be made of.
+*/
+static PetscBool EndsBefore(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   begins = op->kind == MPM_SCALE && op->dst >= table->nstate ? PETSC_TRUE : PETSC_FALSE;
 
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
   if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
-  if (traits.dst == MPM_NOWHERE) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
+  if (traits.dst == MPM_NOWHERE || begins) return pass->nsums ? PETSC_TRUE : PETSC_FALSE;
   if (traits.src == traits.dst || (traits.dst == MPM_ON_NODES && op->accumulates)) return PETSC_FALSE;
   return Sums(pass, traits.dst == MPM_ON_NODES ? op->dst : op->src);
+}
+
+/* Whether an operation is P2G, and neither a multiple of it nor a part of a sum. */
+static PetscBool IsPlain(const MpmOp *op)
+{
+  return op->kind == MPM_P2G && !op->accumulates && op->factor == 1 && !op->coefficient ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Notes which node fields are P2G of a particle field once op is done. */
@@ -124,7 +134,7 @@ static void NoteHeld(Compiler *c, const MpmOp *op)
 
     if (moved || changed || written) c->holds[n] = MPM_NONE;
   }
-  if (op->kind == MPM_P2G && !op->accumulates && op->factor == 1 && !op->coefficient) c->holds[op->dst] = op->src;
+  if (IsPlain(op)) c->holds[op->dst] = op->src;
 }
 
 static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
@@ -153,12 +163,24 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The number of operations before the particles first read the grid or move. */
+/*
+   The number of operations before the particles first read the grid or move, all of which one pass can do: its sums come
+   before its operations on nodes, so none may begin anew in a field that has been set or read.
+*/
 static PetscInt HeadLength(const MpmTable *t)
 {
-  PetscInt h = 0;
+  PetscBool used[MPM_MAX_FIELDS] = {PETSC_FALSE};
+  PetscInt  h                    = 0;
 
-  while (h < t->nops && MpmOpTraitsOf(t->ops[h].kind).dst == MPM_ON_NODES) h++;
+  for (; h < t->nops; h++) {
+    const MpmOp      *op     = &t->ops[h];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (traits.dst != MPM_ON_NODES) break;
+    if (traits.src == MPM_ON_PARTICLES && !op->accumulates && used[op->dst]) break;
+    used[op->dst] = PETSC_TRUE;
+    if (traits.src == MPM_ON_NODES) used[op->src] = PETSC_TRUE;
+  }
   return h;
 }
 
@@ -252,8 +274,8 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
     const MpmOp *op = &t->ops[(head + o) % t->nops];
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
-    if (op->kind == MPM_P2G && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
-    if (EndsBefore(pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
+    if (IsPlain(op) && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
+    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
     PetscCall(CompileOp(&c, pass, op));
   }
   JoinPasses(schedule);

@@ -3,6 +3,7 @@
    of the plan.
 */
 #include "operator/nodal.h"
+#include <mpmstab/errors.h>
 
 /* A term of a particle register: factor k^power W y, y in a slot. */
 typedef struct {
@@ -447,12 +448,25 @@ static void Keep(const MpmTable *table, MpmNodalPlan *plan)
     if (table->ops[o].kind == MPM_SCALE) plan->kept[table->ops[o].dst] *= table->ops[o].factor;
 }
 
+const char *MpmNodalWhyNot(const MpmTable *table)
+{
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp *op = &table->ops[o];
+
+    if (op->kind == MPM_ADD) return "particles take what other fields of theirs hold";
+    if (op->kind == MPM_SCALE && op->coefficient) return "particles' values are multiplied by the Courant number";
+  }
+  return NULL;
+}
+
 PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **out)
 {
   MpmNodalPlan *plan;
   Builder       b = {.table = table, .slot_room = table->nops + table->nnodes + 2 * MPM_MAX_IMAGES};
 
   PetscFunctionBegin;
+  MpmCheckInput(!MpmNodalWhyNot(table), "%s: the nodes alone do not say what a step does: %s; allowed: without that",
+                table->where, MpmNodalWhyNot(table));
   PetscCall(PetscNew(out));
   b.plan = plan = *out;
   plan->dim     = table->dim;

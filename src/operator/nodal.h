@@ -98,10 +98,18 @@ typedef struct {
 } MpmNodalPlan;
 
 /*
+   MpmNodalWhyNot - why a table has no plan, or NULL where it has one. Those that have none come from schemes as text that
+   add a particle field to another, or multiply one by the Courant number.
+
+   Not collective.
+*/
+const char *MpmNodalWhyNot(const MpmTable *table);
+
+/*
    MpmNodalPlanCreate - derives the plan of a table, for particles at rest.
 
-   Not collective. Errors: PETSC_ERR_SUP for a table that multiplies what particles hold by the Courant number or has
-   more than MPM_MAX_IMAGES images.
+   Collective. Errors: PETSC_ERR_USER_INPUT for a table that has none (MpmNodalWhyNot), PETSC_ERR_SUP for one with more
+   than MPM_MAX_IMAGES images.
 */
 PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **plan);
 PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan);

@@ -5,7 +5,7 @@
 #include "symbol/predict.h"
 #include <jansson.h>
 
-/* Collective. Prints the task and the file that takes the place of a scene. what: a matrix, or blocks of a lattice. */
+/* Collective. Prints the task and the file or code that takes the place of a scene. what: a matrix, or blocks of a lattice. */
 PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks);
 
 /* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */

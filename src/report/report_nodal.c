@@ -3,11 +3,8 @@
 #include "report/report.h"
 #include <string.h>
 
-/*
-   Particles that change by more than what nodes send, or by powers of the Courant number, have no such matrix. Of what
-   nodes get there is at most one image for each sum and each power of the Courant number in it.
-*/
-static PetscBool HasNodal(const MpmTable *table)
+/* Whether a plan has room: there is at most one image for each sum and each power of the Courant number in it. */
+static PetscBool HasRoom(const MpmTable *table)
 {
   PetscInt images = 0;
 
@@ -15,7 +12,6 @@ static PetscBool HasNodal(const MpmTable *table)
     const MpmOp      *op     = &table->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
-    if (op->kind == MPM_ADD || (op->kind == MPM_SCALE && op->coefficient)) return PETSC_FALSE;
     if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) continue;
     if (!op->accumulates || op->coefficient != op[-1].coefficient) images++;
   }
@@ -44,7 +40,11 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
   char          images[512];
 
   PetscFunctionBegin;
-  if (!HasNodal(table)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmNodalWhyNot(table)) {
+    MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, MpmNodalWhyNot(table));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!HasRoom(table)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(table, &plan));
   PetscCall(NameImages(table, plan, sizeof images, images));
   MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,

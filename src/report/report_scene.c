@@ -136,8 +136,8 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
 PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks)
 {
   PetscFunctionBegin;
-  MpmPrint("mpmstab %s %s: %s of %s, %d rank%s\n", MPMSTAB_VERSION, request->task, what,
-           request->matrix[0] ? request->matrix : request->matrix_blocks, ranks, ranks == 1 ? "" : "s");
+  MpmPrint("mpmstab %s %s: %s of %s, %d rank%s\n", MPMSTAB_VERSION, request->task, what, MpmRequestSource(request),
+           ranks, ranks == 1 ? "" : "s");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -127,7 +127,10 @@ PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(scene ? MpmReportScene(scene, request, ranks) : MpmReportFile(request, "the matrix", ranks));
+  if (scene)
+    PetscCall(MpmReportScene(scene, request, ranks));
+  else if (!MpmRequestProbes(request)) /* whose heading is printed before it is probed */
+    PetscCall(MpmReportFile(request, "the matrix", ranks));
   if (s) PetscCall(PrintBulk(s));
   if (all)
     PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));

@@ -72,7 +72,7 @@ static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
 }
 
 PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
-                                    const MpmNeighbourhoods *all, PetscReal wall_s)
+                                    const MpmNeighbourhoods *all, PetscReal wall_s, json_t *more)
 {
   PetscMPIInt ranks;
   json_t     *object, *spectrum;
@@ -88,6 +88,7 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *req
     spectrum = json_object_get(object, "spectrum");
     MpmNeighbourhoodsJson(scene, all, PETSC_FALSE, spectrum);
   }
+  if (more) json_object_update(object, more);
   PetscCall(MpmJsonWrite(request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,11 +1,13 @@
 /* Results of the tasks: a table for people, JSON for programs, and CSV. */
 #pragma once
+#include "analysis/damping.h"
 #include "analysis/critical_mach.h"
 #include "analysis/ensemble.h"
 #include "analysis/neighbourhoods.h"
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
 #include "analysis/stability_map.h"
+#include "io/datafile.h"
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include <jansson.h>
@@ -16,12 +18,12 @@ PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
 /*
    Collective. Print the table for people, and write the JSON object. spectrum: of the bulk, or NULL. all: of the
-   neighbourhoods, or NULL where there is the bulk alone.
+   neighbourhoods, or NULL where there is the bulk alone. more: an object whose keys JSON has too, or NULL.
 */
 PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
                                 const MpmNeighbourhoods *all);
 PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
-                                    const MpmNeighbourhoods *all, PetscReal wall_s);
+                                    const MpmNeighbourhoods *all, PetscReal wall_s, json_t *more);
 
 /*
    Collective. Print, and add to the JSON object, norm(A^n) and the pseudospectrum of a spectrum where the request asks
@@ -29,6 +31,17 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *req
 */
 PetscErrorCode MpmTransientPrint(const MpmSpectrum *spectrum);
 void           MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
+
+/*
+   Print the table of damping for people, make the value of the key 'symbol.damping', and write the CSV with a row for
+   each wave and time step, and /symbol/damping_... in an HDF5 file.
+
+   Collective, but MpmDampingJson is not.
+*/
+PetscErrorCode MpmDampingPrint(const MpmScene *scene, const MpmDamping *damping);
+json_t        *MpmDampingJson(const MpmScene *scene, const MpmDamping *damping);
+PetscErrorCode MpmDampingWriteCsv(const MpmDamping *damping, const char path[]);
+PetscErrorCode MpmDampingWrite(const MpmDamping *damping, MpmDataFile *file);
 
 /*
    Collective. Print the table for people; write the JSON object, the CSV with a row for each point, and the HDF5 file.

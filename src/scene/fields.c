@@ -83,6 +83,11 @@ static const char *SplineEndsWord(PetscInt i)
   return MpmSplineEndNames[i];
 }
 
+static const char *ProbeWord(PetscInt i)
+{
+  return MpmProbeNames[i];
+}
+
 static const char *AxisWord(PetscInt i)
 {
   return MpmAxisNames[i];
@@ -309,9 +314,9 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, .rival = "scheme", TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
   {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
-   NO_RANGE, .rival = "formulation", TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
+   NO_RANGE, TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
   {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
@@ -410,10 +415,14 @@ const MpmField MpmOptions[] = {
    .tasks = "run", ASKED(AS_SWITCH, ringing)},
   {"tolerance", MPM_REAL, "1e-6", "exponential growth per step above 1 + tolerance is unstable",
    ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0), OF_MATRIX},
-  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells; of matrix_blocks 64, 32 or 16 in 1, 2 or 3 dimensions)",
+  {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells; of matrix_blocks, program and plugin 64, 32 or 16 in 1, 2 or 3 dimensions)",
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
    .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+  {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
+   .tasks = "symbol", ASKED(AS_SWITCH, damping)},
+  {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
+   BETWEEN(1, 1000000), .tasks = "symbol"},
   {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach",
    .word = AxisWord, .tasks = "map"},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
@@ -444,6 +453,20 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
   {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A",
    NO_RANGE, .tasks = "symbol", FILE_IN(matrix_blocks), IN(62, 44, 0, 0), OF_MATRIX},
+  {"program", MPM_PATH, NULL, "command of a code in place of a scene: mpmstab starts it, asks it for steps through its standard input and output, and builds its operator from them",
+   NO_RANGE, .rival = "plugin", .tasks = "spectrum, symbol, critical", FILE_IN(program), IN(63, 45, 0, 0), OF_MATRIX},
+  {"plugin", MPM_PATH, NULL, "shared library of a code in place of a scene, with the functions of mpmstab/plugin.h",
+   NO_RANGE, .rival = "program", .tasks = "spectrum, symbol, critical", FILE_IN(plugin), IN(64, 46, 0, 0), OF_MATRIX},
+  {"program_set", MPM_PATH, NULL, "parameters of program or plugin that are set before the first step, such as dt=2e-4,E=400",
+   NO_RANGE, .tasks = "spectrum, symbol, critical", FILE_IN(program_set), IN(65, 47, 0, 0), OF_MATRIX},
+  {"program_dt", MPM_PATH, NULL, "parameter of program or plugin that is its time step (default: dt)",
+   NO_RANGE, .tasks = "critical", OF_MATRIX},
+  {"program_timeout", MPM_REAL, "60", "seconds in which program must answer",
+   ABOVE(0), .tasks = "spectrum, symbol, critical", ASKED(AS_REAL, program_timeout), OF_MATRIX},
+  {"probe", MPM_WORD, NULL, "how program or plugin is probed (default: bloch where all cells are alike, else coloured)",
+   .word = ProbeWord, .tasks = "spectrum, symbol, critical", OF_MATRIX},
+  {"at", MPM_PATH, NULL, "steps of program or plugin after which its state is probed, such as 0,100,200",
+   NO_RANGE, .tasks = "spectrum", FILE_IN(at), IN(66, 48, 0, 0), OF_MATRIX},
   {"matrix_steps", MPM_INTEGER, NULL, "steps that the matrix or the blocks cover, so that growth is per step (default: what the file says, else 1)",
    BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX},
   {"write_matrix", MPM_PATH, NULL, "file for the operator: .mtx (Matrix Market), .npz (scipy), .h5, .hdf5 or .petsc",
@@ -469,7 +492,7 @@ const MpmField MpmOptions[] = {
   {"restart", MPM_PATH, NULL, "checkpoint to go on from",
    NO_RANGE, .tasks = "run"},
   {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, OF_MATRIX},
-  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
   {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
    .word = VerdictWord, OF_MATRIX},
@@ -479,8 +502,8 @@ const MpmField MpmOptions[] = {
    ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
    ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum), OF_MATRIX},
-  {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number lies in lo,hi",
-   ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical)},
+  {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number, or of program and plugin the critical dt, lies in lo,hi",
+   ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical), OF_MATRIX},
   {"expect_share", MPM_RANGE, NULL, "fail unless the share of unstable layouts lies in lo,hi",
    ANY, .tasks = "ensemble", ASKED(AS_RANGE, expect.share)},
   {"expect_error", MPM_RANGE, NULL, "fail unless the largest l2 error lies in lo,hi",

@@ -67,6 +67,24 @@ static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The waves are those of the phases along x that are at least 3 cells long. */
+static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (!request->damping && MpmSettingsSource(settings, "damping_divisors") == MPM_FROM_COMMAND_LINE)
+    PetscCall(MpmSettingsRefuse(settings, "damping_divisors", "allowed: only with damping"));
+  if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->scheme.formulation->wave)
+    PetscCall(MpmSettingsRefuse(settings, "damping",
+                                "the formulation names no continuous problem whose waves could be followed; allowed: a "
+                                "formulation with an exact solution"));
+  if (request->phases[0] < 3)
+    PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                                "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
+  PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Reads the Mach number. Of tasks that go over a period of steps, those that take the scene's own Courant number need a
    drift M k with a short one.
@@ -364,7 +382,7 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
                                         MpmExpect *expect)
 {
   PetscFunctionBegin;
-  if (strcmp(task, "critical") || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strcmp(task, "critical") || !scene || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
     PetscCall(
         MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
@@ -414,6 +432,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
+  PetscCall(ReadDamping(settings, scene, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckSpans(settings, request));
@@ -438,6 +457,7 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   PetscCall(MpmSettingsPhases(settings, &request->given_phases));
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
+  PetscCall(MpmSettingsReadProgram(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

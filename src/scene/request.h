@@ -44,7 +44,14 @@ typedef struct {
   char        name[32];
 } MpmAxis;
 
+/*E
+   MpmProbeKind - how a program or plugin is probed (see operator/probe.h). MPM_PROBE_ANY: it was not said.
+E*/
+typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_ANY } MpmProbeKind;
+extern const char *const MpmProbeNames[];
+
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
+#define MPM_MAX_DIVISORS 16
 
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
@@ -62,11 +69,15 @@ typedef struct {
    neighbourhood     - those that critical and spectrum look at
    layouts           - how many random layouts an ensemble, or neighbourhood random, has
    voids             - the share of sites without a particle in neighbourhood random
+   damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
+   program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
+                       that are set; program_dt: the one that is the time step; at: steps after which it is probed
+   program_timeout, probe - seconds in which a program must answer, and how it is probed
    write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
@@ -75,19 +86,40 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance, voids;
-  PetscBool       weights, source_term, ringing, measure, survey, refine;
+  PetscBool       weights, source_term, ringing, measure, survey, refine, damping;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
+  PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
   PetscBool       at_mach;
   MpmMach         mach;
   MpmExpect       expect;
+  PetscReal       program_timeout;
+  MpmProbeKind    probe;
+  char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
+  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN];
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
   char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
   char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN];
 } MpmRequest;
+
+/* Not collective. The file, command or library that takes the place of a scene. */
+static inline const char *MpmRequestSource(const MpmRequest *request)
+{
+  const char *const names[] = {request->matrix, request->matrix_blocks, request->program, request->plugin};
+  int               i       = 0;
+
+  while (i < 3 && !names[i][0]) i++;
+  return names[i];
+}
+
+/* Not collective. Whether a code that is probed takes the place of a scene. */
+static inline PetscBool MpmRequestProbes(const MpmRequest *request)
+{
+  return request->program[0] || request->plugin[0] ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* Not collective. Whether the request is for a map that goes over this. */
 static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind kind)

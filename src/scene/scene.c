@@ -31,6 +31,22 @@ static PetscErrorCode ReadWritten(MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A transfer of the scheme's text counts, unless a stronger source names another one. */
+static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *scene)
+{
+  char message[128];
+
+  PetscFunctionBegin;
+  if (!scene->own || !scene->own->transfer || MpmSettingsOverruled(settings, "scheme", "transfer"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(message, sizeof message, "the scheme has the transfer %.60s of its own; allowed: one of the two",
+                 scene->own->transfer->name);
+  if (MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"))
+    PetscCall(MpmSettingsRefuse(settings, "transfer", message));
+  scene->scheme.transfer = scene->own->transfer;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
 {
   PetscInt i;
@@ -46,6 +62,7 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   scene->scheme.basis = MpmBases[i];
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
   scene->scheme.transfer = MpmTransfers[i];
+  PetscCall(ReadOwnTransfer(settings, scene));
   PetscCall(MpmSettingsWord(settings, "layout", &i));
   scene->layout.name = MpmOptions[MpmOptionIndex("layout")].word(i);
   PetscCall(MpmSettingsWord(settings, "initial", &i));

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Takes away what a weaker source said in another way; the same source must not say it twice. */
-static PetscErrorCode Displace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source)
+PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source)
 {
   PetscFunctionBegin;
   MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
@@ -26,7 +26,7 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 
     if (*rival == ',') rival++;
     PetscCall(PetscStrncpy(name, rival, strcspn(rival, ",") + 1));
-    PetscCall(Displace(settings, option, MpmOptionIndex(name), source));
+    PetscCall(MpmSettingsDisplace(settings, option, MpmOptionIndex(name), source));
   }
   PetscCall(PetscFree(settings->text[option]));
   PetscCall(PetscStrallocpy(text, &settings->text[option]));

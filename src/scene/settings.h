@@ -48,6 +48,12 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[]);
 PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
 
+/*
+   Collective. Takes away what is said of another option where an option of this source says it in another way. Refuses
+   what the same source says in both.
+*/
+PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source);
+
 /* Collective. Sets an option's text, and takes away those of its rivals. line: in the scene, from 1. */
 PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
 
@@ -169,6 +175,9 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
    MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
 */
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
+
+/* Collective. Reads which program or plugin takes the place of a scene, and how it is probed. */
+PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
 PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*

@@ -1,9 +1,26 @@
 /* A matrix, or the blocks of a lattice, in the place of a scene: which options go with it. */
+#include "scene/request.h"
 #include "scene/settings.h"
 #include <string.h>
 
-/* The options that name one, and the task that reads each. */
-static const char *const sources[] = {"matrix", "matrix_blocks"};
+#define LONGEST 1024 /* characters, so that a message of PETSc's length can name it */
+
+const char *const MpmProbeNames[] = {"bloch", "coloured", NULL};
+
+/* The options that name one. Each option's tasks are those that read it. */
+static const char *const sources[] = {"matrix", "matrix_blocks", "program", "plugin"};
+
+/* Options that need one of these sources. */
+static const struct {
+  const char *name, *first, *second;
+} needs[] = {
+    {"matrix_steps", "matrix", "matrix_blocks"},
+    {"program_set", "program", "plugin"},
+    {"program_dt", "program", "plugin"},
+    {"program_timeout", "program", "program"},
+    {"probe", "program", "plugin"},
+    {"at", "program", "plugin"},
+};
 
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
@@ -11,6 +28,22 @@ static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt
   const char *tasks = MpmOptions[i].tasks;
 
   return settings->source[i] != MPM_FROM_DEFAULT && (!tasks || strstr(tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
+{
+  char why[128];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
+    if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
+    if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s%s%s", needs[i].first,
+                            strcmp(needs[i].first, needs[i].second) ? " or " : "",
+                            strcmp(needs[i].first, needs[i].second) ? needs[i].second : ""));
+    PetscCall(MpmSettingsRefuse(settings, needs[i].name, why));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named)
@@ -23,19 +56,53 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
     const char *reads = MpmOptions[MpmOptionIndex(sources[s])].tasks;
 
     if (!MpmSettingsGiven(settings, sources[s])) continue;
-    source = sources[s];
     PetscCall(PetscSNPrintf(why, sizeof why, "task %s does not read it; allowed: with task %s", task, reads));
-    if (strcmp(reads, task)) PetscCall(MpmSettingsRefuse(settings, source, why));
+    if (!strstr(reads, task)) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
+    PetscCall(PetscSNPrintf(why, sizeof why, "%s takes the place of a scene too; allowed: one of them", source));
+    if (source) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
+    source = sources[s];
   }
   *named = source ? PETSC_TRUE : PETSC_FALSE;
-  if (!source && MpmSettingsGiven(settings, "matrix_steps"))
-    PetscCall(MpmSettingsRefuse(settings, "matrix_steps", "allowed: only with matrix or matrix_blocks"));
+  PetscCall(CheckNeeds(settings, task, source));
   if (!source) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(why, sizeof why,
                           "it describes a scene, and %s takes the place of a scene; allowed: one of them", source));
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     if (IsSaid(settings, task, i) && !MpmOptions[i].of_matrix)
       PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], const char name[], char text[])
+{
+  const char *given = MpmSettingsText(settings, name);
+
+  PetscFunctionBegin;
+  if (!given || !strstr(MpmOptions[MpmOptionIndex(name)].tasks, task)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!given[0]) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a text that is not empty"));
+  if (strlen(given) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter text"));
+  PetscCall(PetscStrncpy(text, given, LONGEST));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request)
+{
+  const char *task = request->task;
+  PetscInt    kind = MPM_PROBE_ANY;
+
+  PetscFunctionBegin;
+  PetscCall(ReadText(settings, task, "program", request->program));
+  PetscCall(ReadText(settings, task, "plugin", request->plugin));
+  PetscCall(ReadText(settings, task, "program_set", request->program_set));
+  PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
+  PetscCall(ReadText(settings, task, "at", request->at));
+  if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
+  request->probe = (MpmProbeKind)kind;
+  if (!strcmp(task, "symbol") && request->probe == MPM_PROBE_COLOURED)
+    PetscCall(MpmSettingsRefuse(settings, "probe", "a symbol needs cells that are alike; allowed: bloch"));
+  if (!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH)
+    PetscCall(
+        MpmSettingsRefuse(settings, "probe", "a spectrum is of all particles; allowed: coloured, or task symbol"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,6 +47,28 @@ static PetscErrorCode UseFile(void *context, yaml_document_t *document, const ya
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   A scheme says what a formulation says, so that the weaker source of the two gives way. A transfer alone is for the
+   formulation that is named, or that of the default.
+*/
+static PetscErrorCode Choose(MpmSettings *settings)
+{
+  const PetscInt  formulation = MpmOptionIndex("formulation"), scheme = MpmOptionIndex("scheme");
+  const MpmSource says = settings->source[formulation], text = settings->source[scheme];
+  PetscInt        i;
+
+  PetscFunctionBegin;
+  if (!settings->scheme->nstep) {
+    PetscCall(MpmSettingsWord(settings, "formulation", &i));
+    PetscCall(MpmWrittenAddFormulation(MpmFormulations[i], settings->scheme));
+  } else if (settings->scheme->name.line && says != MPM_FROM_DEFAULT) {
+    if (says > text) settings->scheme = NULL;
+    PetscCall(MpmSettingsDisplace(settings, says > text ? formulation : scheme, says > text ? scheme : formulation,
+                                  PetscMax(says, text)));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the scheme that counts; none when a formulation is named instead. */
 static PetscErrorCode Load(MpmSettings *settings)
 {
@@ -58,10 +80,12 @@ static PetscErrorCode Load(MpmSettings *settings)
   PetscCall(MpmSettingsPath(settings, "scheme", &path));
   if (settings->inside && MpmSettingsSource(settings, "scheme") == MPM_FROM_SCENE) {
     settings->scheme = settings->inside;
+    PetscCall(Choose(settings));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!settings->outside) PetscCall(MpmYamlReadFile("scheme", path, UseFile, settings));
   settings->scheme = settings->outside;
+  PetscCall(Choose(settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

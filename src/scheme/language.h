@@ -6,6 +6,7 @@
 
      field = combination        field += combination        field -= combination
      IMPOSE node                REACT node imposed          FILTER particle node          DRIFT
+     FILTER_BEFORE particle node                            FILTER_AFTER particle node
 
    where a combination is a sum of products of numbers, names of parameters, powers of k, and one field each, on which
    P2G, DIV, G2P, GRAD, GRAD ., STRESS GRAD, LAP or SOLVE may act.
@@ -17,6 +18,7 @@
 
 #define MPM_MOST_PARAMETERS 12
 #define MPM_MOST_LINES_OF_STEP 64
+#define MPM_MOST_LINES_OF_FILTER 64
 #define MPM_MOST_NAME 12 /* characters in the name of a field, since names of components are at most 15 */
 #define MPM_MOST_POWER 8 /* of the Courant number */
 
@@ -46,6 +48,16 @@ typedef struct {
   PetscReal      value;
 } MpmWrittenParameter;
 
+/*
+   A transfer: its filter as lines, and the fields that these have besides q and g (language_transfer.c). Without one the
+   text of its name is NULL.
+*/
+typedef struct {
+  MpmWrittenText name;
+  PetscInt       nparticles, nnodes, nlines;
+  MpmWrittenText particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], lines[MPM_MOST_LINES_OF_FILTER];
+} MpmWrittenTransfer;
+
 /*S
    MpmWritten - a scheme as it is written. Texts that were not given are NULL.
 
@@ -53,7 +65,9 @@ typedef struct {
    line        - where the scheme begins
    particles, nodes - the fields, in the order of the text
    step        - the lines
-   parameters  - the named constants
+   parameters  - the named constants, those of the transfer among them
+   transfer    - takes the place of FILTER. A text may have a transfer alone; the scheme is then a formulation's
+                 (MpmWrittenAddFormulation).
    energy, wave, staggered, affine, conserved - what MpmFormulation has of the same name
 S*/
 struct MpmWritten_ {
@@ -65,6 +79,7 @@ struct MpmWritten_ {
   MpmWrittenText      step[MPM_MOST_LINES_OF_STEP];
   MpmWrittenParameter parameters[MPM_MOST_PARAMETERS];
   MpmWrittenTerm      energy[MPM_MAX_FIELDS];
+  MpmWrittenTransfer  transfer;
 };
 
 /*
@@ -78,6 +93,11 @@ PetscErrorCode MpmWrittenFromYaml(const char file[], yaml_document_t *document, 
 
 /* Not collective. The text of a formulation; what that does not say, such as closed forms, is left out. */
 PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *formulation, MpmWritten **written);
+PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *formulation, MpmWritten *written);
+
+/* Collective. The text of a transfer. Refuses one without a filter, and one that does more than to filter. */
+PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmTransferNumbers *numbers,
+                                      MpmWritten **written);
 
 PetscErrorCode MpmWrittenDestroy(MpmWritten **written);
 

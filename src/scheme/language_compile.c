@@ -25,6 +25,15 @@ static MpmRank RankOf(const MpmCompiler *c, MpmPlace place, PetscInt field)
 
 /* ---- one operation ---- */
 
+/* Fields of nodes that are combined have the same mirror images, so they and all that they are linked to are a group. */
+static void Link(MpmCompiler *c, PetscInt a, PetscInt b)
+{
+  const PetscInt from = c->group[a], to = c->group[b];
+
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++)
+    if (c->group[n] == from) c->group[n] = to;
+}
+
 /* Appends an operation and notes what it reads and writes. */
 static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
 {
@@ -40,11 +49,11 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
   c->ops[c->nops++] = op;
   if (traits.src == MPM_ON_NODES && !itself) c->node_read[op.src] = PETSC_TRUE;
   if (traits.src == MPM_ON_PARTICLES && !itself) c->particle_read[op.src] = PETSC_TRUE;
-  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself && !c->from[op.dst])
-    c->from[op.dst] = 1 + op.src;
+  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself) Link(c, op.dst, op.src);
   if (traits.dst == MPM_ON_NODES) {
     c->holds[op.dst]      = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
+    c->lost[op.dst]       = PETSC_FALSE;
   }
   if (traits.dst == MPM_ON_NODES && !itself)
     c->at_wall[op.dst] = traits.src == MPM_ON_NODES && op.kind != MPM_SOLVE && c->at_wall[op.src] &&
@@ -83,8 +92,8 @@ static PetscErrorCode Unnamed(MpmCompiler *c, PetscInt like, PetscInt *node)
   c->f->node_fields[*node]     = "(unnamed)";
   c->f->node_ranks[*node]      = c->f->node_ranks[like];
   c->f->node_fields[*node + 1] = NULL;
-  c->from[*node]               = 1 + like;
-  c->holds[*node]              = MPM_NONE;
+  Link(c, *node, like);
+  c->holds[*node] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,7 +151,7 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
            makes[term->kind == MPM_DIV    ? 0
                  : term->kind == MPM_GRAD ? 1
                                           : 2]);
-  if (term->place == MPM_ON_NODES && !c->written_to[term->field])
+  if (term->place == MPM_ON_NODES && (!c->written_to[term->field] || c->lost[term->field]))
     Refuse(c, "%s is read before the step has set it; allowed: after a line '%s = ...'", src, src);
   if (term->kind == MPM_LAP && !c->at_wall[term->field] && !c->lap[term->field]) c->lap[term->field] = c->text;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -355,6 +364,7 @@ static PetscInt TimesOf(MpmOpKind filter)
   return filter == MPM_FILTER ? 3 : filter == MPM_FILTER_AFTER ? 1 : 2;
 }
 
+/* Where the nodes do not hold P2G of the field, the filter may put it there. Later lines may not read what was there. */
 static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
 {
   const char *particle = c->f->particle_fields[line->field], *node = c->f->node_fields[line->other];
@@ -367,6 +377,7 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
   if (line->op == MPM_FILTER && c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
            node, particle);
+  if (c->written_to[line->other] && c->holds[line->other] != line->field) c->lost[line->other] = PETSC_TRUE;
   c->filtered[line->field] |= TimesOf(line->op);
   c->node_read[line->other] = PETSC_TRUE;
   PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = line->field, .src = line->other, .factor = 1}));

@@ -160,35 +160,38 @@ static PetscErrorCode CheckLaps(const MpmCompiler *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A field that is not imposed has the mirror images of the first field that it is made of and that is. */
+/* A field that is not imposed has the mirror images of one of its group that is. */
 static void FindLike(MpmCompiler *c)
 {
-  for (PetscInt n = 0; n < c->nnodes; n++) {
-    PetscInt at = n, steps = 0;
-
-    while (!c->imposed[at] && !c->reacts[at] && c->from[at] && steps++ < c->nnodes) at = c->from[at] - 1;
-    if (at != n && (c->imposed[at] || c->reacts[at])) c->f->like[n] = 1 + at;
-  }
+  for (PetscInt n = 0; n < c->nnodes; n++)
+    for (PetscInt other = 0; other < c->nnodes && !c->imposed[n] && !c->reacts[n] && !c->f->like[n]; other++)
+      if (c->group[other] == c->group[n] && (c->imposed[other] || c->reacts[other])) c->f->like[n] = 1 + other;
 }
 
 /* ---- what all lines together must do ---- */
 
+/* Whether a name is a word of a text. A digit before it ends a number, as in 2theta. */
+static PetscBool Names(const char text[], const char name[])
+{
+  static const char inside[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_";
+  const size_t      length   = strlen(name);
+
+  for (const char *at = strstr(text, name); at; at = strstr(at + 1, name))
+    if ((at == text || !strchr(inside, at[-1])) && (!at[length] || !strchr("0123456789", at[length])) &&
+        (!at[length] || !strchr(inside, at[length])))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Whether a line, or the text of another parameter, has the name of a parameter. */
 static PetscBool IsUsed(const MpmWritten *w, const char name[])
 {
-  const size_t length = strlen(name);
-
-  for (PetscInt i = 0; i < w->nstep + w->nparameters; i++) {
-    const char *text = i < w->nstep ? w->step[i].text : w->parameters[i - w->nstep].text.text;
-
-    for (const char *at = strstr(text, name); at; at = strstr(at + 1, name)) {
-      static const char inside[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_";
-
-      if ((at == text || !strchr(inside, at[-1])) && (!at[length] || !strchr("0123456789", at[length])) &&
-          (!at[length] || !strchr(inside, at[length])))
-        return PETSC_TRUE;
-    }
-  }
+  for (PetscInt i = 0; i < w->nstep; i++)
+    if (Names(w->step[i].text, name)) return PETSC_TRUE;
+  for (PetscInt i = 0; i < w->nparameters; i++)
+    if (Names(w->parameters[i].text.text, name)) return PETSC_TRUE;
+  for (PetscInt i = 0; i < w->transfer.nlines; i++)
+    if (Names(w->transfer.lines[i].text, name)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -242,7 +245,7 @@ static PetscErrorCode CheckName(const MpmCompiler *c)
 
 /* ---- the formulation ---- */
 
-static PetscErrorCode Fields(MpmCompiler *c)
+PetscErrorCode MpmCompilerBegin(MpmCompiler *c)
 {
   const MpmWritten *w = c->written;
 
@@ -260,7 +263,10 @@ static PetscErrorCode Fields(MpmCompiler *c)
     c->f->node_ranks[i]  = w->nodes[i].rank;
   }
   c->nnodes = w->nnodes;
-  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c->holds[n] = MPM_NONE;
+  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) {
+    c->holds[n] = MPM_NONE;
+    c->group[n] = n;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -269,7 +275,7 @@ static PetscErrorCode Compile(MpmCompiler *c, const PetscReal numbers[])
   const MpmWritten *w = c->written;
 
   PetscFunctionBegin;
-  PetscCall(Fields(c));
+  PetscCall(MpmCompilerBegin(c));
   for (PetscInt i = 0; i < w->nstep; i++) {
     MpmLine line;
 
@@ -291,6 +297,11 @@ static PetscErrorCode Compile(MpmCompiler *c, const PetscReal numbers[])
   PetscCall(CheckLaps(c));
   PetscCall(CheckUse(c));
   PetscCall(CheckName(c));
+  if (!w->transfer.name.text) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmFormulationHas(c->f, MPM_FILTER) && !MpmFormulationHas(c->f, MPM_FILTER_BEFORE) &&
+      !MpmFormulationHas(c->f, MPM_FILTER_AFTER))
+    Refuse(w, &w->transfer.name, "the step has no FILTER, whose place a transfer takes; allowed: a step with FILTER");
+  PetscCall(MpmWrittenCompileTransfer(w, numbers, &c->f->transfer));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -327,6 +338,7 @@ PetscErrorCode MpmWrittenFormulationDestroy(MpmFormulation **formulation)
 {
   PetscFunctionBegin;
   if (*formulation) {
+    PetscCall(MpmWrittenTransferDestroy(&(*formulation)->transfer));
     PetscCall(PetscFree((*formulation)->ops));
     PetscCall(PetscFree((*formulation)->energy));
   }

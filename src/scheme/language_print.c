@@ -1,6 +1,6 @@
 /* From a formulation to its text, and from that to YAML; the hash of a scheme. */
 #include "base/hash.h"
-#include "scheme/language_line.h"
+#include "scheme/language_compile.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,7 +63,7 @@ static const char *Word(const MpmFormulation *f, const MpmOp *op)
   }
 }
 
-static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
+PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
 {
   const MpmOpTraits  traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
   const char *const *to     = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
@@ -95,13 +95,9 @@ static const char *WaveName(const MpmWave *wave)
   return wave == &MpmWaveFirstOrder ? "gas" : wave == &MpmWaveSecondOrder ? "bar" : "momentum";
 }
 
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **written)
+PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, MpmWritten *w)
 {
-  MpmWritten *w;
-
   PetscFunctionBegin;
-  PetscCall(PetscNew(written));
-  w = *written;
   PetscCall(Keep(f->name, &w->name));
   PetscCall(Keep(f->summary, &w->summary));
   PetscCall(Keep(f->reference, &w->reference));
@@ -117,7 +113,7 @@ PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **w
   for (; w->nstep < f->nops; w->nstep++) {
     char text[128];
 
-    PetscCall(LineText(f, &f->ops[w->nstep], sizeof text, text));
+    PetscCall(MpmWrittenLineText(f, &f->ops[w->nstep], sizeof text, text));
     PetscCall(Keep(text, &w->step[w->nstep]));
   }
   for (; w->nenergy < f->nenergy; w->nenergy++) {
@@ -131,6 +127,14 @@ PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **w
   if (f->staggered != MPM_NONE) PetscCall(Keep(f->particle_fields[f->staggered], &w->staggered));
   if (f->affine != MPM_NONE) PetscCall(Keep(f->particle_fields[f->affine], &w->affine));
   if (f->conserved != MPM_NONE) PetscCall(Keep(f->particle_fields[f->conserved], &w->conserved));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **written)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(written));
+  PetscCall(MpmWrittenAddFormulation(f, *written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -158,9 +162,24 @@ static void PutFields(FILE *out, const char key[], PetscInt n, const MpmWrittenF
   fprintf(out, "}\n");
 }
 
-static void Put(FILE *out, const MpmWritten *w)
+static void PutNames(FILE *out, const char key[], PetscInt n, const MpmWrittenText names[])
 {
-  fprintf(out, "scheme:\n");
+  for (PetscInt i = 0; i < n; i++)
+    fprintf(out, "%s%s%s%s", i ? "" : "    ", i ? "" : key, i ? ", " : ": [", names[i].text);
+  if (n) fprintf(out, "]\n");
+}
+
+static void PutTransfer(FILE *out, const MpmWrittenTransfer *t)
+{
+  fprintf(out, "  transfer:\n    name: %s\n", t->name.text);
+  PutNames(out, "particles", t->nparticles, t->particle);
+  PutNames(out, "nodes", t->nnodes, t->node);
+  fprintf(out, "    filter:\n");
+  for (PetscInt i = 0; i < t->nlines; i++) fprintf(out, "      - %s\n", t->lines[i].text);
+}
+
+static void PutScheme(FILE *out, const MpmWritten *w)
+{
   PutPlain(out, "name", &w->name);
   PutQuoted(out, "summary", &w->summary);
   PutQuoted(out, "reference", &w->reference);
@@ -178,6 +197,13 @@ static void Put(FILE *out, const MpmWritten *w)
   PutPlain(out, "staggered", &w->staggered);
   PutPlain(out, "affine", &w->affine);
   PutPlain(out, "conserved", &w->conserved);
+}
+
+static void Put(FILE *out, const MpmWritten *w)
+{
+  fprintf(out, "scheme:\n");
+  if (w->nstep) PutScheme(out, w);
+  if (w->transfer.name.text) PutTransfer(out, &w->transfer);
 }
 
 PetscErrorCode MpmWrittenYaml(const MpmWritten *w, char **yaml)
@@ -230,6 +256,15 @@ static void MixFields(uint64_t *hash, PetscInt n, const MpmWrittenField fields[]
   Mix(hash, 1);
 }
 
+static void MixTransfer(uint64_t *hash, const MpmWrittenTransfer *t)
+{
+  for (PetscInt i = 0; i < t->nparticles; i++) MixText(hash, t->particle[i].text);
+  Mix(hash, 1);
+  for (PetscInt i = 0; i < t->nnodes; i++) MixText(hash, t->node[i].text);
+  Mix(hash, 1);
+  for (PetscInt i = 0; i < t->nlines; i++) MixText(hash, t->lines[i].text);
+}
+
 void MpmWrittenHash(const MpmWritten *w, char text[MPM_HASH_TEXT])
 {
   uint64_t hash = 0;
@@ -251,6 +286,7 @@ void MpmWrittenHash(const MpmWritten *w, char text[MPM_HASH_TEXT])
   MixText(&hash, w->staggered.text);
   MixText(&hash, w->affine.text);
   MixText(&hash, w->conserved.text);
+  if (w->transfer.name.text) MixTransfer(&hash, &w->transfer);
   (void)snprintf(text, MPM_HASH_TEXT, "%016llx", (unsigned long long)hash);
 }
 

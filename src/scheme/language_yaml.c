@@ -209,10 +209,15 @@ static PetscErrorCode Energy(Reader *r, const char key[], const yaml_node_t *nod
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AddLine(Reader *r, const char text[], size_t length, int line)
-{
-  MpmWritten *w = r->written;
+/* Lines, of the step or of a filter, of which there is room for so many. */
+typedef struct {
+  const char     *key;
+  PetscInt        room, *n;
+  MpmWrittenText *line;
+} Lines;
 
+static PetscErrorCode AddLine(Reader *r, const Lines *lines, const char text[], size_t length, int line)
+{
   PetscFunctionBegin;
   while (length && isspace((unsigned char)*text)) {
     text++;
@@ -220,16 +225,18 @@ static PetscErrorCode AddLine(Reader *r, const char text[], size_t length, int l
   }
   while (length && isspace((unsigned char)text[length - 1])) length--;
   if (!length) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(w->nstep < MPM_MOST_LINES_OF_STEP, "%s:%d: step: more than the %d lines that fit", w->file, line,
-                MPM_MOST_LINES_OF_STEP);
-  w->nstep++;
-  PetscCall(KeepText(r, "step", text, length, line, &w->step[w->nstep - 1]));
+  MpmCheckInput(*lines->n < lines->room, "%s:%d: %s: more than the %" PetscInt_FMT " lines that fit", r->written->file,
+                line, lines->key, lines->room);
+  ++*lines->n;
+  PetscCall(KeepText(r, lines->key, text, length, line, &lines->line[*lines->n - 1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A list with a line each, or one text of several lines. */
-static PetscErrorCode Step(Reader *r, const char key[], const yaml_node_t *node)
+static PetscErrorCode ReadLines(Reader *r, const Lines *lines, const yaml_node_t *node)
 {
+  const char *key = lines->key;
+
   PetscFunctionBegin;
   if (node->type == YAML_SCALAR_NODE) {
     const char *text = (const char *)node->data.scalar.value, *end = text + node->data.scalar.length;
@@ -239,7 +246,7 @@ static PetscErrorCode Step(Reader *r, const char key[], const yaml_node_t *node)
       const char *next = memchr(text, '\n', (size_t)(end - text));
 
       if (!next) next = end;
-      PetscCall(AddLine(r, text, (size_t)(next - text), line));
+      PetscCall(AddLine(r, lines, text, (size_t)(next - text), line));
       text = next + 1;
     }
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -251,8 +258,17 @@ static PetscErrorCode Step(Reader *r, const char key[], const yaml_node_t *node)
 
     MpmCheckInput(item->type == YAML_SCALAR_NODE && item->data.scalar.length,
                   "%s:%d: %s: allowed: a list of lines, as '- v_i = P2G v'", r->written->file, LineOf(item), key);
-    PetscCall(AddLine(r, (const char *)item->data.scalar.value, item->data.scalar.length, LineOf(item)));
+    PetscCall(AddLine(r, lines, (const char *)item->data.scalar.value, item->data.scalar.length, LineOf(item)));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Step(Reader *r, const char key[], const yaml_node_t *node)
+{
+  const Lines lines = {key, MPM_MOST_LINES_OF_STEP, &r->written->nstep, r->written->step};
+
+  PetscFunctionBegin;
+  PetscCall(ReadLines(r, &lines, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -272,51 +288,139 @@ static PetscErrorCode OneText(Reader *r, const char key[], const yaml_node_t *no
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const struct {
+typedef struct {
   const char *name;
   ReadKey     read;
-} keys[] = {{"name", OneText}, {"reference", OneText}, {"summary", OneText},       {"particles", Particles},
-            {"nodes", Nodes},  {"step", Step},         {"parameters", Parameters}, {"energy", Energy},
-            {"wave", OneText}, {"staggered", OneText}, {"affine", OneText},        {"conserved", OneText}};
+} Key;
 
-#define KEYS PETSC_STATIC_ARRAY_LENGTH(keys)
+#define MOST_KEYS 16
 
-static PetscErrorCode FindKey(const Reader *r, const yaml_node_t *node, size_t *at)
+static PetscErrorCode FindKey(const Reader *r, const char what[], size_t n, const Key keys[], const yaml_node_t *node,
+                              size_t *at)
 {
-  const char *names[KEYS], *near, *key;
+  const char *names[MOST_KEYS], *near, *key;
+  char        all[256] = "";
 
   PetscFunctionBegin;
-  MpmCheckInput(node->type == YAML_SCALAR_NODE, "%s:%d: scheme: allowed: lines of the form key: value",
-                r->written->file, LineOf(node));
+  MpmCheckInput(node->type == YAML_SCALAR_NODE, "%s:%d: %s: allowed: lines of the form key: value", r->written->file,
+                LineOf(node), what);
   key = (const char *)node->data.scalar.value;
-  for (*at = 0; *at < KEYS; ++*at) {
+  for (*at = 0; *at < n; ++*at) {
     if (!strcmp(key, keys[*at].name)) PetscFunctionReturn(PETSC_SUCCESS);
     names[*at] = keys[*at].name;
+    PetscCall(PetscStrlcat(all, *at == 0 ? "" : *at < n - 1 ? ", " : " and ", sizeof all));
+    PetscCall(PetscStrlcat(all, names[*at], sizeof all));
   }
-  near = MpmSuggest(key, KEYS, names);
-  MpmRefuse("%s:%d: unknown key '%.100s' in a scheme; allowed: name, reference, summary, particles, nodes, step, "
-            "parameters, energy, wave, staggered, affine and conserved%s%s%s",
-            r->written->file, LineOf(node), key, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  near = MpmSuggest(key, (PetscInt)n, names);
+  MpmRefuse("%s:%d: unknown key '%.100s' in a %s; allowed: %s%s%s%s", r->written->file, LineOf(node), key, what, all,
+            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }
 
-static PetscErrorCode ReadKeys(Reader *r, const yaml_node_t *node)
+/* Reads the keys of a mapping, which is what a message calls it. */
+static PetscErrorCode ReadMapping(Reader *r, const char what[], size_t n, const Key keys[], const yaml_node_t *node)
 {
-  const MpmWritten *w          = r->written;
-  PetscBool         seen[KEYS] = {PETSC_FALSE};
+  const MpmWritten *w               = r->written;
+  PetscBool         seen[MOST_KEYS] = {PETSC_FALSE};
 
   PetscFunctionBegin;
-  MpmCheckInput(node->type == YAML_MAPPING_NODE, "%s:%d: scheme: allowed: lines of the form key: value", w->file,
-                LineOf(node));
+  MpmCheckInput(node->type == YAML_MAPPING_NODE, "%s:%d: %s: allowed: lines of the form key: value", w->file,
+                LineOf(node), what);
   for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start; pair < node->data.mapping.pairs.top; pair++) {
     const yaml_node_t *name = yaml_document_get_node(r->document, pair->key);
     size_t             at;
 
-    PetscCall(FindKey(r, name, &at));
+    PetscCall(FindKey(r, what, n, keys, name, &at));
     MpmCheckInput(!seen[at], "%s:%d: key '%s' is given a second time; allowed: once", w->file, LineOf(name),
                   keys[at].name);
     seen[at] = PETSC_TRUE;
     PetscCall(keys[at].read(r, keys[at].name, yaml_document_get_node(r->document, pair->value)));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- transfers ---- */
+
+static PetscErrorCode TransferName(Reader *r, const char key[], const yaml_node_t *node)
+{
+  PetscFunctionBegin;
+  PetscCall(TextOf(r, key, node, &r->written->transfer.name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The fields that a filter has besides q and g. They are of their rank. */
+static PetscErrorCode TransferFields(Reader *r, const char key[], const yaml_node_t *node)
+{
+  MpmWrittenTransfer *t    = &r->written->transfer;
+  const PetscBool     on   = !strcmp(key, "nodes") ? PETSC_TRUE : PETSC_FALSE;
+  PetscInt           *n    = on ? &t->nnodes : &t->nparticles;
+  MpmWrittenText     *name = on ? t->node : t->particle;
+
+  PetscFunctionBegin;
+  MpmCheckInput(node->type == YAML_SEQUENCE_NODE, "%s:%d: %s of a transfer: allowed: a list of names, as [a, b]",
+                r->written->file, LineOf(node), key);
+  for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
+    const yaml_node_t *item = yaml_document_get_node(r->document, *i);
+
+    MpmCheckInput(*n < MPM_MAX_FIELDS - 1, "%s:%d: %s of a transfer: more than the %d that fit", r->written->file,
+                  LineOf(item), key, MPM_MAX_FIELDS - 1);
+    ++*n;
+    PetscCall(TextOf(r, key, item, &name[*n - 1]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TransferLines(Reader *r, const char key[], const yaml_node_t *node)
+{
+  MpmWrittenTransfer *t     = &r->written->transfer;
+  const Lines         lines = {key, MPM_MOST_LINES_OF_FILTER, &t->nlines, t->lines};
+
+  PetscFunctionBegin;
+  PetscCall(ReadLines(r, &lines, node));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Transfer(Reader *r, const char key[], const yaml_node_t *node)
+{
+  static const Key keys[] = {{"name", TransferName},
+                             {"parameters", Parameters},
+                             {"particles", TransferFields},
+                             {"nodes", TransferFields},
+                             {"filter", TransferLines}};
+
+  const MpmWrittenTransfer *t = &r->written->transfer;
+
+  PetscFunctionBegin;
+  PetscCall(ReadMapping(r, key, PETSC_STATIC_ARRAY_LENGTH(keys), keys, node));
+  MpmCheckInput(t->name.text && t->nlines, "%s:%d: transfer: '%s' is missing; allowed: a transfer with name and filter",
+                r->written->file, LineOf(node), t->name.text ? "filter" : "name");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a scheme ---- */
+
+/* A text with a transfer and nothing else is for a formulation of the program. */
+static PetscBool IsTransferAlone(const MpmWritten *w)
+{
+  return w->transfer.name.text && !w->name.text && !w->reference.text && !w->summary.text && !w->wave.text &&
+                 !w->staggered.text && !w->affine.text && !w->conserved.text && !w->nparticles && !w->nnodes &&
+                 !w->nstep && !w->nenergy
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadScheme(Reader *r, const yaml_node_t *node)
+{
+  static const Key keys[] = {{"name", OneText},          {"reference", OneText}, {"summary", OneText},
+                             {"particles", Particles},   {"nodes", Nodes},       {"step", Step},
+                             {"parameters", Parameters}, {"energy", Energy},     {"wave", OneText},
+                             {"staggered", OneText},     {"affine", OneText},    {"conserved", OneText},
+                             {"transfer", Transfer}};
+
+  const MpmWritten *w = r->written;
+
+  PetscFunctionBegin;
+  PetscCall(ReadMapping(r, "scheme", PETSC_STATIC_ARRAY_LENGTH(keys), keys, node));
+  if (IsTransferAlone(w)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(w->name.text && w->nparticles && w->nnodes && w->nstep,
                 "%s:%d: scheme: '%s' is missing; allowed: a scheme with name, particles, nodes and step", w->file,
                 w->line,
@@ -327,12 +431,40 @@ static PetscErrorCode ReadKeys(Reader *r, const yaml_node_t *node)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The name of a scheme is printed in tables, in CSV and on pictures. */
-static PetscErrorCode CheckSchemeName(const MpmWritten *w)
+/* The name of a scheme or a transfer is printed in tables, in CSV and on pictures. */
+static PetscErrorCode CheckShownName(const MpmWritten *w, const MpmWrittenText *name)
 {
   PetscFunctionBegin;
-  if (strpbrk(w->name.text, ",\"'\n\t{}") || strlen(w->name.text) > 60)
-    MpmRefuseLine(w, &w->name, "allowed as a name: up to 60 characters without commas, quotes and braces");
+  if (name->text && (strpbrk(name->text, ",\"'\n\t{}") || strlen(name->text) > 60))
+    MpmRefuseLine(w, name, "allowed as a name: up to 60 characters without commas, quotes and braces");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The names of a filter are its own, but for parameters. */
+static PetscErrorCode CheckTransfer(const MpmWritten *w)
+{
+  static char               q[] = "q", g[] = "g";
+  const MpmWrittenTransfer *t = &w->transfer;
+  const MpmWrittenText     *names[2 * MPM_MAX_FIELDS + MPM_MOST_PARAMETERS];
+  const MpmWrittenText      own[] = {{q, 0}, {g, 0}};
+  PetscInt                  n     = 0;
+
+  PetscFunctionBegin;
+  if (!t->name.text) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmTransferFind(t->name.text))
+    MpmRefuseLine(w, &t->name, "this name is taken by a transfer of the program; allowed: another name");
+  for (PetscInt i = 0; i < 2; i++) names[n++] = &own[i];
+  for (PetscInt i = 0; i < t->nparticles; i++) names[n++] = &t->particle[i];
+  for (PetscInt i = 0; i < t->nnodes; i++) names[n++] = &t->node[i];
+  for (PetscInt i = 0; i < w->nparameters; i++) names[n++] = &w->parameters[i].name;
+  for (PetscInt i = 2; i < n; i++) {
+    PetscCall(CheckName(w, names[i]));
+    for (PetscInt j = 0; j < i; j++)
+      if (!strcmp(names[i]->text, names[j]->text))
+        MpmRefuseLine(w, names[i],
+                      j < 2 ? "a filter has a field of this name already; allowed: another name"
+                            : "this name is given a second time; allowed: once");
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -346,9 +478,11 @@ PetscErrorCode MpmWrittenFromYaml(const char file[], yaml_document_t *document, 
   r.written = *written;
   PetscCall(PetscStrncpy(r.written->file, file, sizeof r.written->file));
   r.written->line = LineOf(node);
-  PetscCall(ReadKeys(&r, node));
-  PetscCall(CheckSchemeName(r.written));
+  PetscCall(ReadScheme(&r, node));
+  PetscCall(CheckShownName(r.written, &r.written->name));
+  PetscCall(CheckShownName(r.written, &r.written->transfer.name));
   PetscCall(CheckOnce(r.written));
+  PetscCall(CheckTransfer(r.written));
   if (r.written->wave.text && r.written->nparticles == 2 && r.written->particles[0].rank != MPM_VECTOR &&
       r.written->particles[1].rank == MPM_VECTOR) { /* exact solutions have the vector first */
     const MpmWrittenField first = r.written->particles[0];
@@ -383,6 +517,10 @@ PetscErrorCode MpmWrittenDestroy(MpmWritten **written)
     PetscCall(PetscFree(w->energy[i].field.text));
     PetscCall(PetscFree(w->energy[i].kind.text));
   }
+  PetscCall(PetscFree(w->transfer.name.text));
+  for (PetscInt i = 0; i < w->transfer.nparticles; i++) PetscCall(PetscFree(w->transfer.particle[i].text));
+  for (PetscInt i = 0; i < w->transfer.nnodes; i++) PetscCall(PetscFree(w->transfer.node[i].text));
+  for (PetscInt i = 0; i < w->transfer.nlines; i++) PetscCall(PetscFree(w->transfer.lines[i].text));
   PetscCall(PetscFree(*written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

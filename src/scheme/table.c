@@ -96,7 +96,7 @@ static PetscErrorCode CheckRoom(const MpmTable *t, PetscInt used, const char pla
   MpmCheckInput(used < MPM_MAX_FIELDS,
                 "%s: more than the %d numbers that fit at a %s, with dim %" PetscInt_FMT
                 " and transfer %s; allowed: fewer fields, dimensions or terms of xpic",
-                t->where, MPM_MAX_FIELDS, place, t->dim, t->transfer);
+                t->where, MPM_MAX_FIELDS, place, t->dim, t->transfer->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -597,7 +597,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   b.table = t;
   t->dim  = space->dim;
   PetscCall(WhereOf(formulation, sizeof t->where, t->where));
-  t->transfer = transfer->name;
+  t->transfer = transfer;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;
   PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
   for (PetscInt f = 0; formulation->particle_fields[f]; f++) PetscCall(AddField(&b, f));

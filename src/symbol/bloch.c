@@ -127,7 +127,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
   const PetscReal   a      = b->values[o];
-  const PetscInt    ppc = b->ppc, n = b->size;
+  const PetscInt    ppc = b->ppc, n = b->columns;
   double complex   *dst;
 
   if (traits.dst == MPM_NOWHERE) return;
@@ -163,7 +163,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
 /* Divides the state's registers by a power of two when they would leave the range of doubles; returns its exponent. */
 static PetscInt Rescale(MpmBloch *b)
 {
-  const PetscInt n       = b->size * b->size;
+  const PetscInt n       = b->size * b->columns;
   PetscReal      largest = 0;
   PetscInt       shift;
 
@@ -182,22 +182,50 @@ static void Disturb(MpmBloch *b, PetscInt step)
   for (PetscInt i = 0; i < n; i++) b->particle[i] *= 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
 }
 
+/* Makes ready for steps of so many columns. All registers are 0. */
+static PetscErrorCode Begin(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt columns)
+{
+  const MpmTable *t = b->scheme->table;
+
+  PetscFunctionBegin;
+  b->columns = columns;
+  for (PetscInt a = 0; a < b->layout->dim; a++) MpmTiesWave(&b->ties[a], beta[a], b->wave[a]);
+  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], courant);
+  PetscCall(PetscArrayzero(b->particle, t->nparticles * b->ppc * columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Step(MpmBloch *b, PetscInt step, const PetscReal beta[])
+{
+  SetTies(b, step);
+  for (PetscInt o = 0; o < b->scheme->table->nops; o++) ApplyOp(b, o, beta);
+}
+
+PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt step,
+                            double complex state[])
+{
+  PetscFunctionBegin;
+  PetscCall(Begin(b, courant, beta, 1));
+  for (PetscInt field = 0; field < b->fields; field++)
+    for (PetscInt j = 0; j < b->ppc; j++) b->particle[field * b->ppc + j] = state[b->fields * j + field];
+  Step(b, step, beta);
+  for (PetscInt field = 0; field < b->fields; field++)
+    for (PetscInt j = 0; j < b->ppc; j++) state[b->fields * j + field] = b->particle[field * b->ppc + j];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscBool noisy,
                               double complex G[], PetscInt *exponent)
 {
-  const MpmTable *t   = b->scheme->table;
-  const PetscInt  ppc = b->ppc, n = b->size;
+  const PetscInt ppc = b->ppc, n = b->size;
 
   PetscFunctionBegin;
   *exponent = 0;
-  for (PetscInt a = 0; a < b->layout->dim; a++) MpmTiesWave(&b->ties[a], beta[a], b->wave[a]);
-  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], courant);
-  PetscCall(PetscArrayzero(b->particle, t->nparticles * ppc * n));
+  PetscCall(Begin(b, courant, beta, n));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < ppc; j++) b->particle[(field * ppc + j) * n + b->fields * j + field] = 1;
   for (PetscInt step = 0; step < b->period; step++) {
-    SetTies(b, step);
-    for (PetscInt o = 0; o < t->nops; o++) ApplyOp(b, o, beta);
+    Step(b, step, beta);
     if (noisy) Disturb(b, step);
     *exponent += Rescale(b);
   }

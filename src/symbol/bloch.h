@@ -5,11 +5,12 @@
 /*S
    MpmBloch - memory for the matrices, and the weights of all maps for one cell's particles at every step of a period.
 
-   A register is a dense matrix. Its rows are a cell's particles, or its one node. Its columns are the cell's state at
-   the start, particle by particle as in MpmOperator. Particle j of a cell has the places j_a along the directions,
+   A register is a dense matrix. Its rows are a cell's particles, or its one node. Its columns are the states that the
+   steps start from: for the matrix of a phase each number of the cell's state, particle by particle as in MpmOperator. Particle j of a cell has the places j_a along the directions,
    j = j_0 + ppc_0 (j_1 + ppc_1 j_2).
 
    fields, ppc, size - the number of fields of the state, of particles in a cell, and size = fields x ppc
+   columns      - of the registers in the present step, at most size
    period       - the number of steps in a period
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
@@ -23,7 +24,7 @@ S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  PetscInt         fields, ppc, size, period;
+  PetscInt         fields, ppc, size, columns, period;
   PetscBool        used[MPM_OP_KINDS];
   MpmTies          ties[MPM_MAX_DIM];
   double complex  *particle, *nodes, wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM];
@@ -52,3 +53,12 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 */
 PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscBool noisy,
                               double complex G[], PetscInt *exponent);
+
+/*
+   MpmBlochStep - applies one step of the period to a state of a cell, in place: size numbers, with particle j's numbers
+   from fields x j on.
+
+   Not collective. 0 <= step < period.
+*/
+PetscErrorCode MpmBlochStep(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscInt step,
+                            double complex state[]);

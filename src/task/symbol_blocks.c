@@ -1,9 +1,9 @@
-/* The task symbol for blocks from a file: growth at equally spaced phases, and between them where it is largest. */
+/* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
 #include "task/symbol_blocks.h"
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
-#include "report/report.h"
+#include "report/report_program.h"
 #include "task/expect.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -11,10 +11,12 @@
 #define GAINS 1e-12 /* relative; growth between phases that is larger by less is rounding */
 
 /*S
-   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict.
+   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
+   other, which are the blocks with another size of perturbations: only of a code that is probed.
 S*/
 typedef struct {
-  MpmBlocks       blocks;
+  MpmProgram      program;
+  MpmBlocks       blocks, other;
   MpmSymbol      *symbol;
   PetscReal       beta[MPM_MAX_DIM];
   MpmSourceGrowth worst;
@@ -32,7 +34,7 @@ static PetscErrorCode FindPhases(const MpmRequest *request, PetscInt dim, PetscI
   MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
                 "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
                 " direction%s; allowed: one number for all directions, or one for each",
-                request->given_phases, request->matrix_blocks, dim, dim == 1 ? "" : "s");
+                request->given_phases, MpmRequestSource(request), dim, dim == 1 ? "" : "s");
   for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -58,14 +60,38 @@ static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
   char        phases[64];
 
   PetscFunctionBegin;
-  *f         = (MpmFinding){.tolerance       = request->tolerance,
-                            .growth          = a->worst.growth,
-                            .uncertainty     = a->worst_uncertainty,
-                            .defective_error = a->symbol->defective_error};
-  f->verdict = MpmVerdictOf(f);
+  *f = (MpmFinding){.tolerance       = request->tolerance,
+                    .growth          = a->worst.growth,
+                    .uncertainty     = a->worst_uncertainty,
+                    .defective_error = a->symbol->defective_error};
   PetscCall(MpmReportCounts(a->blocks.dim, a->symbol->phases, sizeof phases, phases));
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %s phases, and a search between them from where growth is largest", phases));
+  f->verdict = MpmVerdictOf(f);
+  if (MpmRequestProbes(request)) {
+    MpmSource       source;
+    MpmSourceGrowth other;
+
+    PetscCall(MpmBlocksSource(&a->other, MpmRequestSource(request), &source));
+    PetscCall(MpmSourceGrowthAt(&source, a->beta, &other));
+    PetscCall(MpmProgramJudge(&a->program, other.growth, a->worst.condition, f));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Blocks from the file, or by probing. */
+static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
+{
+  PetscFunctionBegin;
+  if (!MpmRequestProbes(request)) {
+    PetscCall(MpmBlocksRead(PETSC_COMM_WORLD, request->matrix_blocks, request->matrix_steps, &a->blocks));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmProgramOpen(request, &a->program));
+  PetscCall(MpmProgramPrepare(&a->program));
+  PetscCall(MpmReportProgram(&a->program, a->ranks));
+  PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
+  PetscCall(MpmReportCertificates(&a->program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,8 +103,8 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &a->ranks));
-  PetscCall(MpmBlocksRead(comm, request->matrix_blocks, request->matrix_steps, &a->blocks));
-  PetscCall(MpmBlocksSource(&a->blocks, request->matrix_blocks, &source));
+  PetscCall(GetBlocks(request, a));
+  PetscCall(MpmBlocksSource(&a->blocks, MpmRequestSource(request), &source));
   PetscCall(FindPhases(request, source.dim, wish.phases));
   PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
@@ -93,7 +119,7 @@ static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
   char           beta[96], phases[64], text[256];
 
   PetscFunctionBegin;
-  PetscCall(MpmReportFile(request, "the blocks", a->ranks));
+  if (!MpmRequestProbes(request)) PetscCall(MpmReportFile(request, "the blocks", a->ranks));
   MpmPrint("%" PetscInt_FMT " blocks of %" PetscInt_FMT " unknowns a cell, %" PetscInt_FMT
            " direction%s, of %" PetscInt_FMT " step%s\n\ngrowth per step\n",
            a->blocks.n, a->blocks.size, dim, dim == 1 ? "" : "s", a->blocks.period, a->blocks.period == 1 ? "" : "s");
@@ -122,6 +148,7 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
                      "period_steps", (int)b->period);
   if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
   json_object_set_new(object, "lattice", blocks);
+  if (MpmRequestProbes(request)) json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
   json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
   for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
   refined = json_object();
@@ -160,5 +187,9 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
   PetscCall(MpmSymbolDestroy(&answer.symbol));
   PetscCall(MpmBlocksFree(&answer.blocks));
+  if (MpmRequestProbes(request)) {
+    PetscCall(MpmBlocksFree(&answer.other));
+    PetscCall(MpmProgramClose(&answer.program));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

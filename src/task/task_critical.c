@@ -1,5 +1,6 @@
-/* The task critical: mpmstab critical [SCENE.yaml] [-option value]... */
+/* The task critical: mpmstab critical [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
 #include "linalg/eigen.h"
+#include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
 #include "task/task.h"
@@ -47,12 +48,37 @@ static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The time step of a code that is probed. */
+static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  MpmProgram         program;
+  MpmCriticalProgram critical;
+  PetscMPIInt        ranks;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  MpmCheckInput(!request->csv[0], "-csv %s: a code that is probed has no row of a scheme; allowed: -json FILE",
+                request->csv);
+  PetscCall(MpmProgramOpen(request, &program));
+  PetscCall(MpmCriticalProgramFind(&program, started, &critical));
+  if (request->json[0]) PetscCall(MpmCriticalProgramWriteJson(&program, &critical, ranks, MPI_Wtime() - started));
+  PetscCall(MpmReportCriticalProgram(&program, &critical, ranks));
+  PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
+  PetscCall(MpmExpectCritical(&request->expect, critical.critical, missed));
+  PetscCall(MpmProgramClose(&program));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
+  *missed = 0;
+  if (!scene) {
+    PetscCall(OfProgram(request, started, missed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (MpmSymbolWhyNot(&scene->layout)) PetscCall(MpmEigenTryOptions(MPM_EIGEN_DENSE));
   PetscCall(MpmEigenRefuseUnread());
-  *missed = 0;
   if (request->survey)
     PetscCall(MpmCriticalPrintSurvey(scene, request));
   else if (request->at_mach)

@@ -1,11 +1,13 @@
-/* The task list: mpmstab list [formulation [NAME]|basis|transfer|boundary|layout|options|versions|codes] */
+/* The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|codes] */
 #include "base/suggest.h"
 #include "report/report.h"
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/codes.h"
 #include "task/task.h"
+#include <math.h>
 #include <slepcsys.h>
+#include <stdlib.h>
 #include <string.h>
 
 static PetscErrorCode ListFormulations(void)
@@ -40,6 +42,44 @@ static PetscErrorCode ListOneFormulation(const char name[])
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
   PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));
   PetscCall(MpmTableDestroy(&table));
+  PetscCall(PetscFree(yaml));
+  PetscCall(MpmWrittenDestroy(&written));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same of a transfer, with the value of the option that it reads, or its default. */
+static PetscErrorCode ListOneTransfer(const char name[], const char value[])
+{
+  const MpmTransfer *transfer = MpmTransferFind(name);
+  const char        *names[64], *near, *text = value;
+  MpmTransferNumbers numbers;
+  MpmWritten        *written;
+  PetscInt           n = 0;
+  char              *yaml, *end;
+
+  PetscFunctionBegin;
+  for (; MpmTransfers[n]; n++) names[n] = MpmTransfers[n]->name;
+  near = MpmSuggest(name, n, names);
+  MpmCheckInput(transfer, "list transfer %.200s: allowed: a name that 'mpmstab list transfer' prints%s%s%s", name,
+                near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  MpmCheckInput(!value || transfer->option, "list transfer %s %.100s: it has no number; allowed: the name alone", name,
+                value);
+  if (transfer->option) {
+    const MpmField *option = &MpmOptions[MpmOptionIndex(transfer->option)];
+    PetscReal       number;
+
+    if (!text) text = option->fallback;
+    number = strtod(text, &end);
+    MpmCheckInput(end > text && !*end && number >= option->lo && number <= option->hi &&
+                      (option->kind != MPM_INTEGER || number == floor(number)),
+                  "list transfer %s %.100s: allowed: a value of %s, from %.6g to %.6g", name, text, transfer->option,
+                  option->lo, option->hi);
+    numbers = (MpmTransferNumbers){.order = (PetscInt)number, .ratio = number, .affine_ratio = number};
+  } else
+    numbers = (MpmTransferNumbers){.order = 1};
+  PetscCall(MpmWrittenFromTransfer(transfer, &numbers, &written));
+  PetscCall(MpmWrittenYaml(written, &yaml));
+  MpmPrint("%s", yaml);
   PetscCall(PetscFree(yaml));
   PetscCall(MpmWrittenDestroy(&written));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -153,6 +193,11 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
   (void)started;
   if (argc == 2 && !strcmp(argv[0], "formulation")) {
     PetscCall(ListOneFormulation(argv[1]));
+    *status = MPM_EXIT_DONE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if ((argc == 2 || argc == 3) && !strcmp(argv[0], "transfer")) {
+    PetscCall(ListOneTransfer(argv[1], argc == 3 ? argv[2] : NULL));
     *status = MPM_EXIT_DONE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -1,9 +1,10 @@
-/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE] [-option value]... */
+/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
 #include "report/results.h"
+#include "task/spectrum_program.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
 
@@ -56,6 +57,10 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
 
   PetscFunctionBegin;
+  if (MpmRequestProbes(request)) {
+    PetscCall(MpmSpectrumOfProgram(request, started, missed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(CheckWritten(scene, request));
   if (!scene)
     PetscCall(OfFile(request, started, &bulk));
@@ -66,7 +71,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   if (bulk) place = MpmNeighbourhoodOfFinding(&bulk->finding);
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_FALSE, all));
   if (bulk) PetscCall(MpmSpectrumWriteFiles(bulk));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, bulk, all, MPI_Wtime() - started));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, bulk, all, MPI_Wtime() - started, NULL));
   PetscCall(MpmSpectrumPrint(scene, request, bulk, all));
   if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
   PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));

@@ -1,6 +1,7 @@
-/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE] [-option value]... */
+/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "report/report.h"
+#include "report/results.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
 #include "analysis/refined.h"
@@ -56,7 +57,7 @@ static PetscErrorCode PrintRefined(PetscInt dim, const MpmRefined *r)
 
 static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, const MpmRefined *r,
                             const MpmPredictor *p, const MpmPredictions *predictions, const MpmComparison *comparison,
-                            const MpmFinding *finding, PetscMPIInt ranks)
+                            const MpmFinding *finding, const MpmDamping *damping, PetscMPIInt ranks)
 {
   char text[256];
 
@@ -70,6 +71,7 @@ static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, co
   PetscCall(PrintRefined(scene->layout.dim, r));
   MpmPrint("\n");
   PetscCall(MpmReportComparison(p, comparison));
+  if (damping) PetscCall(MpmDampingPrint(scene, damping));
   PetscCall(MpmReportFinding(finding, s->condition));
   MpmPrint("time: %.3g s\n", s->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -92,30 +94,34 @@ static json_t *JsonRefined(PetscInt dim, const MpmRefined *r)
 
 static PetscErrorCode WriteJson(const char path[], const MpmScene *scene, const MpmSymbol *s, const MpmRefined *r,
                                 const MpmPredictions *predictions, const MpmComparison *comparison,
-                                const MpmFinding *finding, PetscMPIInt ranks, PetscReal wall_s)
+                                const MpmFinding *finding, const MpmDamping *damping, PetscMPIInt ranks,
+                                PetscReal wall_s)
 {
-  json_t *object;
+  json_t *object, *symbol = MpmJsonSymbol(s);
 
   PetscFunctionBegin;
   PetscCall(MpmJsonScene(scene, "symbol", ranks, wall_s, &object));
   MpmJsonSetFinding(object, finding);
   json_object_set_new(object, "predicted", MpmJsonPredicted(predictions, comparison, s->growth));
-  json_object_set_new(object, "symbol", MpmJsonSymbol(s));
+  if (damping) json_object_set_new(symbol, "damping", MpmDampingJson(scene, damping));
+  json_object_set_new(object, "symbol", symbol);
   if (r) json_object_set_new(object, "refined", JsonRefined(scene->layout.dim, r));
   PetscCall(MpmJsonWrite(path, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s,
-                                 const MpmPredictor *p)
+                                 const MpmPredictor *p, const MpmDamping *damping)
 {
   MpmDataFile file;
 
   PetscFunctionBegin;
-  if (request->csv[0]) PetscCall(MpmSymbolWriteCsv(s, p, request->csv));
+  if (request->csv[0] && damping) PetscCall(MpmDampingWriteCsv(damping, request->csv));
+  if (request->csv[0] && !damping) PetscCall(MpmSymbolWriteCsv(s, p, request->csv));
   if (!request->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, request, &file));
   PetscCall(MpmSymbolWrite(s, p, &file));
+  if (damping) PetscCall(MpmDampingWrite(damping, &file));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -160,6 +166,7 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
   PetscMPIInt    ranks;
   MpmSymbol     *symbol;
+  MpmDamping    *damping = NULL;
   MpmPredictor   predictor;
   MpmPredictions predictions;
   MpmComparison  comparison;
@@ -178,13 +185,15 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
     PetscCall(MpmFindingOfPhases(&finding, symbol->phases[a], scene->layout.grid[a].cells));
   if (MpmPredictDisagrees(&comparison, symbol->growth))
     PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
-  PetscCall(WriteFiles(scene, request, symbol, &predictor));
+  if (request->damping) PetscCall(MpmDampingCreate(scene, request, &damping));
+  PetscCall(WriteFiles(scene, request, symbol, &predictor, damping));
   if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
   if (request->json[0])
-    PetscCall(
-        WriteJson(request->json, scene, symbol, r, &predictions, &comparison, &finding, ranks, MPI_Wtime() - started));
-  PetscCall(Print(scene, request, symbol, r, &predictor, &predictions, &comparison, &finding, ranks));
+    PetscCall(WriteJson(request->json, scene, symbol, r, &predictions, &comparison, &finding, damping, ranks,
+                        MPI_Wtime() - started));
+  PetscCall(Print(scene, request, symbol, r, &predictor, &predictions, &comparison, &finding, damping, ranks));
   PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
+  PetscCall(MpmDampingDestroy(&damping));
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -317,6 +317,16 @@ static PetscErrorCode CheckParameters(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   What a march must not leave out: sums that set a field anew before particles have changed, multiples of a sum that the
+   field holds, and at walls combinations of fields of which only one is imposed.
+*/
+static const char anew[] = "scheme:\n  name: anew\n  particles: {v: vector, s: stress}\n"
+                           "  nodes: {v_i: vector, a_i: vector, w_i: vector}\n  step:\n"
+                           "    - v_i = P2G v\n    - IMPOSE v_i\n    - a_i = -k DIV s\n    - w_i = v_i + 0.3 a_i\n"
+                           "    - v_i = 1.1 P2G v\n    - v_i = v_i - 0.2 P2G v + 0.1 w_i\n"
+                           "    - v += G2P a_i\n    - s += k STRESS GRAD v_i\n    - DRIFT\n";
+
 /* A transfer's filter written as lines makes the operations of that transfer. */
 static PetscErrorCode CheckFilters(void)
 {
@@ -348,6 +358,78 @@ static PetscErrorCode CheckFilters(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- transfers ---- */
+
+/* The transfer of the program as text, with a formulation of the program, has the operations of the two by name. */
+static PetscErrorCode CheckTransfer(const MpmTransfer *transfer, PetscInt order)
+{
+  static const char *const spaces[] = {"cells: 8\nboundary: fixed\n", "cells: 8\nboundary: fixed\npic_filter: before\n",
+                                       "cells: 8\nboundary: [fixed_reaction, free]\n",
+                                       "dim: 2\ncells: [3, 4]\nboundary: symmetry\n"};
+
+  const MpmTransferNumbers numbers = {.order = order, .ratio = 0.95};
+  MpmWritten              *written;
+  char                    *yaml, keys[256], named[64] = "";
+
+  PetscFunctionBegin;
+  PetscCall(MpmWrittenFromTransfer(transfer, &numbers, &written));
+  PetscCall(MpmWrittenYaml(written, &yaml));
+  if (transfer->option && !strcmp(transfer->option, "xpic_order"))
+    PetscCall(PetscSNPrintf(named, sizeof named, "xpic_order: %d\n", (int)order));
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(spaces); s++) {
+      const char *const name = MpmFormulations[f]->name;
+      MpmScene         *scenes[2];
+
+      if (!CanBe(MpmFormulations[f], transfer, spaces[s])) continue;
+      if (strstr(spaces[s], "before") && !MpmFormulationHas(MpmFormulations[f], MPM_FILTER_BEFORE)) continue;
+      PetscCall(PetscSNPrintf(keys, sizeof keys, "formulation: %s\n%s", name, spaces[s]));
+      PetscCall(SceneOf(yaml, keys, &scenes[0]));
+      PetscCall(PetscSNPrintf(keys, sizeof keys, "formulation: %s\ntransfer: %s\n%s%s", name, transfer->name, named,
+                              spaces[s]));
+      PetscCall(SceneOf("", keys, &scenes[1]));
+      CHECK(scenes[0]->scheme.transfer->lines && strlen(scenes[0]->scheme_hash) == 16, "%s: not as text", name);
+      CompareTables(transfer->name, scenes[0]->scheme.table, scenes[1]->scheme.table);
+      for (int i = 0; i < 2; i++) PetscCall(MpmSceneDestroy(&scenes[i]));
+    }
+  PetscCall(PetscFree(yaml));
+  PetscCall(MpmWrittenDestroy(&written));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A filter with a parameter, sums that follow one another, and a particle field besides q. */
+static const char smooth[] = "scheme:\n"
+                             "  transfer:\n"
+                             "    name: smooth\n"
+                             "    parameters: {ratio: 0.5}\n"
+                             "    particles: [p]\n"
+                             "    nodes: [a, b]\n"
+                             "    filter:\n"
+                             "      - p = G2P g\n"
+                             "      - a = P2G p\n"
+                             "      - p = 0.5 q - 0.5 G2P a\n"
+                             "      - b = a + P2G p\n"
+                             "      - IMPOSE b\n"
+                             "      - q = ratio q + (1 - ratio) G2P b\n";
+
+/* half of q and half of G2P g is blend with this ratio; the map over the ratio changes the transfer with it */
+static PetscErrorCode CheckOwnTransfer(void)
+{
+  static const char half[] =
+      "formulation: usl\nscheme:\n  transfer:\n    name: half-pic\n    parameters: {ratio: 0.5}\n"
+      "    filter: ['q = ratio q + (1 - ratio) G2P g']\n";
+  PetscReal growth, same;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthOf(half, "courant: 0.9\nratio: 0.9\n", 32, &growth));
+  PetscCall(GrowthOf("formulation: usl\ntransfer: blend\nblend_ratio: 0.9\n", "courant: 0.9\n", 32, &same));
+  CHECK(same > 1.01, "blend does not grow");
+  CHECK_NEAR(growth, same, 1e-13);
+  PetscCall(GrowthOf(half, "courant: 0.9\n", 32, &same));
+  CHECK(fabs(growth - same) > 1e-3, "the ratio changes nothing");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Blanks and comments do not change the hash of a scheme, and a factor does. */
 static PetscErrorCode CheckHash(void)
 {
@@ -376,6 +458,27 @@ static PetscErrorCode CheckHash(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What is the same on every rank: tables, and numbers by hand. */
+static PetscErrorCode CheckTables(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    PetscCall(CheckThereAndBack(MpmFormulations[f]));
+    PetscCall(CheckTraits(MpmFormulations[f]));
+  }
+  for (PetscInt t = 0; MpmTransfers[t]; t++)
+    for (PetscInt order = 1; order <= 3; order++)
+      if (MpmTransfers[t]->filter && !MpmTransfers[t]->affine && !MpmTransfers[t]->sharpen)
+        PetscCall(CheckTransfer(MpmTransfers[t], order));
+  PetscCall(CheckDeterminant());
+  PetscCall(CheckGrowth());
+  PetscCall(CheckParameters());
+  PetscCall(CheckFilters());
+  PetscCall(CheckOwnTransfer());
+  PetscCall(CheckHash());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   static const char *const rests[] = {
@@ -390,31 +493,34 @@ static PetscErrorCode Test(int argc, char **argv)
       "cells: 13\nboundary: [fixed_reaction, free]\nbasis: quadratic\ntransfer: xpic\n",
       "dim: 2\ncells: [3, 9]\nboundary: [fixed, symmetry]\nbasis: quadratic\ntransfer: pic\n",
   };
+  int ranks;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
-  for (PetscInt f = 0; MpmFormulations[f]; f++) {
-    PetscCall(CheckThereAndBack(MpmFormulations[f]));
-    PetscCall(CheckTraits(MpmFormulations[f]));
-  }
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  if (ranks == 1) PetscCall(CheckTables());
   for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
-    PetscCall(CheckReaders(musl_mid, rests[r]));
-    if (!strstr(rests[r], "dim")) PetscCall(CheckReaders(every, rests[r]));
-    if (!strstr(rests[r], "poisson")) PetscCall(CheckReaders(fluid, rests[r]));
+    PetscErrorCode (*const check)(const char[], const char[]) = ranks == 1 ? CheckReaders : CheckMarch;
+
+    PetscCall(check(musl_mid, rests[r]));
+    if (!strstr(rests[r], "dim")) PetscCall(check(every, rests[r]));
+    if (!strstr(rests[r], "poisson")) PetscCall(check(fluid, rests[r]));
+    if (!strstr(rests[r], "poisson")) PetscCall(check(smooth, rests[r]));
   }
-  PetscCall(
-      CheckReaders(fluid, "dim: 2\ncells: [2, 6]\nppc: [2, 1]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
+  if (ranks == 1)
+    PetscCall(
+        CheckReaders(fluid, "dim: 2\ncells: [2, 6]\nppc: [2, 1]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
+  PetscCall(CheckMarch(anew, "cells: 12\njitter: 0.4\nbasis: quadratic\n"));
+  PetscCall(CheckMarch(anew, "cells: 12\ndrift: 1/2\n"));
+  PetscCall(CheckMarch(anew, "cells: 13\nboundary: fixed\nbasis: cubic\njitter: 0.4\n"));
   PetscCall(CheckMarch(every, "dim: 2\ncells: [3, 9]\ncourant: 0.2\ndrift: [1/2, 0]\nbasis: quadratic\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.2\n"));
   PetscCall(CheckMarch(every, "dim: 3\ncells: [2, 3, 6]\ncourant: 0.2\npoisson: 0.5\n"));
   for (size_t w = 0; w < PETSC_STATIC_ARRAY_LENGTH(walls); w++) PetscCall(CheckMarch(every, walls[w]));
-  PetscCall(CheckDeterminant());
-  PetscCall(CheckGrowth());
-  PetscCall(CheckParameters());
-  PetscCall(CheckFilters());
-  PetscCall(CheckHash());
+  PetscCall(CheckMarch(smooth, "formulation: usl\ndim: 2\ncells: [3, 6]\ncourant: 0.2\ndrift: [1/2, 0]\n"));
+  PetscCall(CheckMarch(smooth, "formulation: usl\ncells: 13\nboundary: fixed_reaction\nbasis: quadratic\n"));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -129,6 +129,9 @@ def check_text(page):
     least = {"rings": 6, "rests": 7, "jitters": 4, "plane": 8, "space": 4, "wrong-one-s": 0}
     kinds = {name: len(re.findall("<img ", article(page, name))) for name in least}
     check(all(kinds[name] >= least[name] for name in least) and kinds["wrong-one-s"] == 0, f"pictures: {kinds}")
+    damped = [name for name in least if "damping of waves along x" in article(page, name)
+              and 'alt="Decay and frequency error of waves' in article(page, name)]
+    check(damped == ["rings", "rests", "plane", "space"], f"damping: {damped}")
     check("not drawn" not in page, "a picture was not drawn")
     check(all(re.findall(r'<img [^>]*alt="([^"]+)"', page)), "a picture without words")
 

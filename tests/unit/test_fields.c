@@ -119,7 +119,8 @@ static PetscErrorCode CheckRead(const MpmField *field)
     if (error || !strcmp(request.output, "named_by_a_test") || !strcmp(request.json, "named_by_a_test") ||
         !strcmp(request.csv, "named_by_a_test") || !strcmp(request.checkpoint, "named_by_a_test") ||
         !strcmp(request.restart, "named_by_a_test") || !strcmp(request.matrix, "named_by_a_test") ||
-        !strcmp(request.matrix_blocks, "named_by_a_test"))
+        !strcmp(request.matrix_blocks, "named_by_a_test") || !strcmp(request.program, "named_by_a_test") ||
+        !strcmp(request.plugin, "named_by_a_test"))
       read = PETSC_TRUE;
     if (!error) PetscCall(MpmSceneDestroy(&scene));
   }

@@ -132,6 +132,53 @@ static PetscErrorCode CheckLines(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A transfer alone, whose filter begins in line 6. */
+static PetscErrorCode CheckTransfers(void)
+{
+  static const struct {
+    const char *lines, *expected;
+  } filters[] = {
+      {"['g = P2G q']", "text:6: g = P2G q: g belongs to the step"},
+      {"['a = G2P g']", "text:6: a = G2P g: G2P g is of particles, and a of nodes"},
+      {"['a = DIV q']", "text:6: a = DIV q: a filter acts on each component by itself"},
+      {"['FILTER q g']", "text:6: FILTER q g: this stands in the step"},
+      {"[DRIFT]", "text:6: DRIFT: this stands in the step"},
+      {"['a = v']", "text:6: a = v: there is no field or parameter v; allowed: q, p, g, a"},
+      {"['a = P2G p', 'q = G2P a']", "text:6: a = P2G p: p lasts until it has gone to the nodes; allowed: P2G p in"},
+      {"['p = G2P g', 'q += p']", "text:6: q += p: p lasts until it has gone to the nodes"},
+      {"['p = G2P g', 'q = 0.5 q', 'a = P2G p']", "text:6: a = P2G p: p lasts until it has gone to the nodes"},
+      {"['p += G2P g']", "text:6: p += G2P g: allowed for a field of particles other than q: field = ..."},
+      {"['p = G2P g', 'a = P2G p']", "text:3: probe: no line of its filter sets q"},
+      {"['q = G2P g']", "text:4: p: nothing reads this field"},
+      {"['p = G2P g', 'a = P2G p', 'q = G2P g']", "text:5: a: nothing reads this field"},
+      {"[]", "transfer: 'filter' is missing"},
+      {"{q: 1}", "text:6: filter: allowed: a list of lines"},
+  };
+  char text[512];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(filters); i++) {
+    PetscCall(
+        PetscSNPrintf(text, sizeof text,
+                      "scheme:\n  transfer:\n    name: probe\n    particles: [p]\n    nodes: [a]\n    filter: %s\n",
+                      filters[i].lines));
+    PetscCall(Refuses(text, filters[i].expected));
+  }
+  PetscCall(RefusesKeys("  transfer: {name: probe, filter: [q = G2P g]}\n", "text:13: probe: the step has no FILTER"));
+  PetscCall(RefusesKeys("  transfer: {name: pic, filter: [q = G2P g]}\n", "text:13: pic: this name is taken by a"));
+  PetscCall(RefusesKeys("  transfer: {name: probe, nodes: [q], filter: [q = G2P g]}\n",
+                        "text:13: q: a filter has a field of this name already"));
+  PetscCall(
+      RefusesKeys("  transfer: {name: probe, filter: [q = G2P g], step: [DRIFT]}\n",
+                  "text:13: unknown key 'step' in a transfer; allowed: name, parameters, particles, nodes and filter"));
+  PetscCall(Refuses("transfer: pic\nscheme:\n  transfer: {name: probe, filter: [q = G2P g]}\n",
+                    "text:1: transfer: pic: the scheme has the transfer probe of its own; allowed: one of the two"));
+  PetscCall(Refuses("formulation: usl\nscheme:\n  name: x\n  particles: {v: vector}\n  nodes: {v_i: vector}\n"
+                    "  step: [v_i = P2G v, v = G2P v_i, DRIFT]\n",
+                    "formulation and scheme are both given in text; allowed: one of them"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CheckKeys(void)
 {
   PetscFunctionBegin;
@@ -228,6 +275,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argv;
   PetscCall(CheckLines());
   PetscCall(CheckKeys());
+  PetscCall(CheckTransfers());
   PetscCall(CheckWhole());
   PetscCall(CheckRegisters());
   PetscFunctionReturn(PETSC_SUCCESS);

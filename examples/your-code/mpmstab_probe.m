@@ -1,0 +1,252 @@
+function varargout = mpmstab_probe(path, h, varargin)
+% One call in your own time loop writes the matrix of your step, in Octave and MATLAB:
+%
+%   [xp, vp, sp] = mpmstab_probe('A.mtx', h, xp, vp, sp);     first line of the time loop
+%   mpmstab spectrum -matrix A.mtx                            afterwards
+%
+% h: the width of a cell; [h Lx Ly] for a grid with periods, Inf where there is none. The first array is the place; the
+% others are all that a step changes and a later step reads. Particles are the first or the last index. One more output
+% is true as long as the loop has to do steps for the probe, and false when the state is your own again:
+%
+%   [xp, vp, sp, busy] = mpmstab_probe('A.mtx', h, xp, vp, sp);
+%
+% Each call keeps the answer to the last perturbation, restores the state and perturbs other unknowns. The last one
+% writes the matrix and restores the state to the last bit. To probe again: clear mpmstab_probe.
+% mpmstab_probe.h says how it is done and what the comments in the file mean.
+persistent hooks
+if isempty(hooks), hooks = containers.Map(); end
+if ~isKey(hooks, path)
+  w = begin(h, varargin);
+else
+  w = hooks(path);
+  if strcmp(w.stage, 'done')
+    varargout = [varargin, {false}];
+    return
+  end
+  w = take(w, path, gather(varargin, w.n));
+end
+busy = ~strcmp(w.stage, 'done');
+if busy
+  [w, q] = perturb(w);
+else
+  q = w.base;
+  w = struct('stage', 'done');
+end
+hooks(path) = w;
+varargout = [scatter(q, varargin), {busy}];
+end
+
+function q = gather(arrays, n)
+q = [];
+for k = 1:numel(arrays)
+  a = double(arrays{k});
+  if size(a, 1) == n, a = reshape(a, n, []); else, a = reshape(a, [], n).'; end
+  q = [q, a];
+end
+end
+
+function arrays = scatter(q, arrays)
+n = size(q, 1);
+for k = 1:numel(arrays)
+  a = arrays{k};
+  width = numel(a) / n;
+  values = q(:, 1:width);
+  q(:, 1:width) = [];
+  if size(a, 1) ~= n, values = values.'; end
+  arrays{k} = cast(reshape(values, size(a)), class(a));
+end
+end
+
+function w = begin(h, arrays)
+w = struct('stage', 'rest', 'n', max(size(arrays{1})), 'asked', 0, 'calls', 0, 'number', 1, 'colour', 1);
+w.base = gather(arrays, w.n);
+w.single = [];
+w.scale = [];
+w.names = '';
+for k = 1:numel(arrays)
+  width = numel(arrays{k}) / w.n;
+  largest = max(abs(double(arrays{k}(:))));
+  if k == 1, largest = h(1); elseif largest == 0, largest = 1; end
+  w.single = [w.single, repmat(isa(arrays{k}, 'single'), 1, width)];
+  w.scale = [w.scale, repmat(largest, 1, width)];
+  w.names = sprintf('%s field%d %d%s', w.names, k, width, repmat(' place', 1, double(k == 1)));
+end
+w.size = 2^-17;
+if any(w.single), w.size = 2^-5; end
+w.dim = numel(arrays{1}) / w.n;
+period = [h(2:end), Inf(1, w.dim)];
+w.period = [period(1:w.dim), Inf(1, numel(w.scale) - w.dim)];
+% Bins as wide as cells.
+x = w.base(:, 1:w.dim);
+low = min(x, [], 1);
+w.periodic = isfinite(period(1:w.dim));
+w.bins = floor((max(x, [], 1) - low) / h(1)) + 1;
+w.bins(w.periodic) = ceil(period(w.periodic) / h(1) - 1e-6);
+for a = find(w.periodic), x(:, a) = mod(x(:, a), period(a)); end
+low(w.periodic) = 0;
+w.bin = min(floor((x - low) / h(1)), w.bins - 1);
+[~, w.middle] = min(sum(abs(w.base(:, 1:w.dim) - (min(w.base(:, 1:w.dim), [], 1) + max(w.base(:, 1:w.dim), [], 1)) / 2), 2));
+w.reach = 0; % in bins; -1: not known, each column has calls of its own
+end
+
+function d = minus_periods(w, one, other)
+d = one - other;
+p = isfinite(w.period);
+d(:, p) = d(:, p) - w.period(p) .* round(d(:, p) ./ w.period(p));
+end
+
+function most = largest(w, d)
+most = max(max(abs(d) ./ w.scale));
+end
+
+function [w, q] = perturb(w)
+% Asks for a step from +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all.
+size_of = w.size * [1 -1 2 -2];
+amount = zeros(size(w.base));
+switch w.stage
+  case 'reach',   amount(w.middle, w.number) = 1;
+  case 'columns', amount(w.colour_of == w.colour, w.number) = 1;
+  case 'check',   amount(:) = 2 * mod((1:numel(amount)) * 0.6180339887498949, 1) - 1; % rand would change the code's own
+end
+q = w.base + size_of(w.asked + 1) * amount .* w.scale;
+q(:, w.single == 1) = double(single(q(:, w.single == 1)));
+w.amount{w.asked + 1} = q - w.base;
+w.calls = w.calls + 1;
+end
+
+function w = take(w, path, answer)
+% Takes one more answer, and says what comes next.
+if ~all(isfinite(answer(:)))
+  fprintf(2, 'mpmstab_probe: the state after a step has a number that is not finite; %s is not written\n', path);
+  w.stage = 'done';
+  return
+end
+w.asked = w.asked + 1;
+w.answer{w.asked} = answer;
+if w.asked < 1 + 3 * strcmp(w.stage, 'columns') + strcmp(w.stage, 'check'), return, end
+w.asked = 0;
+switch w.stage
+  case 'rest'
+    w.rest = answer;
+    w.stage = 'repeat';
+  case 'repeat'
+    w.repeat = largest(w, minus_periods(w, answer, w.rest));
+    w.stage = 'reach';
+  case 'reach'
+    touched = any(abs(minus_periods(w, answer, w.rest)) ./ w.scale > 10 * w.repeat, 2);
+    d = abs(w.bin - w.bin(w.middle, :));
+    d(:, w.periodic) = min(d(:, w.periodic), w.bins(w.periodic) - d(:, w.periodic));
+    w.reach = max([w.reach; max(d(touched, :), [], 2)]);
+    w.number = w.number + 1;
+    if w.number > numel(w.scale)
+      w.reach = w.reach + 1; % particles elsewhere in a cell may reach one further
+      w = begin_columns(w);
+    end
+  case 'columns'
+    w = take_columns(w);
+    w.number = w.number + 1;
+    if w.number > numel(w.scale), w.number = 1; w.colour = w.colour + 1; end
+    if w.colour > max(w.colour_of)
+      w.entries = vertcat(w.entries{:});
+      w.stage = 'check';
+    end
+  case 'check'
+    response = minus_periods(w, w.answer{1}, w.answer{2});
+    given = (w.amount{1} - w.amount{2}).';
+    expected = accumarray(w.entries(:, 1), w.entries(:, 3) .* given(w.entries(:, 2)), [numel(given), 1]);
+    expected = reshape(expected, fliplr(size(w.base))).';
+    w.additivity = largest(w, response - expected) / max([largest(w, response), largest(w, expected), realmin]);
+    w.stage = 'done';
+    limit = [1e-6, 1e-3];
+    if any(w.single), limit = [1e-3, 0.05]; end
+    if w.reach >= 0 && (w.leaks > limit(1) || w.additivity > limit(2))
+      w.reach = -1; % some particle reaches further than was seen
+      w = begin_columns(w);
+    else
+      save_matrix(w, path);
+    end
+end
+end
+
+function w = begin_columns(w)
+% A direction repeats its colours every so many bins; what is left over at a period has colours of its own.
+w.colour_of = (1:w.n).';
+if w.reach >= 0
+  colour = zeros(w.n, 1);
+  for a = 1:w.dim
+    n = w.bins(a);
+    best = min(2 * w.reach + 1, n);
+    whole = n;
+    if w.periodic(a)
+      try_these = best:n;
+      [~, k] = min(try_these + mod(n, try_these));
+      best = try_these(k);
+      whole = floor(n / best) * best;
+    end
+    b = w.bin(:, a);
+    b(b < whole) = mod(b(b < whole), best);
+    b(w.bin(:, a) >= whole) = best + w.bin(w.bin(:, a) >= whole, a) - whole;
+    colour = colour * (best + n - whole) + b;
+  end
+  [~, ~, place] = unique(w.bin, 'rows');
+  [sorted, order] = sort(place(:));
+  start = find([true; diff(sorted) ~= 0]);
+  rank(order) = (1:w.n).' - start(cumsum([true; diff(sorted) ~= 0]));
+  [~, ~, w.colour_of] = unique([colour, rank(:)], 'rows');
+end
+w.stage = 'columns';
+w.colour = 1;
+w.number = 1;
+w.entries = {};
+w.one_sided = 0;
+w.two_sizes = 0;
+w.leaks = 0;
+end
+
+function owner = owners(w)
+% The perturbed particle that each particle's answer is due to, or 0.
+perturbed = find(w.colour_of == w.colour);
+if w.reach < 0
+  owner = repmat(perturbed, w.n, 1);
+  return
+end
+owner = zeros(w.n, 1);
+for j = perturbed.'
+  d = abs(w.bin - w.bin(j, :));
+  d(:, w.periodic) = min(d(:, w.periodic), w.bins(w.periodic) - d(:, w.periodic));
+  owner(all(d <= w.reach, 2)) = j;
+end
+end
+
+function w = take_columns(w)
+width = numel(w.scale);
+owner = owners(w);
+due = owner > 0;
+f = w.answer;
+d = cellfun(@(amount) amount(owner(due), w.number), w.amount, 'UniformOutput', false);
+both = minus_periods(w, f{1}, f{2});
+unit = w.scale(w.number) ./ w.scale;
+if any(~due), w.leaks = max(w.leaks, max(max(abs(both(~due, :)) ./ w.scale)) / (2 * w.size)); end
+a = both(due, :) ./ (d{1} - d{2});
+ahead = minus_periods(w, f{1}, w.rest);
+larger = minus_periods(w, f{3}, f{4});
+w.one_sided = max(w.one_sided, max(max(abs(ahead(due, :) ./ d{1} - a) .* unit)));
+w.two_sizes = w.two_sizes + sum(sum(((larger(due, :) ./ (d{3} - d{4}) - a) .* unit).^2));
+row = (find(due) - 1) * width + (1:width);
+column = repmat((owner(due) - 1) * width + w.number, 1, width);
+there = a ~= 0;
+w.entries{end + 1} = [row(there), column(there), a(there)];
+end
+
+function save_matrix(w, path)
+% Matrix Market; unknowns particle by particle, fields in the order of the call.
+says = sprintf('%% calls: %d\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n%% two_sizes: %.3g\n%% additivity: %.3g\n', ...
+               w.calls, largest(w, minus_periods(w, w.rest, w.base)), w.repeat, w.one_sided, sqrt(w.two_sizes), w.additivity);
+[file, why] = fopen(path, 'w');
+if file < 0, error('mpmstab_probe: %s cannot be written: %s', path, why); end
+fprintf(file, '%%%%MatrixMarket matrix coordinate real general\n%% steps: 1\n%% fields:%s\n%s', w.names, says);
+fprintf(file, '%d %d %d\n', numel(w.base), numel(w.base), size(w.entries, 1));
+fprintf(file, '%d %d %.17g\n', w.entries.');
+fclose(file);
+fprintf(2, 'mpmstab_probe: %s has the matrix of your step, of order %d\n%s', path, numel(w.base), says);
+end

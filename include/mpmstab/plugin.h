@@ -1,0 +1,43 @@
+/*
+   Plugin: what a shared library exports so that mpmstab can probe the step of a code (option plugin). The library stands
+   alone: this header needs nothing of mpmstab, and the library is not linked with it.
+
+   The functions are called on each rank in a process of its own, one after another, never at the same time. They must
+   not end the process. What they print on standard output disturbs the report.
+*/
+#pragma once
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+   mpmstab_describe - describes the code, as the answer to 'describe' of the protocol for programs: an object of JSON
+   with protocol, name, dim, cell_width, periodic, particles, fields, parameters and steps.
+
+   Output Parameter: state - the base state, particles x numbers, particle by particle, fields in the order described.
+   It stays valid while the library is loaded.
+
+   Returns: the text, or NULL when the code cannot start; mpmstab_error then says why.
+*/
+const char *mpmstab_describe(const double **state);
+
+/* mpmstab_set - gives a parameter a value. Returns 0, or another number when the code does not take it. */
+int mpmstab_set(const char name[], double value);
+
+/*
+   mpmstab_step - replaces the state of particles by the one after some steps. It depends on nothing but the state and
+   the parameters: whatever the code keeps besides is set anew from the state.
+
+   Input Parameters: steps; particles - the number that was described, or any if the description has "any_count": true.
+   Returns: 0, or another number when the code cannot step from there.
+*/
+int mpmstab_step(int steps, int64_t particles, double state[]);
+
+/* mpmstab_error - optional: says in a line what went wrong in the last call that failed. */
+const char *mpmstab_error(void);
+
+#ifdef __cplusplus
+}
+#endif

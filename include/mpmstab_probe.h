@@ -1,0 +1,554 @@
+/*
+   mpmstab_probe: one call in your own time loop writes the matrix of your step. This header is all that is needed, in C
+   and in C++:
+
+     mpmstab_hook hook = {{0}};                                     periods of the grid: {{Lx, Ly, Lz}}, 0 where none
+
+     mpmstab_place(&hook, "x", &p[0].x, MPMSTAB_DOUBLE, 2, sizeof p[0], n);
+     mpmstab_field(&hook, "v", &p[0].v, MPMSTAB_DOUBLE, 2, sizeof p[0], n, 0);
+     while (!mpmstab_probe(&hook, "A.mtx", h)) advance(dt);         h: the width of a cell
+
+     mpmstab spectrum -matrix A.mtx
+
+   Each call keeps the answer to the last perturbation, restores the state, perturbs other unknowns and lets your loop do
+   its step. The last call writes the matrix, restores the state to the last bit, and returns 1; so do all later ones.
+
+   All that a step changes and a later step reads has to be registered, and particles have to keep their order and their
+   memory. The columns are central differences,
+
+     A e_j = (F(q + s e_j) - F(q - s e_j)) / (2 s)    with F the step and q the state at the first call.
+
+   A step reaches a few cells. So particles far enough apart are perturbed in one call, once a few calls have shown how
+   far a particle reaches. Without a place, or when answers come from elsewhere, each column has calls of its own.
+
+   Comments of the file say how far the matrix can be trusted; numbers are relative to the fields' scales:
+     moved       largest change of the state in a step: where it is not small, eigenvalues describe this one step
+     repeat      difference of two steps from the same state: other than 0 when something is not registered
+     one_sided   largest difference between an entry from forward and from central differences: switches at the state
+     two_sizes   Frobenius norm of the change of the matrix with perturbations twice as large: rounding and curvature
+     additivity  difference between the response to a random perturbation and A times it, relative to the larger
+*/
+#ifndef MPMSTAB_PROBE_H
+#define MPMSTAB_PROBE_H
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef MPMSTAB_PROBE_API /* empty: functions that other languages can call */
+#define MPMSTAB_PROBE_API static inline
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { MPMSTAB_FLOAT = 4, MPMSTAB_DOUBLE = 8 };
+enum { MPMSTAB_BEGIN, MPMSTAB_REST, MPMSTAB_REPEAT, MPMSTAB_REACH, MPMSTAB_COLUMNS, MPMSTAB_CHECK, MPMSTAB_DONE };
+enum { MPMSTAB_MOST_FIELDS = 64, MPMSTAB_MOST_BINS = 100000000, MPMSTAB_ASKED = 4 };
+
+/* period: of the grid in each direction; 0: none. The rest belongs to the functions below. */
+typedef struct {
+  double               period[3];
+  struct mpmstab_work *work;
+} mpmstab_hook;
+
+typedef struct {
+  const char *name;
+  char       *first;
+  int         type, size, begin;
+  size_t      stride;
+  double      scale;
+} mpmstab_registered;
+
+/* bins are as wide as cells. Of a call, owner is the perturbed particle that an answer is due to, or -1. */
+struct mpmstab_work {
+  mpmstab_registered field[MPMSTAB_MOST_FIELDS];
+  int                nfields, width, place, stage, asked, number, reach, single;
+  long               particles, colours, colour, middle, calls, bins[3], modulus[3];
+  long              *bin, *colour_of, *owner, *grid;
+  double             period[3], *base, *rest, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
+  double             moved, repeat, one_sided, two_sizes, additivity, leaks;
+  long               n, room, *row, *column;
+  double            *value;
+};
+
+static inline void *mpmstab_room_(void *old, size_t bytes)
+{
+  void *room = realloc(old, bytes ? bytes : 1);
+
+  if (!room) {
+    fprintf(stderr, "mpmstab_probe: no memory for %.0f bytes\n", (double)bytes);
+    exit(1);
+  }
+  return room;
+}
+
+/*
+   mpmstab_field - registers a field. first: of the first particle; type: MPMSTAB_FLOAT or MPMSTAB_DOUBLE; size: numbers
+   of a particle, one after another; stride: bytes from one particle to the next; scale: what a change of order 1 means,
+   or 0: the largest of the state's absolute values, or 1 where all are 0.
+*/
+MPMSTAB_PROBE_API void mpmstab_field(mpmstab_hook *hook, const char *name, void *first, int type, int size,
+                                     size_t stride, long particles, double scale)
+{
+  struct mpmstab_work *w = hook->work;
+  mpmstab_registered  *f;
+
+  if (!w) {
+    w        = (struct mpmstab_work *)memset(mpmstab_room_(NULL, sizeof *w), 0, sizeof *w);
+    w->place = -1, w->particles = particles, hook->work = w;
+  }
+  if (w->nfields == MPMSTAB_MOST_FIELDS || particles != w->particles || particles < 1 || size < 1 ||
+      (type != MPMSTAB_FLOAT && type != MPMSTAB_DOUBLE)) {
+    fprintf(stderr, "mpmstab_probe: field %s of %ld particles; allowed: up to 64 fields, all of as many particles\n",
+            name, particles);
+    exit(2);
+  }
+  f       = &w->field[w->nfields++];
+  f->name = name, f->first = (char *)first, f->type = type, f->size = size, f->begin = w->width, f->stride = stride;
+  f->scale = scale;
+  w->width += size;
+  if (type == MPMSTAB_FLOAT) w->single = 1;
+}
+
+/* mpmstab_place - registers the field that is the place of a particle, one number for each direction. */
+MPMSTAB_PROBE_API void mpmstab_place(mpmstab_hook *hook, const char *name, void *first, int type, int size,
+                                     size_t stride, long particles)
+{
+  mpmstab_field(hook, name, first, type, size, stride, particles, 0);
+  hook->work->place = hook->work->nfields - 1;
+}
+
+/* ---- the state ---- */
+
+/* Copies the state from the fields, or to them. */
+static inline void mpmstab_copy_(struct mpmstab_work *w, double *state, int to_fields)
+{
+  for (int f = 0; f < w->nfields; f++) {
+    const mpmstab_registered *of = &w->field[f];
+
+    for (long i = 0; i < w->particles * of->size; i++) {
+      double *number = &state[i / of->size * w->width + of->begin + i % of->size];
+      char   *at     = of->first + (size_t)(i / of->size) * of->stride + (size_t)(i % of->size) * (size_t)of->type;
+
+      if (of->type == MPMSTAB_DOUBLE && to_fields) *(double *)at = *number;
+      if (of->type == MPMSTAB_FLOAT && to_fields) *(float *)at = (float)*number;
+      if (!to_fields) *number = of->type == MPMSTAB_DOUBLE ? *(double *)at : (double)*(float *)at;
+    }
+  }
+}
+
+/* The direction of a number of a particle if it is one of its place, else -1. */
+static inline int mpmstab_axis_(const struct mpmstab_work *w, int number)
+{
+  const int axis = w->place < 0 ? -1 : number - w->field[w->place].begin;
+
+  return axis >= 0 && axis < w->field[w->place].size && axis < 3 ? axis : -1;
+}
+
+/* one - other of an unknown; a particle that has crossed a period is where it would be without. */
+static inline double mpmstab_minus_(const struct mpmstab_work *w, long unknown, const double *one, const double *other)
+{
+  const int    axis = mpmstab_axis_(w, (int)(unknown % w->width));
+  const double d    = one[unknown] - other[unknown];
+
+  return axis >= 0 && w->period[axis] > 0 ? d - w->period[axis] * floor(d / w->period[axis] + 0.5) : d;
+}
+
+/* The largest difference of two states over the scales. */
+static inline double mpmstab_apart_(const struct mpmstab_work *w, const double *one, const double *other)
+{
+  double most = 0;
+
+  for (long i = 0; i < w->particles * w->width; i++)
+    most = fmax(most, fabs(mpmstab_minus_(w, i, one, other)) / w->scale[i % w->width]);
+  return most;
+}
+
+/* ---- colours ---- */
+
+static inline int mpmstab_directions_(const struct mpmstab_work *w)
+{
+  const int size = w->place < 0 ? 0 : w->field[w->place].size;
+
+  return size > 3 ? 3 : size;
+}
+
+/* Sorts the particles into bins, and finds the one nearest to the middle. A reach of -1: there are no bins. */
+static inline void mpmstab_bins_(struct mpmstab_work *w, double h)
+{
+  const int dim     = mpmstab_directions_(w);
+  double    nearest = HUGE_VAL, all = 1, low[3], high[3];
+
+  w->reach = dim && h > 0 ? 0 : -1;
+  for (int a = 0; a < dim && !w->reach; a++) {
+    const double *x = w->base + w->field[w->place].begin + a;
+
+    low[a] = high[a] = x[0];
+    for (long i = 0; i < w->particles; i++) {
+      low[a]  = fmin(low[a], x[i * w->width]);
+      high[a] = fmax(high[a], x[i * w->width]);
+    }
+    all *= fmax((high[a] - low[a]) / h, w->period[a] / h) + 1;
+    if (!(all < MPMSTAB_MOST_BINS)) w->reach = -1;
+    w->bins[a] = w->reach           ? 0
+                 : w->period[a] > 0 ? (long)ceil(w->period[a] / h - 1e-6)
+                                    : (long)((high[a] - low[a]) / h) + 1;
+  }
+  for (long i = 0; i < w->particles && !w->reach; i++) {
+    double far = 0;
+
+    for (int a = 0; a < dim; a++) {
+      const double x = w->base[i * w->width + w->field[w->place].begin + a], from = w->period[a] > 0 ? 0 : low[a];
+      const double in = w->period[a] > 0 ? x - w->period[a] * floor(x / w->period[a]) : x - from;
+      const long   b  = (long)(in / h);
+
+      w->bin[3 * i + a] = b < w->bins[a] ? b : w->bins[a] - 1;
+      far += fabs(x - (low[a] + high[a]) / 2);
+    }
+    if (far < nearest) nearest = far, w->middle = i;
+  }
+}
+
+static inline long mpmstab_bins_apart_(const struct mpmstab_work *w, long i, long j)
+{
+  long most = 0;
+
+  for (int a = 0; a < mpmstab_directions_(w); a++) {
+    long d = labs(w->bin[3 * i + a] - w->bin[3 * j + a]);
+
+    if (w->period[a] > 0 && w->bins[a] - d < d) d = w->bins[a] - d;
+    if (d > most) most = d;
+  }
+  return most;
+}
+
+/* A direction repeats its colours every so many bins; what is left over at a period has colours of its own. */
+static inline long mpmstab_line_(struct mpmstab_work *w, int axis)
+{
+  const long apart = 2 * w->reach + 1, bins = w->bins[axis];
+  long       fewest = bins, best = bins;
+
+  for (long m = apart; m <= bins && w->period[axis] > 0; m++)
+    if (m + bins % m < fewest) fewest = m + bins % m, best = m;
+  if (!(w->period[axis] > 0) && apart < bins) fewest = best = apart;
+  w->modulus[axis] = best;
+  return fewest;
+}
+
+/* Numbers the colours that have particles. */
+static inline void mpmstab_used_(struct mpmstab_work *w, long colours)
+{
+  long *number = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)colours);
+
+  w->colours = 0;
+  for (long c = 0; c < colours; c++) number[c] = -1;
+  for (long i = 0; i < w->particles; i++) {
+    if (number[w->colour_of[i]] < 0) number[w->colour_of[i]] = w->colours++;
+    w->colour_of[i] = number[w->colour_of[i]];
+  }
+  free(number);
+}
+
+static inline void mpmstab_colours_(struct mpmstab_work *w)
+{
+  const int dim      = mpmstab_directions_(w);
+  long      lines[3] = {1, 1, 1}, bins = 1, together = 0;
+
+  w->colours = w->particles;
+  for (int a = 0; a < dim && w->reach >= 0; a++) lines[a] = mpmstab_line_(w, a), bins *= w->bins[a];
+  if (w->reach >= 0) w->grid = (long *)mpmstab_room_(w->grid, sizeof(long) * (size_t)bins);
+  for (long b = 0; b < bins && w->reach >= 0; b++) w->grid[b] = 0;
+  for (long i = 0; i < w->particles; i++) {
+    long at = 0, colour = 0;
+
+    for (int a = 0; a < dim && w->reach >= 0; a++) {
+      const long b = w->bin[3 * i + a], m = w->modulus[a], whole = w->period[a] > 0 ? w->bins[a] / m * m : w->bins[a];
+
+      at     = at * w->bins[a] + b;
+      colour = colour * lines[a] + (b < whole ? b % m : m + b - whole);
+    }
+    w->colour_of[i] = w->reach < 0 ? i : colour + lines[0] * lines[1] * lines[2] * w->grid[at]++;
+    if (w->reach >= 0 && w->grid[at] > together) together = w->grid[at];
+  }
+  if (w->reach >= 0) mpmstab_used_(w, lines[0] * lines[1] * lines[2] * together);
+}
+
+/* Marks the bins round each perturbed particle, and gives each particle the mark of its bin. */
+static inline void mpmstab_owners_(struct mpmstab_work *w)
+{
+  const int  dim  = mpmstab_directions_(w);
+  const long side = 2 * w->reach + 1, box = dim == 3 ? side * side * side : dim == 2 ? side * side : side;
+  long       bins = 1;
+
+  for (int a = 0; a < dim && w->reach >= 0; a++) bins *= w->bins[a];
+  for (long b = 0; b < bins && w->reach >= 0; b++) w->grid[b] = -1;
+  for (long j = 0; j < w->particles; j++) {
+    for (long k = 0; k < box && w->reach >= 0 && w->colour_of[j] == w->colour; k++) {
+      long at = 0, rest = k, inside = 1;
+
+      for (int a = 0; a < dim; a++, rest /= side) {
+        long b = w->bin[3 * j + a] + rest % side - w->reach;
+
+        if (w->period[a] > 0) b = (b % w->bins[a] + w->bins[a]) % w->bins[a];
+        inside = inside && b >= 0 && b < w->bins[a];
+        at     = at * w->bins[a] + b;
+      }
+      if (inside) w->grid[at] = j;
+    }
+  }
+  for (long i = 0; i < w->particles; i++) {
+    long at = 0;
+
+    for (int a = 0; a < dim && w->reach >= 0; a++) at = at * w->bins[a] + w->bin[3 * i + a];
+    w->owner[i] = w->reach < 0 ? w->colour : w->grid[at];
+  }
+}
+
+/* ---- what is asked, and what is made of the answers ---- */
+
+/* The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all. */
+static inline void mpmstab_perturb_(struct mpmstab_work *w)
+{
+  const double  sign = w->asked % 2 ? -1 : 1, size = (w->single ? 0.03125 : 7.62939453125e-06) * (w->asked / 2 + 1);
+  double       *amount = w->amount[w->asked];
+  unsigned long random = 1;
+
+  for (long i = 0; i < w->particles * w->width; i++) {
+    const int number = (int)(i % w->width), all = w->stage == MPMSTAB_CHECK;
+    const int one = number == w->number && (w->stage == MPMSTAB_REACH     ? i / w->width == w->middle
+                                            : w->stage == MPMSTAB_COLUMNS ? w->colour_of[i / w->width] == w->colour
+                                                                          : 0);
+
+    random    = (random * 1103515245UL + 12345UL) % 2147483648UL;
+    amount[i] = w->base[i] + sign * size * w->scale[number] * (one ? 1 : all ? (double)random / 1073741824.0 - 1 : 0);
+  }
+  mpmstab_copy_(w, amount, 1);
+  mpmstab_copy_(w, amount, 0); /* as the code's own numbers round it */
+  for (long i = 0; i < w->particles * w->width; i++) amount[i] -= w->base[i];
+  w->calls++;
+}
+
+static inline void mpmstab_entry_(struct mpmstab_work *w, long row, long column, double value)
+{
+  if (w->n == w->room) {
+    w->room   = 2 * w->room + 1024;
+    w->row    = (long *)mpmstab_room_(w->row, sizeof(long) * (size_t)w->room);
+    w->column = (long *)mpmstab_room_(w->column, sizeof(long) * (size_t)w->room);
+    w->value  = (double *)mpmstab_room_(w->value, sizeof(double) * (size_t)w->room);
+  }
+  w->row[w->n] = row, w->column[w->n] = column, w->value[w->n++] = value;
+}
+
+static inline void mpmstab_take_columns_(struct mpmstab_work *w)
+{
+  double **f = w->answer, **d = w->amount;
+
+  mpmstab_owners_(w);
+  for (long i = 0; i < w->particles * w->width; i++) {
+    const long   owner = w->owner[i / w->width], j = owner * w->width + w->number;
+    const double unit = w->scale[w->number] / w->scale[i % w->width], both = mpmstab_minus_(w, i, f[0], f[1]);
+
+    if (owner < 0) {
+      w->leaks = fmax(w->leaks, fabs(both) / w->scale[i % w->width] / (w->single ? 0.0625 : 1.52587890625e-05));
+    } else {
+      const double a = both / (d[0][j] - d[1][j]), ahead = mpmstab_minus_(w, i, f[0], w->rest) / d[0][j];
+      const double larger = (mpmstab_minus_(w, i, f[2], f[3]) / (d[2][j] - d[3][j]) - a) * unit;
+
+      w->one_sided = fmax(w->one_sided, fabs(ahead - a) * unit);
+      w->two_sizes += larger * larger;
+      if (a != 0) mpmstab_entry_(w, i, j, a);
+    }
+  }
+}
+
+/* The response to a random perturbation of all unknowns, against the matrix. */
+static inline void mpmstab_take_check_(struct mpmstab_work *w)
+{
+  double *y = w->answer[2], most = 0, off = 0;
+
+  for (long i = 0; i < w->particles * w->width; i++) y[i] = 0;
+  for (long k = 0; k < w->n; k++)
+    y[w->row[k]] += w->value[k] * (w->amount[0][w->column[k]] - w->amount[1][w->column[k]]);
+  for (long i = 0; i < w->particles * w->width; i++) {
+    const double response = mpmstab_minus_(w, i, w->answer[0], w->answer[1]), unit = w->scale[i % w->width];
+
+    most = fmax(most, fmax(fabs(response), fabs(y[i])) / unit);
+    off  = fmax(off, fabs(response - y[i]) / unit);
+  }
+  w->additivity = most > 0 ? off / most : off;
+}
+
+static inline void mpmstab_begin_columns_(struct mpmstab_work *w)
+{
+  mpmstab_colours_(w);
+  w->stage  = MPMSTAB_COLUMNS;
+  w->colour = w->number = 0;
+  w->n = 0, w->one_sided = w->two_sizes = w->leaks = 0;
+}
+
+/* Takes one more answer, and says what comes next. */
+static inline void mpmstab_take_(struct mpmstab_work *w)
+{
+  const int answers = w->stage == MPMSTAB_COLUMNS ? 4 : w->stage == MPMSTAB_CHECK ? 2 : 1;
+
+  if (++w->asked < answers) return;
+  w->asked = 0;
+  if (w->stage == MPMSTAB_REST) {
+    memcpy(w->rest, w->answer[0], sizeof(double) * (size_t)(w->particles * w->width));
+    w->moved = mpmstab_apart_(w, w->rest, w->base);
+    w->stage = MPMSTAB_REPEAT;
+  } else if (w->stage == MPMSTAB_REPEAT) {
+    w->repeat = mpmstab_apart_(w, w->rest, w->answer[0]);
+    if (w->reach < 0)
+      mpmstab_begin_columns_(w);
+    else
+      w->stage = MPMSTAB_REACH;
+  } else if (w->stage == MPMSTAB_REACH) {
+    for (long i = 0; i < w->particles * w->width; i++) {
+      const double change = fabs(mpmstab_minus_(w, i, w->answer[0], w->rest)) / w->scale[i % w->width];
+      const long   apart  = mpmstab_bins_apart_(w, i / w->width, w->middle);
+
+      if (change > 10 * w->repeat && apart > w->reach) w->reach = (int)apart;
+    }
+    if (++w->number == w->width) {
+      w->reach++; /* particles elsewhere in a cell may reach one further */
+      mpmstab_begin_columns_(w);
+    }
+  } else if (w->stage == MPMSTAB_COLUMNS) {
+    mpmstab_take_columns_(w);
+    if (++w->number == w->width) w->number = 0, w->colour++;
+    if (w->colour == w->colours) w->stage = MPMSTAB_CHECK;
+  } else {
+    mpmstab_take_check_(w);
+    w->stage = MPMSTAB_DONE;
+    if (w->reach >= 0 && (w->leaks > (w->single ? 1e-3 : 1e-6) || w->additivity > (w->single ? 0.05 : 1e-3))) {
+      w->reach = -1; /* some particle reaches further than was seen */
+      mpmstab_begin_columns_(w);
+    }
+  }
+}
+
+/* ---- the call ---- */
+
+static inline double mpmstab_scale_(const struct mpmstab_work *w, const mpmstab_registered *f, double h)
+{
+  double most = 0;
+
+  if (f->scale > 0) return f->scale;
+  if (w->place >= 0 && f == &w->field[w->place] && h > 0) return h;
+  for (long i = 0; i < w->particles; i++)
+    for (int a = 0; a < f->size; a++) most = fmax(most, fabs(w->base[i * w->width + f->begin + a]));
+  return most > 0 ? most : 1;
+}
+
+static inline void mpmstab_start_(mpmstab_hook *hook, double h)
+{
+  struct mpmstab_work *w = hook->work;
+  const size_t         n = (size_t)(w->particles * w->width) * sizeof(double);
+
+  for (int k = 0; k < MPMSTAB_ASKED; k++) {
+    w->answer[k] = (double *)mpmstab_room_(NULL, n);
+    w->amount[k] = (double *)mpmstab_room_(NULL, n);
+  }
+  w->base      = (double *)mpmstab_room_(NULL, n);
+  w->rest      = (double *)mpmstab_room_(NULL, n);
+  w->scale     = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)w->width);
+  w->bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
+  w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
+  w->owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
+  memcpy(w->period, hook->period, sizeof w->period);
+  mpmstab_copy_(w, w->base, 0);
+  for (int f = 0; f < w->nfields; f++) {
+    const mpmstab_registered *of = &w->field[f];
+
+    for (int a = 0; a < of->size; a++) w->scale[of->begin + a] = mpmstab_scale_(w, of, h);
+  }
+  mpmstab_bins_(w, h);
+  w->stage = MPMSTAB_REST;
+}
+
+static inline int mpmstab_finite_(const struct mpmstab_work *w, const double *state)
+{
+  for (long i = 0; i < w->particles * w->width; i++)
+    if (!(fabs(state[i]) <= 1.7976931348623157e308)) return 0;
+  return 1;
+}
+
+/* Matrix Market; unknowns particle by particle, fields in the order in which they were registered. */
+static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path)
+{
+  const long order = w->particles * w->width;
+  FILE      *file  = fopen(path, "w");
+  int        bad   = !file;
+
+  if (file) {
+    fprintf(file, "%%%%MatrixMarket matrix coordinate real general\n%% steps: 1\n%% fields:");
+    for (int f = 0; f < w->nfields; f++)
+      fprintf(file, " %s %d%s", w->field[f].name, w->field[f].size, f == w->place ? " place" : "");
+    fprintf(file, "\n%% calls: %ld\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n", w->calls, w->moved,
+            w->repeat, w->one_sided);
+    fprintf(file, "%% two_sizes: %.3g\n%% additivity: %.3g\n%ld %ld %ld\n", sqrt(w->two_sizes), w->additivity, order,
+            order, w->n);
+    for (long k = 0; k < w->n; k++) fprintf(file, "%ld %ld %.17g\n", w->row[k] + 1, w->column[k] + 1, w->value[k]);
+    bad = ferror(file);
+    bad = fclose(file) || bad;
+  }
+  if (bad)
+    fprintf(stderr, "mpmstab_probe: %s cannot be written\n", path);
+  else
+    fprintf(stderr,
+            "mpmstab_probe: %s has the matrix of your step, of order %ld, from %ld steps: moved %.3g, repeat %.3g, "
+            "one_sided %.3g, two_sizes %.3g, additivity %.3g\n",
+            path, order, w->calls, w->moved, w->repeat, w->one_sided, sqrt(w->two_sizes), w->additivity);
+}
+
+static inline void mpmstab_free_(struct mpmstab_work *w)
+{
+  for (int k = 0; k < MPMSTAB_ASKED; k++) free(w->answer[k]), free(w->amount[k]);
+  free(w->base), free(w->rest), free(w->scale), free(w->bin), free(w->colour_of), free(w->owner), free(w->grid);
+  free(w->row), free(w->column), free(w->value);
+}
+
+/*
+   mpmstab_probe - call it before each step of your loop. h: the width of a cell.
+
+   Returns 0 when your loop has to do a step for it, and 1 when it is done and the state is your own again. A state that
+   is not finite ends it without a file, with a message on standard error.
+*/
+MPMSTAB_PROBE_API int mpmstab_probe(mpmstab_hook *hook, const char *path, double h)
+{
+  struct mpmstab_work *w = hook->work;
+
+  if (!w) {
+    fprintf(stderr, "mpmstab_probe: no field was registered with mpmstab_field or mpmstab_place\n");
+    exit(2);
+  }
+  if (w->stage == MPMSTAB_DONE) return 1;
+  if (w->stage == MPMSTAB_BEGIN) {
+    mpmstab_start_(hook, h);
+  } else {
+    mpmstab_copy_(w, w->answer[w->asked], 0);
+    if (mpmstab_finite_(w, w->answer[w->asked])) {
+      mpmstab_take_(w);
+    } else {
+      fprintf(stderr, "mpmstab_probe: the state after a step has a number that is not finite; %s is not written\n",
+              path);
+      w->stage = MPMSTAB_DONE, path = NULL;
+    }
+  }
+  if (w->stage != MPMSTAB_DONE) {
+    mpmstab_perturb_(w);
+    return 0;
+  }
+  mpmstab_copy_(w, w->base, 1);
+  if (path) mpmstab_write_(w, path);
+  mpmstab_free_(w);
+  return 1;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,57 @@
+"""Lets mpmstab analyse the step of your code.
+
+probe: one call in your own time loop writes the matrix of your step.
+serve: your code answers 'mpmstab spectrum -program "python3 mine.py"' and other tasks.
+
+A state is a dictionary of your own arrays, first index the particle: numpy, Taichi fields, Warp arrays, torch tensors.
+"""
+import json
+import os
+
+import numpy
+
+from .hook import gather, numbers, probe, scatter
+
+__all__ = ["probe", "serve"]
+
+
+def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=None, name="mine", steps=1, any_count=False):
+    """Answers mpmstab until it has no more questions. What the code prints goes to standard error.
+
+    step(state, **parameters) does one step: it changes the arrays of the state, or returns a dictionary of new ones.
+    cell_width, periodic: of the grid; a period or None for each direction.
+    fields: what is to be said of a field, {"x": {"place": True}, "v": {"scale": 20}}. Exactly one is the place.
+    parameters: their values, {"dt": 1e-4}. mpmstab sets them.
+    steps: after so many steps the state can be compared with the one before.
+    any_count: the step takes any number of particles; it then gets numpy arrays made for it.
+    """
+    asked, answer = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    base, values = gather(state), dict(parameters or {})
+    kinds = {of: numbers(array) for of, array in state.items()}
+    described = [{"name": of, "size": a.size // len(a), **(fields or {}).get(of, {})} for of, a in kinds.items()]
+    place = [of["size"] for of in described if of.get("place")]
+    dim = place[0] if place else len(periodic or [0])
+    for line in asked:
+        message, head, tail = json.loads(line), {}, b""
+        try:
+            if message["do"] == "quit":
+                return
+            if message["do"] == "describe":
+                head = {"protocol": 1, "name": name, "dim": dim, "cell_width": cell_width, "periodic": periodic or [None] * dim,
+                        "particles": len(base), "fields": described, "parameters": values, "steps": steps, "any_count": any_count}
+                tail = base.tobytes()
+            elif message["do"] == "set":
+                values.update({of: value for of, value in message.items() if of in values})
+            else:
+                count = message.get("particles", len(base))
+                given = numpy.frombuffer(asked.read(8 * count * base.shape[1])).reshape(count, -1)
+                now = {of: numpy.empty((count, *a.shape[1:]), a.dtype) for of, a in kinds.items()} if any_count else state
+                scatter(now, given)
+                for _ in range(message["steps"]):
+                    now = step(now, **values) or now
+                tail = gather(now).tobytes()
+        except Exception as wrong:  # whatever goes wrong in the code is its answer
+            head, tail = {"error": f"{type(wrong).__name__}: {wrong}"}, b""
+        answer.write(json.dumps(head).encode() + b"\n" + tail)
+        answer.flush()

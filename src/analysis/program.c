@@ -1,0 +1,217 @@
+/* Starting and probing a code, and how far its operator can be trusted. */
+#include "analysis/program.h"
+#include <mpmstab/errors.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LONGEST 128           /* steps in which particles may come to the same places in other cells */
+#define TOLERANCE_SINGLE 1e-5 /* what single precision can tell */
+#define NOISE 1e-8            /* an entry of the operator below this is none */
+#define NOISE_SINGLE 1e-5
+#define MOVES_BY 1e-3 /* the share of a mode's growth by which the base state may move */
+
+/* Sets the parameters NAME=VALUE,NAME=VALUE... */
+static PetscErrorCode SetParameters(MpmProgram *p)
+{
+  char text[PETSC_MAX_PATH_LEN], *next = text;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(text, p->request->program_set, sizeof text));
+  while (next && *next) {
+    char     *one = next, *value, *end = NULL;
+    PetscReal number;
+
+    next = strchr(one, ',');
+    if (next) *next++ = '\0';
+    value = strchr(one, '=');
+    if (value) *value++ = '\0';
+    number = value ? strtod(value, &end) : 0;
+    MpmCheckInput(value && end != value && !*end && isfinite(number),
+                  "-program_set %s: '%s' has no number; allowed: NAME=VALUE, several with commas",
+                  p->request->program_set, one);
+    PetscCall(MpmStepperSet(p->stepper, one, number));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
+{
+  PetscFunctionBegin;
+  *p = (MpmProgram){.request = request};
+  if (request->program[0])
+    PetscCall(MpmStepperStartProgram(request->program, request->program_timeout, &p->stepper));
+  else
+    PetscCall(MpmStepperStartPlugin(request->plugin, &p->stepper));
+  PetscCall(SetParameters(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A symbol is of cells that are alike, a spectrum of all particles; a limit is found by what costs least. */
+static PetscErrorCode Choose(MpmProgram *p)
+{
+  const MpmProbeKind wish = p->request->probe;
+  const PetscBool    one  = strcmp(p->request->task, "spectrum") && !p->whole ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeLatticeFind(&p->probe, &p->lattice, sizeof p->why, p->why));
+  p->kind = one && wish != MPM_PROBE_COLOURED && !p->why[0] ? MPM_PROBE_BLOCH : MPM_PROBE_COLOURED;
+  MpmCheckInput(p->kind == MPM_PROBE_BLOCH || p->whole ||
+                    (wish != MPM_PROBE_BLOCH && strcmp(p->request->task, "symbol")),
+                "%s: its cells are not alike (%s), so that it has no symbol; allowed: spectrum, which takes any layout",
+                p->stepper->where, p->why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramPrepare(MpmProgram *p)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmProbeCreate(p->stepper, &p->probe));
+  PetscCall(Choose(p));
+  PetscCall(MpmProbeBegin(&p->probe, p->why[0] ? 1 : LONGEST));
+  p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, TOLERANCE_SINGLE) : p->request->tolerance;
+  if (p->kind == MPM_PROBE_BLOCH) {
+    p->columns = p->lattice.sites * p->stepper->width;
+  } else {
+    PetscCall(MpmProbeReach(&p->probe, &p->colours));
+    p->columns = p->colours.colours;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramForget(MpmProgram *p)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmUnreadDestroy(&p->unread));
+  PetscCall(MpmProbeLatticeDestroy(&p->lattice));
+  PetscCall(MpmProbeDestroy(&p->probe));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramClose(MpmProgram *p)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmProgramForget(p));
+  PetscCall(MpmStepperDestroy(&p->stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramAdvance(MpmProgram *p, PetscInt steps)
+{
+  MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  if (steps > 0) PetscCall(MpmStepperStep(s, steps, s->particles, s->base));
+  PetscCall(MpmStepperBegin(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- operators ---- */
+
+static PetscReal Noise(const MpmProgram *p)
+{
+  return p->probe.single ? NOISE_SINGLE : NOISE;
+}
+
+/* Blocks without the unknowns that are set apart. Those that were probed are by columns. */
+static PetscErrorCode Reduce(const MpmProgram *p, const MpmProbeBlocks *from, MpmBlocks *to)
+{
+  const MpmStepper *s    = p->stepper;
+  const PetscInt    size = p->lattice.sites * p->unread.n;
+  PetscInt         *kept, n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(size, &kept));
+  for (PetscInt i = 0; i < from->order; i++)
+    if (!p->unread.apart[i % s->width]) kept[n++] = i;
+  *to = (MpmBlocks){.dim = s->dim, .size = size, .period = p->probe.steps, .n = from->n, .cell_width = s->cell_width};
+  MpmCheckInput(size <= MPM_BLOCKS_SIZE && (PetscReal)size * size * from->n <= MPM_BLOCKS_NUMBERS,
+                "%s: a cell has %" PetscInt_FMT " unknowns; allowed: up to %d", s->where, size, MPM_BLOCKS_SIZE);
+  PetscCall(MpmBlocksAllocate(to));
+  for (PetscInt b = 0; b < from->n; b++) {
+    const PetscReal *A = from->A + (size_t)b * from->order * from->order;
+
+    for (PetscInt a = 0; a < s->dim; a++) to->d[b * s->dim + a] = from->d[b * MPM_MAX_DIM + a];
+    for (PetscInt i = 0; i < size; i++)
+      for (PetscInt j = 0; j < size; j++)
+        to->A[((size_t)b * size + i) * size + j] = A[(size_t)kept[j] * from->order + kept[i]];
+  }
+  PetscCall(PetscFree(kept));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
+{
+  const PetscInt middle = MpmProbeLatticeMiddle(&p->probe, &p->lattice);
+  MpmProbeBlocks probed[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.size, &probed[0]));
+  PetscCall(MpmUnreadOfBlocks(&probed[0], p->stepper->width, Noise(p), &p->unread));
+  PetscCall(Reduce(p, &probed[0], one));
+  if (other) {
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
+    PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
+    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], &p->certificates));
+    PetscCall(Reduce(p, &probed[1], other));
+    PetscCall(MpmProbeBlocksDestroy(&probed[1]));
+  }
+  PetscCall(MpmProbeBlocksDestroy(&probed[0]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
+{
+  Mat A, B;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeMatrix(&p->probe, p->probe.size, &p->colours, &A));
+  PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, Noise(p), &p->unread));
+  PetscCall(MpmUnreadReduce(&p->unread, A, one));
+  if (other) {
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
+    PetscCall(MpmProbeMatrix(&p->probe, p->probe.other, &p->colours, &B));
+    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, B, &p->certificates));
+    PetscCall(MpmUnreadReduce(&p->unread, B, other));
+    PetscCall(MatDestroy(&B));
+  }
+  PetscCall(MatDestroy(&A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- verdict ---- */
+
+/* Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. */
+static PetscBool IsBeyond(const MpmProgram *p, MpmCertificate c, PetscReal condition, const MpmFinding *f)
+{
+  const PetscReal value = p->certificates.value[c], excess = f->growth - 1;
+
+  if (c == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
+  return excess > f->tolerance + condition * value ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmProgramJudge(const MpmProgram *p, PetscReal other, PetscReal condition, MpmFinding *f)
+{
+  const PetscReal *value = p->certificates.value, error = value[MPM_CERTIFY_SIZES] + value[MPM_CERTIFY_REPEAT];
+  const PetscInt   period = p->probe.steps;
+
+  PetscFunctionBegin;
+  f->tolerance = p->tolerance;
+  f->growth    = PetscMax(f->growth, MpmGrowthPerStep(p->unread.factor, 0, period));
+  if (f->growth > 1 + f->tolerance) {
+    const PetscReal relative = condition * error / pow(f->growth, period);
+
+    f->uncertainty = PetscMax(f->uncertainty, MpmUncertaintyOf(f->growth, relative, period));
+  }
+  f->verdict = MpmVerdictOf(f);
+  if (f->verdict == MPM_UNSTABLE && !(other - 1 > f->tolerance + f->uncertainty))
+    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it does not grow so"));
+  if (f->verdict == MPM_STABLE && other - 1 > f->tolerance)
+    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it grows"));
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    if (!MpmCertificateFails(&p->certificates, c)) continue;
+    if (f->verdict == MPM_UNSTABLE && IsBeyond(p, c, condition, f)) continue;
+    PetscCall(MpmFindingDispute(f, MpmCertificateFaults[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

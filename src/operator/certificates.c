@@ -1,0 +1,249 @@
+/* Certificates of a code that is probed: what its answers to known questions should be. */
+#include "operator/certificates.h"
+#include "base/hash.h"
+#include <math.h>
+
+#define SWITCHES 0.02     /* of a smooth step the response depends on its size by 1e-6, of one with kinks by 1e-3 */
+#define SMALL 1e-3        /* the size at which switches are looked for */
+#define SMALL_SINGLE 0.01 /* larger, above rounding */
+#define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
+#define SPREAD_SINGLE 100
+#define NORM_STEPS 20       /* of the power method */
+#define AT_REST 1e-9        /* a change of the base state per application, in scales, that is rounding */
+#define AT_REST_SINGLE 1e-5 /* of floats */
+
+const char *const MpmCertificateNames[] = {"repeat",      "two sizes", "additivity", "one side",
+                                           "equilibrium", "reach",     "columns"};
+
+const char *const MpmCertificateTexts[] = {"a state stepped again, also after another one",
+                                           "probed with two sizes: norm of the difference",
+                                           "a sum of perturbations against the sum of responses",
+                                           "forward against backward at the base state",
+                                           "the base state after a step",
+                                           "what is felt farther away than should be",
+                                           "everything perturbed at once against the columns"};
+
+const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
+                                            "two sizes of perturbations give two operators",
+                                            "the step has switches (responses do not add up)",
+                                            "the base state is on a switch",
+                                            "the base state moves, so that the operator is that of one step",
+                                            "the block of cells is too small for the reach of a step",
+                                            "the columns are not those of the whole state"};
+
+PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
+{
+  return isnan(c->value[which]) || c->value[which] <= c->bound[which] ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* Everything at once is perturbed by little, so that products of two perturbations are small. */
+static PetscReal Small(const MpmProbe *p)
+{
+  return PetscMin(p->size, p->single ? SMALL_SINGLE : SMALL);
+}
+
+/* All ranks take the largest value. */
+static PetscErrorCode Share(MpmCertificates *c)
+{
+  PetscReal value[MPM_CERTIFICATES];
+
+  PetscFunctionBegin;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) value[i] = isnan(c->value[i]) ? -1 : c->value[i];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, value, MPM_CERTIFICATES, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  for (int i = 0; i < MPM_CERTIFICATES; i++) c->value[i] = value[i] < 0 ? NAN : value[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Steps a perturbed state, then others, then the same one again. Among the others is the base state with its particles in
+   the opposite order: it is as good a state as the base, and every particle is elsewhere.
+*/
+static PetscErrorCode Repeat(MpmProbe *p, PetscReal *value)
+{
+  MpmStepper      *s = p->stepper;
+  const PetscInt64 n = s->particles * s->width;
+  PetscReal       *first, *again, *amount;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n, &first, n, &again, n, &amount));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, first));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  *value = 0;
+  for (PetscInt64 i = 0; i < n; i++) *value = PetscMax(*value, PetscAbsReal(first[i] - again[i]));
+  for (PetscInt64 i = 0; i < s->particles; i++)
+    PetscCall(PetscArraycpy(again + i * s->width, s->base + (s->particles - 1 - i) * s->width, s->width));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  for (PetscInt64 i = 0; i < n; i++) *value = PetscMax(*value, PetscAbsReal(first[i] - again[i]));
+  PetscCall(PetscArraycpy(again, s->base, n));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
+  *value = PetscMax(*value, MpmProbeDistance(p, again, p->rest) / p->size);
+  PetscCall(PetscFree3(first, again, amount));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The responses to two perturbations and to their sum. */
+static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, PetscReal *value)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount[3], *response[3], largest = 0, differ = 0;
+  PetscInt64      *unknown;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &unknown));
+  for (int k = 0; k < 3; k++) PetscCall(PetscMalloc2(n, &amount[k], n, &response[k]));
+  for (int k = 0; k < 2; k++) PetscCall(MpmProbeRandom(p, 21 + k, size, amount[k], response[k]));
+  for (PetscInt64 i = 0; i < n; i++) {
+    unknown[i]   = i;
+    amount[2][i] = size * (amount[0][i] + amount[1][i]);
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount[2], response[2]));
+  for (PetscInt64 i = 0; i < n; i++) {
+    const PetscReal sum = response[2][i] / size;
+
+    differ  = PetscMax(differ, PetscAbsReal(sum - response[0][i] - response[1][i]));
+    largest = PetscMax(largest, PetscAbsReal(sum));
+  }
+  *value = PetscMax(p->bends, largest > 0 ? differ / largest : 0);
+  for (int k = 0; k < 3; k++) PetscCall(PetscFree2(amount[k], response[k]));
+  PetscCall(PetscFree(unknown));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   D(s) = (F(q + s r) + F(q - s r) - 2 F(q)) / (2 s) is of the order of s where F is smooth, and does not depend on s where
+   F has a kink at q. So 2 D(s / 2) - D(s) shows the kink.
+*/
+static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, PetscReal *value)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *forward, *central, *kink, largest = 0;
+  PetscInt64      *unknown;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &unknown));
+  PetscCall(PetscMalloc4(n, &amount, n, &forward, n, &central, n, &kink));
+  for (PetscInt64 i = 0; i < n; i++) {
+    unknown[i] = i;
+    kink[i]    = 0;
+  }
+  for (int half = 0; half < 2; half++) {
+    const PetscReal by = half ? size / 2 : size;
+
+    PetscCall(MpmProbeRandom(p, 31, by, amount, central));
+    for (PetscInt64 i = 0; i < n; i++) amount[i] *= by;
+    PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, unknown, amount, forward));
+    for (PetscInt64 i = 0; i < n; i++) {
+      kink[i] += (half ? 2 : -1) * (forward[i] / by - central[i]);
+      largest = PetscMax(largest, PetscAbsReal(central[i]));
+    }
+  }
+  *value = 0;
+  for (PetscInt64 i = 0; i < n && largest > 0; i++) *value = PetscMax(*value, PetscAbsReal(kink[i]) / largest);
+  PetscCall(PetscFree4(amount, forward, central, kink));
+  PetscCall(PetscFree(unknown));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates *c)
+{
+  const PetscReal size = Small(p);
+
+  PetscFunctionBegin;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) {
+    c->value[i] = NAN;
+    c->bound[i] = tolerance;
+  }
+  c->bound[MPM_CERTIFY_ADDITIVITY] = c->bound[MPM_CERTIFY_ONE_SIDED] = SWITCHES;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM]                                  = p->single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_SIZES]                                        = (p->single ? SPREAD_SINGLE : SPREAD) * tolerance;
+  PetscCall(Repeat(p, &c->value[MPM_CERTIFY_REPEAT]));
+  PetscCall(Additivity(p, size, &c->value[MPM_CERTIFY_ADDITIVITY]));
+  PetscCall(OneSided(p, size, &c->value[MPM_CERTIFY_ONE_SIDED]));
+  c->value[MPM_CERTIFY_EQUILIBRIUM] = p->moved;
+  PetscCall(MpmStepperAgree(p->stepper));
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *one,
+                                const MpmProbeBlocks *other, MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *response, differ;
+  PetscInt         compared;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &amount, n, &response));
+  PetscCall(MpmProbeRandom(p, 41, Small(p), amount, response));
+  PetscCall(MpmStepperAgree(p->stepper));
+  PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
+  c->value[MPM_CERTIFY_SIZES] = MpmProbeBlocksDistance(one, other);
+  c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
+  if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
+  c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
+  PetscCall(PetscFree2(amount, response));
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Euclidean norm of a matrix, by the power method on E^T E. */
+static PetscErrorCode Norm2(Mat E, PetscReal *norm)
+{
+  PetscInt first, last;
+  Vec      x, y;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(E, &x, &y));
+  PetscCall(VecGetOwnershipRange(x, &first, &last));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, 2 * MpmHash(51, i) - 1, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x));
+  PetscCall(VecAssemblyEnd(x));
+  *norm = 1;
+  for (int step = 0; step<NORM_STEPS && * norm> 0; step++) {
+    PetscCall(VecNormalize(x, NULL));
+    PetscCall(MatMult(E, x, y));
+    PetscCall(VecNorm(y, NORM_2, norm));
+    PetscCall(MatMultTranspose(E, y, x));
+  }
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat other, MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *response, differ, largest = 0;
+  PetscInt         first, last;
+  Mat              E;
+  Vec              x, y;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &amount, n, &response));
+  PetscCall(MpmProbeRandom(p, 41, Small(p), amount, response));
+  PetscCall(MpmStepperAgree(p->stepper));
+  PetscCall(MatCreateVecs(one, &x, &y));
+  PetscCall(VecGetOwnershipRange(x, &first, &last));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, amount[i], INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x));
+  PetscCall(VecAssemblyEnd(x));
+  PetscCall(MatMult(one, x, y));
+  for (PetscInt64 i = 0; i < n; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(y, i, -response[i], ADD_VALUES));
+  PetscCall(VecAssemblyBegin(y));
+  PetscCall(VecAssemblyEnd(y));
+  PetscCall(VecNorm(y, NORM_INFINITY, &differ));
+  c->value[MPM_CERTIFY_COLUMNS] = largest > 0 ? differ / largest : 0;
+  c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscCall(PetscFree2(amount, response));
+  PetscCall(MatDuplicate(one, MAT_COPY_VALUES, &E));
+  PetscCall(MatAXPY(E, -1, other, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(Norm2(E, &c->value[MPM_CERTIFY_SIZES]));
+  PetscCall(MatDestroy(&E));
+  c->value[MPM_CERTIFY_REACH] = colours->leaks;
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,60 @@
+/*
+   Certificates: what shows that the operator of a code that was probed is the operator of its step. Each is a number that
+   would be 0 for an ideal code, and a bound up to which it holds.
+*/
+#pragma once
+#include "operator/probe_colours.h"
+#include "operator/probe_lattice.h"
+
+/*E
+   MpmCertificate - what is looked at.
+
+     MPM_CERTIFY_REPEAT      - a state is stepped twice, and again after other states; the difference over the size of
+                               perturbations is an error of the operator. It shows memory that the state does not have,
+                               such as a list of cells that is not made anew, and sums in changing order
+     MPM_CERTIFY_SIZES       - the operator is probed with two sizes of perturbations; the norm of the difference shows
+                               rounding and curvature
+     MPM_CERTIFY_ADDITIVITY  - the response to a sum of two perturbations, less the two responses; and how much a response
+                               depends on its size. It shows switches in the step
+     MPM_CERTIFY_ONE_SIDED   - how much the mean of the responses forward and backward differs from 0, beyond what curvature
+                               makes. It shows that the base state is on a switch, such as a wall's
+     MPM_CERTIFY_EQUILIBRIUM - how far the base state moves in an application
+     MPM_CERTIFY_REACH       - the response at the edge of the cells, or where no probed unknown should be felt
+     MPM_CERTIFY_COLUMNS     - the response to a random perturbation of everything, less what the probed operator gives
+E*/
+typedef enum {
+  MPM_CERTIFY_REPEAT,
+  MPM_CERTIFY_SIZES,
+  MPM_CERTIFY_ADDITIVITY,
+  MPM_CERTIFY_ONE_SIDED,
+  MPM_CERTIFY_EQUILIBRIUM,
+  MPM_CERTIFY_REACH,
+  MPM_CERTIFY_COLUMNS,
+  MPM_CERTIFICATES
+} MpmCertificate;
+
+/* Not collective. Their names, what fails when they do not hold, and what the number is. */
+extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *const MpmCertificateTexts[];
+
+/*S
+   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN.
+S*/
+typedef struct {
+  PetscReal value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES];
+} MpmCertificates;
+
+/* Not collective. Whether a certificate was taken and does not hold. */
+PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
+
+/*
+   MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium. The others are NaN.
+   MpmCertifyBlocks - adds two sizes, reach and columns, of blocks that were probed with the two sizes of probe.
+   MpmCertifyMatrix - does the same for a matrix.
+
+   Collective. tolerance: the error of the operator that does not matter.
+*/
+PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, MpmCertificates *certificates);
+PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
+                                const MpmProbeBlocks *other, MpmCertificates *certificates);
+PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat other,
+                                MpmCertificates *certificates);

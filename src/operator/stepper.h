@@ -1,0 +1,120 @@
+/*
+   Stepper: one step of a code that is not ours, from outside. It takes the state of particles and gives the state after
+   some steps. A child process (protocol 1) or a shared library (a plugin) stands behind it.
+
+   A step may fail on one rank alone. So MpmStepperStep returns no error for that; MpmStepperAgree tells all ranks.
+*/
+#pragma once
+#include <mpmstab/compat.h>
+#include <mpmstab/fraction.h>
+#include <mpmstab/layout.h>
+#include <jansson.h>
+
+#define MPM_STEPPER_NAME 64
+#define MPM_STEPPER_FIELDS 64
+#define MPM_STEPPER_PARAMETERS 64
+#define MPM_STEPPER_WIDTH 4096 /* numbers that a particle may have */
+#define MPM_STEPPER_FAILURE 4096
+
+/*
+   A field of a particle: size numbers, from number first of the particle's. scale: what a change of order 1 means; 0:
+   it is not said.
+*/
+typedef struct {
+  char      name[MPM_STEPPER_NAME];
+  PetscInt  size, first;
+  PetscReal scale;
+} MpmStepperField;
+
+typedef struct {
+  char      name[MPM_STEPPER_NAME];
+  PetscReal value;
+} MpmStepperParameter;
+
+/*S
+   MpmStepper - a code and what it says of itself.
+
+   where       - the option and its value, for messages
+   name        - of the code
+   dim, cell_width, period - of its grid; a period of 0: none in that direction
+   described   - the number of particles that the code has described
+   particles   - the number in the base state; width: of the numbers of a particle, which the fields share
+   place       - the number of the field that is the particle's place, or MPM_NONE
+   cell        - instead of a place the cell of each particle, dim numbers each, or NULL
+   parameters  - what can be set, with the values that the code came with
+   steps       - the number of steps after which the state can be compared with the one before
+   any_count   - a step may be asked for another number of particles
+   base        - the base state: particles x width numbers
+   failure     - of this rank; empty: none
+   calls       - steps asked for on this rank
+   set, step, end - what the kinds of stepper do; context is theirs
+S*/
+typedef struct MpmStepper_ MpmStepper;
+struct MpmStepper_ {
+  char                where[PETSC_MAX_PATH_LEN], name[MPM_STEPPER_NAME], failure[MPM_STEPPER_FAILURE];
+  PetscInt            dim, nfields, width, place, nparameters, steps;
+  PetscReal           cell_width, period[MPM_MAX_DIM];
+  PetscInt64          described, particles, calls;
+  PetscBool           any_count;
+  MpmStepperField     fields[MPM_STEPPER_FIELDS];
+  MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
+  PetscInt           *cell;
+  PetscReal          *base;
+  void               *context;
+  PetscErrorCode (*set)(MpmStepper *stepper, const char name[], PetscReal value);
+  PetscErrorCode (*step)(MpmStepper *stepper, PetscInt steps, PetscInt64 particles, PetscReal state[]);
+  PetscErrorCode (*end)(MpmStepper *stepper);
+};
+
+/*
+   MpmStepperStartProgram - starts a command that speaks protocol 1, and asks it to describe itself.
+   MpmStepperStartPlugin  - loads a shared library with the functions of <mpmstab/plugin.h>.
+
+   Collective on PETSC_COMM_WORLD: each rank has one of its own.
+
+   Errors: PETSC_ERR_USER_INPUT with the reason, and the last lines of the child's standard error.
+*/
+PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper);
+PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper);
+
+/* Collective. Ends the child or closes the library. */
+PetscErrorCode MpmStepperDestroy(MpmStepper **stepper);
+
+/*
+   MpmStepperSet - gives a parameter a value. Collective; it agrees with MpmStepperAgree.
+
+   Errors: PETSC_ERR_USER_INPUT when there is no such parameter, or the code does not take the value.
+*/
+PetscErrorCode MpmStepperSet(MpmStepper *stepper, const char name[], PetscReal value);
+
+/* Not collective. The value that a parameter had at the start; *found says whether there is one. */
+PetscErrorCode MpmStepperParameterOf(const MpmStepper *stepper, const char name[], PetscReal *value, PetscBool *found);
+
+/*
+   MpmStepperStep - replaces the state of particles by the one after some steps. A number that is not finite is a
+   failure of the code. After a failure the state stays as it is.
+
+   Not collective. particles: stepper->particles, or another number if any_count.
+*/
+PetscErrorCode MpmStepperStep(MpmStepper *stepper, PetscInt steps, PetscInt64 particles, PetscReal state[]);
+
+/* Collective. Refuses, with one message, if any rank's stepper has failed. */
+PetscErrorCode MpmStepperAgree(MpmStepper *stepper);
+
+/*
+   MpmStepperDescribe - fills a stepper from the description of protocol 1, without its base state. What is missing or
+   wrong is the stepper's failure.
+
+   Not collective. Part of MpmStepperStart...
+*/
+PetscErrorCode MpmStepperDescribe(MpmStepper *stepper, const char line[]);
+
+/*
+   MpmStepperBegin - ends the start of a stepper: checks its base state, and gives all ranks that of the first one.
+
+   Collective. Part of MpmStepperStart...
+*/
+PetscErrorCode MpmStepperBegin(MpmStepper *stepper);
+
+/* Not collective. Notes a failure, unless there is one already. */
+PetscErrorCode MpmStepperFail(MpmStepper *stepper, const char format[], ...) __attribute__((format(printf, 2, 3)));

@@ -1,0 +1,138 @@
+/* A code that was probed, and its certificates: tables for people, and JSON. */
+#include "report/report_program.h"
+#include <math.h>
+
+PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
+{
+  const MpmStepper *s = p->stepper;
+  char              text[96];
+
+  PetscFunctionBegin;
+  PetscCall(MpmReportFile(p->request, s->name, ranks));
+  MpmPrint("%" PetscInt64_FMT " particles with %" PetscInt_FMT " numbers each, in %" PetscInt_FMT
+           " direction%s, cells of %.6g; ",
+           s->particles, s->width, s->dim, s->dim == 1 ? "" : "s", (double)s->cell_width);
+  for (PetscInt i = 0; i < s->nparameters; i++)
+    MpmPrint("%s = %.6g%s", s->parameters[i].name, (double)s->parameters[i].value,
+             i + 1 < s->nparameters ? ", " : "\n");
+  if (!s->nparameters) MpmPrint("it names no parameters\n");
+  if (p->kind == MPM_PROBE_BLOCH) {
+    PetscCall(MpmReportCounts(s->dim, p->lattice.cells, sizeof text, text));
+    MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT, text,
+             p->columns);
+  } else {
+    PetscCall(MpmReportCounts(s->dim, p->colours.reach, sizeof text, text));
+    MpmPrint("probing: coloured%s%s; a step reaches %s cells, so that unknowns have %" PetscInt_FMT " colours",
+             p->why[0] ? ", since " : "", p->why, text, p->columns);
+  }
+  MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
+           " step%s (forward and backward, with two sizes), and about 30 for "
+           "certificates\n",
+           4 * p->columns, p->probe.steps, p->probe.steps == 1 ? "" : "s");
+  MpmPrint("  sizes of perturbations: %.3g and %.3g of each field's scale; the code computes in %s precision\n",
+           (double)p->probe.size, (double)p->probe.other, p->probe.single ? "single" : "double");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Names the numbers of particles that are set apart, field by field. */
+static PetscErrorCode PrintApart(const MpmProgram *p)
+{
+  const MpmStepper *s       = p->stepper;
+  const char       *between = "";
+
+  PetscFunctionBegin;
+  if (p->unread.n == s->width) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmPrint("set apart, since nothing reads them back (they hold the eigenvalue %.6g): ", (double)p->unread.factor);
+  for (PetscInt f = 0; f < s->nfields; f++) {
+    PetscInt apart = 0;
+
+    for (PetscInt c = 0; c < s->fields[f].size; c++) apart += p->unread.apart[s->fields[f].first + c];
+    if (!apart) continue;
+    MpmPrint("%s%s", between, s->fields[f].name);
+    if (apart < s->fields[f].size) MpmPrint(" (%" PetscInt_FMT " of %" PetscInt_FMT ")", apart, s->fields[f].size);
+    between = ", ";
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportCertificates(const MpmProgram *p)
+{
+  const MpmCertificates *of = &p->certificates;
+
+  PetscFunctionBegin;
+  MpmPrint("\ncertificates\n");
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    if (isnan(of->value[c])) continue;
+    MpmPrint("  %-12s%-9.2g %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
+             MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
+    if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
+  }
+  PetscCall(PrintApart(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+json_t *MpmJsonProgram(const MpmProgram *p)
+{
+  const MpmStepper *s = p->stepper;
+  json_t           *object, *certificates = json_object(), *apart = json_array();
+
+  object = json_pack("{s:s, s:s, s:I, s:i, s:i, s:I, s:b, s:f, s:f}", "name", s->name, "probing",
+                     MpmProbeNames[p->kind], "particles", (json_int_t)s->particles, "numbers", (int)s->width, "steps",
+                     (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
+                     p->probe.size, "other_size", p->probe.other);
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    if (isnan(p->certificates.value[c])) continue;
+    json_object_set_new(certificates, MpmCertificateNames[c],
+                        json_pack("{s:f, s:f, s:b}", "value", p->certificates.value[c], "bound",
+                                  p->certificates.bound[c], "holds", !MpmCertificateFails(&p->certificates, c)));
+  }
+  json_object_set_new(object, "certificates", certificates);
+  for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
+    if (p->unread.apart[i]) json_array_append_new(apart, json_integer(i));
+  json_object_set_new(object, "set_apart", apart);
+  return object;
+}
+
+static const PetscReal *PlaceOf(const MpmStepper *s, PetscInt64 particle)
+{
+  return s->place == MPM_NONE ? NULL : s->base + particle * s->width + s->fields[s->place].first;
+}
+
+PetscErrorCode MpmReportCarriers(const MpmProgram *p, const MpmCarriers *c)
+{
+  char place[96];
+
+  PetscFunctionBegin;
+  if (!c->n) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most,
+           p->stepper->particles);
+  for (PetscInt i = 0; i < c->n; i++) {
+    const PetscReal *at = PlaceOf(p->stepper, c->particle[i]);
+
+    MpmPrint("%s particle %" PetscInt64_FMT, i ? "," : "", c->particle[i]);
+    if (at) {
+      PetscCall(MpmReportVector(p->stepper->dim, at, 6, sizeof place, place));
+      MpmPrint(" at %s", place);
+    }
+    MpmPrint(" %.3g%%", (double)(100 * c->share[i]));
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+json_t *MpmJsonCarriers(const MpmProgram *p, const MpmCarriers *c)
+{
+  json_t *list = json_array();
+
+  for (PetscInt i = 0; i < c->n; i++) {
+    const PetscReal *at    = PlaceOf(p->stepper, c->particle[i]);
+    json_t          *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
+    json_t          *place = json_array();
+
+    for (PetscInt a = 0; a < p->stepper->dim && at; a++) json_array_append_new(place, json_real(at[a]));
+    json_object_set_new(one, "place", place);
+    json_array_append_new(list, one);
+  }
+  return list;
+}

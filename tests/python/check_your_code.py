@@ -1,0 +1,377 @@
+#!/usr/bin/python3
+"""Checks examples/your-code: the hook and the adapters of every language give the operator of our own table.
+
+check_your_code.py CC MPMSTAB, in a folder that may be filled. What it prints is what the hook says, and which
+languages are not there.
+"""
+import ctypes
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy
+import scipy.io
+
+import checks
+from checks import check
+
+ROOT = pathlib.Path(checks.ROOT)
+CC, MPMSTAB = sys.argv[1:]
+CODE, INCLUDE = ROOT / "examples/your-code", f"-I{ROOT / 'include'}"
+PARTICLES, FIELDS = 32, 3
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "scripts/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+sys.path.insert(0, str(ROOT / "scripts/python"))
+sys.dont_write_bytecode = True
+
+
+def run(*words):
+    """Runs a command, and returns what it prints."""
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    check(done.returncode == 0, f"{' '.join(map(str, words))}: {done.stderr[-1000:]}")
+    return done.stdout
+
+
+def own():
+    """The operator of the table that the bar of the example is: for each particle v and s."""
+    run(MPMSTAB, "spectrum", "-formulation", "usl", "-cells", 16, "-courant", 0.5, "-write_matrix", "own.mtx")
+    return scipy.io.mmread("own.mtx").toarray()
+
+
+def near(found, expected, tolerance, what):
+    check(found.shape == expected.shape, f"{what}: {found.shape}, expected {expected.shape}")
+    apart = numpy.max(numpy.abs(found - expected))
+    check(apart <= tolerance, f"{what}: apart by {apart:.2g}, allowed {tolerance:.2g}")
+
+
+def certificates(path="A.mtx"):
+    """The numbers in the comments of a file."""
+    with open(path, encoding="ascii") as file:
+        words = [line[1:].split(":") for line in file if line.startswith("% ") and ":" in line]
+    return {name.strip(): float(value) for name, value in words if name.strip() != "fields"}
+
+
+def check_hook(language, *command):
+    """The matrix that the hook writes for the bar at rest; a run with the hook is one without, to the last bit."""
+    run(*command)
+    found = scipy.io.mmread("A.mtx").toarray()
+    places = numpy.arange(0, FIELDS * PARTICLES, FIELDS)
+    rest = numpy.setdiff1d(numpy.arange(FIELDS * PARTICLES), places)
+    near(found[numpy.ix_(rest, rest)], OWN, 1e-9, f"{language}: matrix")
+    near(found[:, places], numpy.eye(FIELDS * PARTICLES)[:, places], 1e-9, f"{language}: columns of places at rest")
+    says = certificates()
+    check(says["calls"] == 2 + 3 + 12 * 3 * 4 + 2, f"{language}: {says['calls']} calls, expected 12 colours of 3 numbers")
+    check(says["moved"] == 0 and says["repeat"] == 0 and says["additivity"] < 1e-8, f"{language}: {says}")
+    with_hook, without = run(*command, 0.1), run(*command, 0.1, "no")
+    check(with_hook == without and len(set(without.split())) > PARTICLES, f"{language}: the run is not what it is without")
+    check(certificates()["moved"] > 1e-3, f"{language}: a bar that moves has moved by {certificates()['moved']}")
+
+
+def shared(name, compiler, *sources, flags=()):
+    run(compiler, "-O2", "-fPIC", "-shared", INCLUDE, *flags, "-o", name, *sources, "-lm")
+
+
+def languages():
+    """The command of the hook for each language that is there."""
+    run(CC, "-std=c11", "-Wall", "-Wextra", "-Werror", "-O2", INCLUDE, "-o", "hook_c", CODE / "hook.c", "-lm")
+    found = {"C": ["./hook_c"], "Python": [sys.executable, CODE / "hook.py"]}
+    if shutil.which("c++"):
+        run("c++", "-x", "c++", "-std=c++11", "-Wall", "-Wextra", "-Werror", INCLUDE, "-o", "hook_cpp", CODE / "hook.c", "-lm")
+        found["C++"] = ["./hook_cpp"]
+    if shutil.which("octave-cli"):
+        found["Octave"] = ["octave-cli", "-q", "--path", CODE, CODE / "hook.m"]
+    if shutil.which("gfortran"):
+        run(CC, "-x", "c", "-DMPMSTAB_PROBE_API=", "-c", ROOT / "include/mpmstab_probe.h", "-o", "mpmstab_probe.o")
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "bar.f90", CODE / "mpmstab_hook.f90", CODE / "hook.f90",
+            "mpmstab_probe.o", "-lm")
+        found["Fortran"] = ["./hook_f"]
+    missing = {"C++", "Octave", "Fortran"} - set(found)
+    if missing:
+        print(f"not installed, and so not checked: {', '.join(sorted(missing))}")
+    return found
+
+
+# ---- adapters: a step that is asked from outside ----
+
+
+class Program:
+    """A child that speaks the protocol of programs."""
+
+    def __init__(self, *words):
+        self.option = ["-program", " ".join(str(w) for w in words)]
+        self.child = subprocess.Popen([str(w) for w in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=ENVIRONMENT)
+        self.description = self.ask({"do": "describe"})
+        self.base = self.take()
+
+    def ask(self, message, state=b""):
+        self.child.stdin.write(json.dumps(message).encode() + b"\n" + state)
+        self.child.stdin.flush()
+        return json.loads(self.child.stdout.readline())
+
+    def take(self):
+        return numpy.frombuffer(self.child.stdout.read(8 * FIELDS * PARTICLES))
+
+    def set(self, name, value):
+        return "error" not in self.ask({"do": "set", name: value})
+
+    def step(self, state, steps=1):
+        answer = self.ask({"do": "step", "steps": steps}, state.tobytes())
+        check(answer == {}, f"{self.child.args}: a step is answered by {answer}")
+        return self.take()
+
+    def end(self):
+        self.child.stdin.write(b'{"do":"quit"}\n')
+        self.child.stdin.close()
+        check(self.child.wait(30) == 0 and self.child.stdout.read() == b"", f"{self.child.args}: does not end as it is told")
+
+
+class Plugin:
+    """A shared library with the functions of mpmstab/plugin.h."""
+
+    def __init__(self, path):
+        self.option = ["-plugin", path]
+        self.library, self.state = ctypes.CDLL(path), ctypes.POINTER(ctypes.c_double)()
+        self.library.mpmstab_describe.restype = ctypes.c_char_p
+        self.description = json.loads(self.library.mpmstab_describe(ctypes.byref(self.state)))
+        self.base = numpy.array(self.state[: FIELDS * PARTICLES])
+
+    def set(self, name, value):
+        return self.library.mpmstab_set(name.encode(), ctypes.c_double(value)) == 0
+
+    def step(self, state, steps=1):
+        after = state.copy()
+        at = after.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+        check(self.library.mpmstab_step(steps, ctypes.c_int64(PARTICLES), at) == 0, "a step of a plugin fails")
+        check(self.library.mpmstab_step(steps, ctypes.c_int64(PARTICLES + 1), at) != 0, "a plugin takes a particle more")
+        return after
+
+    def end(self):
+        pass
+
+
+def adapters():
+    """The adapters of each language that is there."""
+    shared("./libbar_c.so", CC, CODE / "plugin.c", flags=["-std=c11", "-Wall", "-Wextra", "-Werror"])
+    if shutil.which("c++"):
+        shared("./libbar_cpp.so", "c++", CODE / "plugin.cpp", flags=["-std=c++11", "-Wall", "-Wextra", "-Werror"])
+        yield "C++", Plugin("./libbar_cpp.so")
+    yield "C", Plugin("./libbar_c.so")
+    if shutil.which("gfortran"):
+        shared("./libbar_f.so", "gfortran", CODE / "bar.f90", CODE / "plugin.f90", flags=["-Wall", "-Werror"])
+        yield "Fortran", Plugin("./libbar_f.so")
+    yield "Python", Program(sys.executable, CODE / "serve.py")
+    if shutil.which("octave-cli"):
+        yield "Octave", Program("octave-cli", "-q", "--path", CODE, CODE / "serve.m")
+
+
+def check_adapter(language, code):
+    """Columns of the step, which is linear in v and stress; a parameter is set; two steps are two times one."""
+    names = [(f["name"], f["size"], f.get("place", False)) for f in code.description["fields"]]
+    check(names == [("x", 1, True), ("v", 1, False), ("stress", 1, False)], f"{language}: fields {names}")
+    check([code.description[k] for k in ("protocol", "dim", "particles", "steps", "periodic", "cell_width", "parameters")] ==
+          [1, 1, PARTICLES, 1, [1.0], 1 / 16, {"dt": 1 / 32}], f"{language}: {code.description}")
+    rest = [i for i in range(FIELDS * PARTICLES) if i % FIELDS]
+    unit = numpy.eye(FIELDS * PARTICLES)
+    small = 2.0**-20  # no particle crosses a node
+    found = numpy.array([(code.step(code.base + small * unit[j]) - code.base)[rest] / small for j in rest]).T
+    near(found, OWN, 1e-9, f"{language}: matrix of the adapter")
+    state = code.base + 0.01 * numpy.sin(numpy.arange(FIELDS * PARTICLES))
+    near(code.step(state, 2), code.step(code.step(state)), 0, f"{language}: two steps")
+    check(code.set("dt", 0.0), f"{language}: dt is not taken")
+    near(code.step(state), state, 0, f"{language}: a step with dt = 0")
+    code.end()
+    run(MPMSTAB, "spectrum", *code.option, "-write_matrix", "probed.mtx", "-expect", "stable")
+    near(scipy.io.mmread("probed.mtx").toarray(), OWN, 1e-9, f"{language}: matrix that {code.option[0]} gives")
+
+
+# ---- the hook itself, on a step whose matrix is known ----
+
+
+class Loop:
+    """A linear step between particles near one another, and what makes it another: 'twist' changes the state after it."""
+
+    def __init__(self, dim, kind, periodic, far=False, twist=None):
+        random = numpy.random.default_rng(dim)
+        n, self.h, self.period, self.calls = 60, [0.1, 0.05, 0.25][dim - 1], [1.0, 0.0, 0.0] if periodic else [0.0] * 3, 0
+        types = [("x", "f8", (dim,)), ("v", kind, (2,)), ("J", kind)]
+        self.p = numpy.zeros(n, dtype=numpy.dtype({"names": [t[0] for t in types], "formats": [t[1:] if t[2:] else t[1] for t in types],
+                                                   "itemsize": 64, "offsets": [0, 24, 48]}))
+        self.p["x"], self.p["J"] = random.uniform(0, 1, (n, dim)), 1
+        apart = numpy.abs(self.p["x"][:, None] - self.p["x"][None])
+        apart[..., 0] = numpy.minimum(apart[..., 0], 1 - apart[..., 0]) if periodic else apart[..., 0]
+        near_by = numpy.all(apart < 0.99 * self.h, axis=2)
+        width = dim + 3
+        self.matrix = numpy.kron(near_by, numpy.ones((width, width))) * random.uniform(-1, 1, (n * width, n * width))
+        if far:
+            self.matrix[dim, numpy.argmax(apart[0, :, 0]) * width + dim] = 1
+        self.twist, self.base = twist, self.flat().copy()
+
+    def flat(self):
+        columns = [self.p["x"], self.p["v"], self.p["J"][:, None]]
+        return numpy.hstack([c.astype(float) for c in columns]).ravel()
+
+    def advance(self):
+        self.calls += 1
+        d = self.flat() - self.base
+        after = self.base + self.matrix @ (self.twist(d, self.calls) if self.twist else d)
+        after = after.reshape(len(self.p), -1)
+        dim = self.p["x"].shape[1]
+        self.p["x"] = after[:, :dim] + (numpy.eye(dim)[0] if self.period[0] and self.calls % 2 else 0)  # through a period
+        self.p["v"], self.p["J"] = after[:, dim:-1], after[:, -1]
+
+
+class CLoop(ctypes.Structure):
+    """mpmstab_hook"""
+    _fields_ = [("period", ctypes.c_double * 3), ("work", ctypes.c_void_p)]
+
+
+def hook_in_c(loop, told):
+    hook = CLoop((ctypes.c_double * 3)(*(loop.period if told else [0] * 3)), None)
+    names = {}
+    for name in loop.p.dtype.names:
+        kind, offset = loop.p.dtype.fields[name]
+        names[name] = name.encode()
+        words = [ctypes.byref(hook), names[name], ctypes.c_void_p(loop.p.ctypes.data + offset), kind.base.itemsize,
+                 int(numpy.prod(kind.shape)), ctypes.c_size_t(loop.p.itemsize), ctypes.c_long(len(loop.p))]
+        if name == "x":
+            C.mpmstab_place(*words)
+        else:
+            C.mpmstab_field(*words, ctypes.c_double(1))
+    while not C.mpmstab_probe(ctypes.byref(hook), b"loop.mtx", ctypes.c_double(loop.h)):
+        loop.advance()
+    check(C.mpmstab_probe(ctypes.byref(hook), b"loop.mtx", ctypes.c_double(loop.h)) == 1, "the hook begins again")
+
+
+def hook_in_python(loop, told):
+    state = {name: loop.p[name] for name in loop.p.dtype.names}
+    dim = loop.p["x"].shape[1]
+    periodic = [p or None for p in loop.period[:dim]] if told else None
+    asking = hook.Hook("loop.mtx", loop.h, state, "x", periodic, {"v": 1, "J": 1})
+    while asking.call(state):
+        loop.advance()
+    check(not asking.call(state), "the hook begins again")
+
+
+def probed(way, loop, told=True):
+    """What the hook makes of a loop: matrix and certificates."""
+    before = loop.p.tobytes()
+    if os.path.exists("loop.mtx"):
+        os.remove("loop.mtx")
+    way(loop, told)
+    check(loop.p.tobytes() == before, f"{way.__name__}: the state after it is not the one before")
+    return scipy.io.mmread("loop.mtx").toarray(), certificates("loop.mtx")
+
+
+def check_loops(way):
+    """Known matrices in 1 to 3 dimensions, in double and single precision, with and without periods."""
+    for dim in (1, 2, 3):
+        for kind, tolerance in (("f8", 1e-8), ("f4", 1e-4)):
+            loop = Loop(dim, kind, periodic=dim != 2)
+            found, says = probed(way, loop)
+            near(found, loop.matrix, tolerance, f"{way.__name__}, {dim}-D, {kind}")
+            check(says["additivity"] < tolerance and says["repeat"] < 1e-12, f"{way.__name__}, {dim}-D, {kind}: {says}")
+            check(dim == 3 or says["calls"] < 0.8 * loop.matrix.shape[0] * 4, f"{way.__name__}, {dim}-D: {says['calls']} calls")
+    order = 60 * 4
+    for what, loop, told in (("a period that is not told", Loop(1, "f8", True), False),
+                             ("a particle that reaches far", Loop(1, "f8", True, far=True), True)):
+        found, says = probed(way, loop, told)
+        if told:
+            near(found, loop.matrix, 1e-8, what)
+            check(says["calls"] >= 4 * order, f"{way.__name__}, {what}: {says['calls']} calls, each column needs 4")
+        else:  # particles go round the period: without it they seem to jump
+            check(says["repeat"] > 1, f"{way.__name__}, {what}: repeat {says['repeat']}")
+    for name, above, twist in (("repeat", 0.01, lambda d, calls: d + 0.1 * calls),
+                               ("one_sided", 0.1, lambda d, calls: numpy.abs(d)),
+                               ("two_sizes", 1e-4, lambda d, calls: d + 1e6 * d**3),
+                               ("additivity", 0.1, lambda d, calls: d * (numpy.count_nonzero(d) < len(d) / 2))):
+        _, says = probed(way, Loop(1, "f8", False, twist=twist))
+        check(says[name] > above, f"{way.__name__}: {name} is {says[name]}, expected above {above}")
+    loop = Loop(1, "f8", False, twist=lambda d, calls: d * (numpy.nan if calls > 30 else 1))
+    before = loop.p.tobytes()
+    os.remove("loop.mtx")
+    way(loop, True)
+    check(loop.calls == 31 and loop.p.tobytes() == before and not os.path.exists("loop.mtx"),
+          f"{way.__name__}: a state that is not finite ends it without a file")
+
+
+def check_page():
+    """The growth on the page is what its commands print."""
+    run(CC, "-DCOURANT=1.1", INCLUDE, "-o", "hook_too_fast", CODE / "hook.c", "-lm")
+    run("./hook_too_fast")
+    run(MPMSTAB, "spectrum", "-matrix", "A.mtx", "-json", "out.json", "-expect", "unstable")
+    growth = checks.loaded("out.json")["spectrum"]["growth"]
+    check(f"{growth:.5f} per step" in checks.text_of(CODE / "README.md"), f"the page does not have the growth {growth:.5f}")
+
+
+class Foreign:
+    """An array of another library: how it gives and takes values is all that it shares with numpy's."""
+
+    def __init__(self, values, give, take):
+        self.values = numpy.array(values, dtype=numpy.float32)
+        setattr(self, give, lambda: self if give == "detach" else self.values.copy())
+        setattr(self, take, (lambda given: numpy.array(given)) if take == "new_tensor" else self.accept)
+
+    def accept(self, given):
+        check(given.dtype == numpy.float32, f"an array of single precision gets {given.dtype}")
+        self.values = numpy.array(given)
+
+    def cpu(self):
+        return self
+
+    def numpy(self):
+        return self.values.copy()
+
+    @property
+    def data(self):
+        return self
+
+    copy_ = accept
+
+
+def check_foreign():
+    """Taichi's fields, Warp's arrays and torch's tensors are read and written in their own ways."""
+    for ways in (("to_numpy", "from_numpy"), ("numpy", "assign"), ("detach", "new_tensor")):
+        array = Foreign([[1, 2], [3, 4]], *ways)
+        state = {"a": array, "b": numpy.zeros((2, 2, 2))}
+        hook.scatter(state, numpy.arange(12.0).reshape(2, 6))
+        check(array.values.tolist() == [[0, 1], [6, 7]] and state["b"][1].tolist() == [[8, 9], [10, 11]], f"{ways}: {array.values}")
+        near(hook.gather(state), numpy.arange(12.0).reshape(2, 6), 0, f"{ways}")
+
+
+def check_serve():
+    """What a step prints stays out of the answers; what it raises is the answer; any number of particles, new arrays."""
+    code = Program(sys.executable, "-c", """
+import numpy
+from mpmstab.adapter import serve
+def step(state, dt):
+    print("a line that is no answer")
+    if dt < 0: raise ValueError("dt is below 0")
+    return {"x": state["x"] + dt * len(state["x"]), "v": 2 * state["v"], "stress": state["stress"]}
+x = numpy.zeros((32, 1), dtype=numpy.float32)
+serve(step, {"x": x, "v": x, "stress": x}, cell_width=1, fields={"x": {"place": True}}, parameters={"dt": 1}, any_count=True)
+""")
+    check(code.description["any_count"] and code.description["periodic"] == [None], f"serve: {code.description}")
+    near(code.step(code.base + 1), numpy.tile([33.0, 2, 1], 32), 0, "serve: 32 particles")
+    check(code.ask({"do": "step", "steps": 2, "particles": 1}, numpy.ones(3).tobytes()) == {}, "serve: a particle")
+    near(numpy.frombuffer(code.child.stdout.read(24)), numpy.array([3.0, 4, 1]), 0, "serve: a particle")
+    code.set("dt", -1)
+    check("dt is below 0" in code.ask({"do": "step", "steps": 1}, code.base.tobytes())["error"], "serve: an error")
+    code.end()
+
+
+OWN = own()
+for spoken, words in languages().items():
+    check_hook(spoken, *words)
+for spoken, adapter in adapters():
+    check_adapter(spoken, adapter)
+shared("./libprobe.so", CC, "-x", "c", ROOT / "include/mpmstab_probe.h", flags=["-DMPMSTAB_PROBE_API="])
+C = ctypes.CDLL("./libprobe.so")
+from mpmstab import hook  # noqa: E402
+
+check_page()
+check_foreign()
+check_serve()
+for of in (hook_in_c, hook_in_python):
+    check_loops(of)

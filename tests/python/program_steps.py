@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+"""Steps of a bar on hats for -program, right ones and broken ones: program_steps.py SCHEME [FAULT] [CELLS].
+
+SCHEME is usl or musl, with flip; the bar is periodic, h = c = rho = 1. FAULT: one of the words of FAULTS. Unknowns have
+scale 1 but for the place, whose scale is the cell width, 1.
+"""
+import json
+import sys
+
+import numpy
+
+PPC = 2
+FAULTS = ("stale", "drops", "clamp", "memory", "noise", "moves", "single")
+
+
+class Bar:
+    def __init__(self, scheme, fault, cells, drift):
+        self.scheme, self.fault, self.cells = scheme, fault, cells
+        self.dt, self.random, self.calls = 0.5, numpy.random.default_rng(1), 0
+        x = (numpy.arange(cells * PPC) + (0.625 if drift else 0.5)) / PPC  # none comes to a face
+        self.base = numpy.column_stack([x, numpy.full(len(x), drift / self.dt), numpy.zeros(len(x))])
+        if fault == "moves":
+            self.base[:, 2] = 0.1 * numpy.sin(2 * numpy.pi * x / cells)
+        self.last, self.list = self.base, numpy.floor(x).astype(int)
+
+    def sum(self, values, at, weights):
+        """Sums what particles give to the nodes at their cells' left and right ends."""
+        nodes = numpy.zeros(self.cells)
+        for k in range(2):
+            numpy.add.at(nodes, (at + k) % self.cells, weights[k] * values)
+        return nodes
+
+    def step(self, state):
+        x, v, s = state.T
+        at = numpy.floor(x).astype(int)
+        if self.fault == "stale":
+            at, self.list = self.list, at
+        xi = x - at
+        hats, slopes = (1 - xi, xi), (-1, 1)
+        gather = lambda nodes, weights: sum(weights[k] * nodes[(at + k) % self.cells] for k in range(2))
+        mass = self.sum(1, at, hats)
+        a = -self.sum(s, at, slopes) / mass
+        old = self.sum(v, at, hats) / mass
+        v = v + self.dt * gather(a, hats)
+        if self.fault == "clamp":
+            v[7] = max(v[7], state[7, 1])
+        nodes = self.sum(v, at, hats) / mass if self.scheme == "musl" else old + self.dt * a
+        strain = self.dt * gather(nodes, slopes)
+        if self.fault == "drops":
+            strain[abs(strain) < 1e-5] = 0
+        s = s + strain
+        x = (x + self.dt * gather(nodes, hats)) % self.cells
+        if self.fault == "memory":
+            v = v + 0.1 * (self.last[:, 1] - self.base[:, 1])
+            self.last = state
+        if self.fault == "noise":
+            s = s + 1e-7 * self.random.standard_normal(len(s))
+        state = numpy.column_stack([x, v, s])
+        return state.astype(numpy.float32).astype(float) if self.fault == "single" else state
+
+
+def main():
+    words = sys.argv[1:]
+    fault = next((word for word in words if word in FAULTS), "")
+    cells = next((int(word) for word in words if word.isdigit()), 16)
+    drift = next((float(word[6:]) for word in words if word.startswith("drift=")), 0.0)
+    bar = Bar(words[0], fault, cells, drift)
+    read, write = sys.stdin.buffer, sys.stdout.buffer
+    fields = [{"name": "x", "size": 1, "place": True}, {"name": "v", "size": 1, "scale": 1},
+              {"name": "s", "size": 1, "scale": 1}]
+    for line in read:
+        ask = json.loads(line)
+        answer, data = {}, b""
+        if ask["do"] == "describe":
+            answer = {"protocol": 1, "name": "bar", "dim": 1, "cell_width": 1.0, "periodic": [float(cells)],
+                      "particles": len(bar.base), "fields": fields, "parameters": {"dt": bar.dt}}
+            data = bar.base.tobytes()
+        elif ask["do"] == "set":
+            bar.dt = ask["dt"]
+        elif ask["do"] == "step":
+            state = numpy.frombuffer(read.read(bar.base.nbytes)).reshape(bar.base.shape)
+            for _ in range(ask["steps"]):
+                state = bar.step(state)
+            data = state.tobytes()
+        else:
+            break
+        write.write(json.dumps(answer).encode() + b"\n" + data)
+        write.flush()
+
+
+main()
