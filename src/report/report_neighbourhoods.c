@@ -39,7 +39,10 @@ static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size
 
   PetscFunctionBegin;
   if (one->inside) {
-    PetscCall(PetscStrncpy(text, "waves inside: the surfaces make nothing worse", room));
+    PetscCall(PetscStrncpy(text,
+                           one->kind == MPM_AT_CORNER ? "waves inside or at an edge: the corner makes nothing worse"
+                                                      : "waves inside: the surfaces make nothing worse",
+                           room));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PlaceText(dim, one, sizeof place, place));
