@@ -39,8 +39,8 @@ static PetscErrorCode CheckShapes(const MpmArray *d, const MpmArray *A, char why
                               FARTHEST));
   for (PetscInt64 i = 0; !why[0] && i < A->n; i++)
     if (!isfinite(A->real[i]))
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array A: number %" PetscInt64_FMT " is %g; allowed: finite numbers",
-                              i + 1, A->real[i]));
+      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array A: number %" PetscInt64_FMT " is %s; allowed: finite numbers",
+                              i + 1, isnan(A->real[i]) ? "nan" : "infinite"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

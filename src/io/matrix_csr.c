@@ -32,9 +32,9 @@ PetscErrorCode MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
                               i + 1, e->row[i], e->column[i], e->rows - 1));
     else if (!isfinite(e->value[i]))
       PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %g; allowed: finite "
+                              "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
                               "numbers",
-                              e->row[i], e->column[i], e->value[i]));
+                              e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

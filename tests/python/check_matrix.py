@@ -245,7 +245,8 @@ def check_refusals():
     broken[len(npz) // 3] ^= 255
     matrices = [
         ("is not square, 2 x 3", lambda: coo(numpy.ones((2, 3)))),
-        ("row 0, column 1, counted from 0, is nan", lambda: coo(nan)),
+        ("row 0, column 1, counted from 0, is nan; allowed", lambda: coo(nan)),
+        ("row 1, column 1, counted from 0, is infinite; allowed", lambda: coo(numpy.diag([1, numpy.inf]))),
         ("complex numbers", lambda: coo(1j * numpy.eye(2))),
         ("it is cut off", lambda: write("bad.npz", npz[:len(npz) // 2])),
         ("it is cut off, or damaged", lambda: write("bad.npz", bytes(broken))),
@@ -279,7 +280,7 @@ def check_refusals():
         ("2 of 3 x 2; allowed", dict(d=[[0], [1]], A=A[:, :, :2])),
         ("4 directions", dict(d=[[0] * 4, [1] * 4], A=A)),
         ("array d; allowed: whole numbers", dict(d=[[0], [0.5]], A=A)),
-        ("number 1 is nan", dict(d=[[0], [1]], A=A * numpy.nan)),
+        ("number 1 is nan; allowed", dict(d=[[0], [1]], A=A * numpy.nan)),
         ("steps; allowed", dict(d=[[0], [1]], A=A, steps=0)),
         ("complex numbers", dict(d=[[0], [1]], A=A * 1j)),
         ("at least one, and square", dict(d=numpy.zeros((0, 1)), A=A[:0])),

@@ -82,6 +82,13 @@ def check_spectrum():
         check(numpy.allclose(values, own, rtol=1e-14, atol=1e-15), f"{values}")
         check(abs(found.growth - 0.9) < 1e-14 and found.verdict == "stable", f"growth {found.growth}")
     check("shape (3,)" in refused(lambda: mpmstab.spectrum(matrix=[1, 2, 3])), "a vector as a matrix")
+    for says, matrix in (("its parts differ", [[1, 2], [3]]), ("numbers of the type complex128", [[1j]]),
+                         ("numbers of the type <U1", [["a"]])):
+        check(f"matrix: {says}" in refused(lambda: mpmstab.spectrum(matrix=matrix)), matrix)
+    for says, blocks in (("a dictionary", {}), ("matrix_blocks: its parts differ", {0: [[1]], 1: [[1, 2]]}),
+                         ("keys of matrix_blocks: its parts differ", {0: [[1]], (0, 1): [[1]]}),
+                         ("type complex128", {0: [[1j]]}), ("keys of matrix_blocks: numbers of the type <U1", {"a": [[1]]})):
+        check(says in refused(lambda: mpmstab.symbol(matrix_blocks=blocks)), blocks)
     check("no picture of a matrix" in refused(found.plot), "a picture of a matrix")
 
     first, second = numpy.array([[0.5, 0.1], [0, 0.25]]), numpy.array([[0.25, 0], [0.2, 0.5]])

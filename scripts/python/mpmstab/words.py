@@ -41,6 +41,17 @@ def is_path(value):
     return isinstance(value, (str, os.PathLike))
 
 
+def numbers_of(name, value):
+    """Returns an array of real numbers. Whole numbers stay whole."""
+    try:
+        array = numpy.asarray(value)
+    except ValueError as error:
+        raise BadInput(f"{name}: its parts differ in shape; allowed: an array of numbers") from error
+    if array.dtype.kind not in "biuf":
+        raise BadInput(f"{name}: numbers of the type {array.dtype}; allowed: whole or real numbers")
+    return array
+
+
 def matrix_file(matrix, folder):
     """Writes a matrix of numpy or scipy as scipy's save_npz does, in rows. Returns its path; a path stays as it is."""
     if is_path(matrix):
@@ -49,7 +60,7 @@ def matrix_file(matrix, folder):
         rows = matrix.tocsr()
         data, indices, indptr, shape = rows.data, rows.indices, rows.indptr, rows.shape
     else:
-        matrix = numpy.asarray(matrix)
+        matrix = numbers_of("matrix", matrix)
         if matrix.ndim != 2:
             raise BadInput(f"matrix of the shape {matrix.shape}: allowed: an array with rows and columns, or a file")
         at, indices = numpy.nonzero(matrix)
@@ -64,9 +75,9 @@ def blocks_file(blocks, folder):
     """Writes blocks {d: A_d} as the program reads them, arrays d and A. Returns their path; a path stays as it is."""
     if is_path(blocks):
         return os.fspath(blocks)
-    if not isinstance(blocks, dict):
+    if not isinstance(blocks, dict) or not blocks:
         raise BadInput("matrix_blocks: allowed: a file, or a dictionary such as {0: A0, 1: A1} or {(0, 0): A00, ...}")
     path = os.path.join(folder, "blocks.npz")
-    offsets = numpy.array(list(blocks))
-    numpy.savez(path, d=offsets.reshape(len(blocks), -1), A=numpy.array(list(blocks.values()), float))
+    offsets = numbers_of("keys of matrix_blocks", list(blocks))
+    numpy.savez(path, d=offsets.reshape(len(blocks), -1), A=numbers_of("matrix_blocks", list(blocks.values())))
     return path
