@@ -43,17 +43,23 @@ def which_step(entry):
     if not answer.done:
         return f"Not found: {escaped(answer.complaint)}."
     found, result = answer.result["critical"], answer.result
-    limit = found.get("critical_courant")
+    limit, worst = found.get("critical_courant"), found.get("limited_by_neighbourhood", "bulk")
+    has = f"; the scene has {number(result['courant'], '.6g')}" if "courant" in result else ""
     if limit is None:
         said = "No limit was found."
-    elif limit == 0:
+    elif limit == 0 and worst == "bulk":
         said = "None: it grows at every Courant number."
-    elif not found.get("threshold", True):
-        said = (f"None: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}; "
-                f"the scene has {number(result['courant'], '.6g')}.")
+    elif worst == "bulk" and not found.get("threshold", True):
+        said = f"None: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}{has}."
     else:
-        said = (f"Courant number k = c dt / h up to {number(limit, '.6g')}; "
-                f"the scene has {number(result['courant'], '.6g')}.")
+        said = f"Courant number k = c dt / h up to {number(limit, '.6g')}{has}."
+        if "critical_dt" in found:
+            has = f"; the scene has {number(result['dt'], '.6g')}" if "dt" in result else ""
+            said += f" In the scene's units that is dt up to {number(found['critical_dt'], '.6g')}{has}."
+    if worst != "bulk":
+        inside = found["neighbourhoods"].get("bulk", {}).get("critical_courant")
+        inside = f" Inside the body the limit is {number(inside, '.6g')}." if inside is not None else ""
+        return f"{said} This is the limit of the neighbourhood '{escaped(worst)}', the worst of those asked.{inside}"
     beta = found.get("limited_by_beta")
     beta = math.hypot(*beta) if isinstance(beta, list) else beta
     if beta:
@@ -216,6 +222,8 @@ def largest_stable(critical):
         return "-"
     found = critical.result["critical"]
     limit = found.get("critical_courant")
+    if found.get("limited_by_neighbourhood", "bulk") != "bulk":
+        return number(limit, ".6g")
     if limit and not found.get("threshold", True):
         why = f"growth fades as k does and falls below the tolerance only at k = {limit:.3g}"
         return f'<abbr title="{escaped(why)}">none</abbr>'

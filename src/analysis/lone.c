@@ -45,6 +45,18 @@ static PetscBool Jumps(const Weights *w, const MpmSlope *slope)
   return PETSC_FALSE;
 }
 
+/* Whether a particle exactly on a node has a gradient at a node that it gives no mass: that node's share is lost. */
+static PetscBool Loses(const MpmBasis *basis, MpmGradient gradient, PetscReal half_width)
+{
+  PetscReal phi[MPM_MAX_REACH], g[MPM_MAX_REACH];
+
+  MpmMapRow(basis, MPM_G2P, 0, half_width, MpmNoWalls, phi);
+  MpmMapRow(basis, gradient == MPM_GRADIENT_MLS ? MPM_GRAD_MLS : MPM_GRAD, 0, half_width, MpmNoWalls, g);
+  for (PetscInt d = 0; d < MpmMapReach(basis); d++)
+    if (!(phi[d] > 0) && fabs(g[d]) > SAME) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscErrorCode MpmSlopeFind(const MpmBasis *basis, MpmGradient gradient, PetscReal half_width, MpmSlope *slope)
 {
   const PetscBool mls    = gradient == MPM_GRADIENT_MLS ? PETSC_TRUE : PETSC_FALSE;
@@ -122,6 +134,8 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   lone->courant = f->limit(&cell);
   lone->growth  = f->corrected(&cell, courant);
   if (isinf(lone->courant)) {
+    for (PetscInt a = 0; a < layout->dim; a++)
+      if (Loses(scheme->basis, scheme->space.gradient, layout->half_width[a])) lone->known = PETSC_FALSE;
     lone->approached = PETSC_FALSE;
     for (PetscInt a = 0; a < layout->dim; a++) lone->place[a] = NAN;
   } else if (!bounded) {

@@ -49,6 +49,9 @@ typedef struct {
    take the gradient of P2G of the particle's velocity see none without an affine part, and have no limit. In the words
    of the closed forms of waves kappa is lambda, the filter 1, and alpha 0, with an affine part 1. THEORY.md, section 4.
 
+   On hats a particle exactly on a node has a gradient at the next node, which it gives no mass. That node's share of force
+   and gradient is lost, and schemes without a limit elsewhere have one there: no closed form is given for them.
+
    There is none for other schemes: with an affine part and another gradient, with a sharpened nodal field, and without a
    stress.
 */

@@ -25,9 +25,10 @@
 #define FROM 1e-2   /* the least k of a row */
 #define RATIO 1.25  /* of one to the next */
 #define PRECISION 1e-7
-#define NEARER 16 /* so many times nearer to a face a limit is looked at again */
-#define FALLS 0.5 /* it goes to 0 if it is less than this then */
-#define SAME 1e-6 /* relative difference of values that are the same but for rounding */
+#define NEARER 16   /* so many times nearer to a face a limit is looked at again */
+#define FALLS 0.5   /* it goes to 0 if it is less than this then */
+#define A_JUMP 1e-3 /* relative; from the margin of a panel to its end values that are continuous change less */
+#define SAME 1e-6   /* relative difference of values that are the same but for rounding */
 
 /* What is sought on one lattice. slow: by rows of Courant numbers. */
 typedef struct {
@@ -36,6 +37,8 @@ typedef struct {
   PetscBool       slow;
   PetscReal       courant, tolerance; /* courant: at which growth is sought or checked */
   PetscReal       worst;              /* growth below a limit */
+  PetscReal       least;              /* value on faces, of this rank's spots */
+  PetscInt        least_at;           /* its spot of the grid */
 } Patch;
 
 /* ---- the limit and the growth of a spot ---- */
@@ -175,6 +178,53 @@ static PetscErrorCode AtFace(Patch *p, const MpmPatchSpot *spot, PetscReal *limi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A spot of the grid next to a face has one exactly on it, where a node may be without mass that had some. */
+static PetscErrorCode FacePart(void *context, PetscInt i)
+{
+  Patch       *p = (Patch *)context;
+  MpmPatchSpot spot;
+  PetscReal    value;
+
+  PetscFunctionBegin;
+  if (!MpmPatchGridSpot(&p->search, i, &spot) || !AtMargin(&p->lattice, &spot)) PetscFunctionReturn(PETSC_SUCCESS);
+  spot = Move(&p->lattice, &spot, 0);
+  PetscCall(p->search.f(p, &spot, &value));
+  if (value < p->least || (value == p->least && i < p->least_at)) {
+    p->least    = value;
+    p->least_at = i;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least value over all places: the search's, which leaves faces out, or that of places exactly on faces. */
+static PetscErrorCode Least(Patch *p, MpmPatchSpot *spot, PetscReal *value)
+{
+  const PetscInt size = MpmPatchGridSize(&p->search);
+  MpmPatchSpot   face;
+  PetscReal      least, there;
+  PetscInt       at;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchLeast(&p->search, spot, value));
+  p->lattice.depth = p->search.coarse;
+  p->least         = INFINITY;
+  p->least_at      = size;
+  PetscCall(MpmFarm("place", size, FacePart, p));
+  PetscCallMPI(MPI_Allreduce(&p->least, &least, 1, MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
+  at = p->least == least ? p->least_at : size;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &at, 1, MPIU_INT, MPI_MIN, PETSC_COMM_WORLD));
+  p->lattice.depth = p->search.fine;
+  if (at == size) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)MpmPatchGridSpot(&p->search, at, &face);
+  face = Move(&p->lattice, &face, 0);
+  PetscCall(Once(p, p->search.f, &face, &there));
+  if (there < *value - (isfinite(*value) ? A_JUMP * fabs(*value) : 0)) {
+    *value = there;
+    *spot  = face;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- whether the limit is one ---- */
 
 static MpmPatchSpot Inner(const MpmPatchSpot *spot)
@@ -278,7 +328,7 @@ static PetscErrorCode Find(Patch *p, PetscInt surfaces, MpmPatchSpot *spot, Pets
     if (p->slow && *limit > 0 && p->lattice.plan->dim > (p->lattice.end[0] == MPM_PATCH_SINGLE ? 2 : 1))
       *limit = NAN; /* rows of Courant numbers would take minutes */
     if (p->slow && !(*limit > 0)) break;
-    PetscCall(MpmPatchLeast(&p->search, spot, limit));
+    PetscCall(Least(p, spot, limit));
     if (p->slow) break;
     if (isfinite(*limit)) PetscCall(Check(p, spot, *limit, &holds));
     if (holds) break;
@@ -304,7 +354,7 @@ static PetscErrorCode Growth(Patch *p, PetscReal courant, PetscReal limit, const
   if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
   if (courant > limit) {
     p->search.fine = p->search.coarse; /* waves that grow stay near the surface */
-    PetscCall(MpmPatchLeast(&p->search, &spot, growth));
+    PetscCall(Least(p, &spot, growth));
     *growth = -*growth;
   } else
     PetscCall(Once(p, GrowthThere, &spot, growth));

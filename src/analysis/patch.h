@@ -40,8 +40,8 @@ typedef struct {
 
    Collective on PETSC_COMM_WORLD. The result does not depend on the number of ranks.
 
-   Places next to a face of a cell are looked at from both sides, particles exactly on it only where the search ends
-   there. In more than one dimension (a lone particle: in three) the limit is undecided where modes do
+   Places next to a face of a cell are looked at from both sides. Places exactly on a face are looked at on a grid of
+   the phases and of the other directions. In more than one dimension (a lone particle: in three) the limit is undecided where modes do
    not leave the unit circle at -1, unless some places have the limit 0.
 
    Errors: refuses (PETSC_ERR_USER_INPUT) a table with SOLVE.

@@ -4,22 +4,30 @@
 #include "report/results.h"
 #include <math.h>
 
+/* The time step beside a Courant number, in physical units. */
+static void PrintTimeStep(const MpmScene *s, PetscReal courant)
+{
+  if (MpmSceneIsPhysical(s)) MpmPrint(", dt %.6g", MpmSceneTimeStep(s, courant));
+}
+
 /* A point in words: its Courant number, its drift in the first direction that moves, and its growth. */
-static void PrintPoint(const MpmMach *mach, const MpmMachPoint *p)
+static void PrintPoint(const MpmScene *s, const MpmMach *mach, const MpmMachPoint *p)
 {
   MpmFraction drift[MPM_MAX_DIM];
   PetscInt    a = 0;
 
   MpmMachDrift(mach, &p->part, drift);
   while (!drift[a].num) a++;
-  MpmPrint("k = %.6g (drift %" PetscInt64_FMT "/%" PetscInt64_FMT "): ", p->courant, drift[a].num, drift[a].den);
+  MpmPrint("k = %.6g (drift %" PetscInt64_FMT "/%" PetscInt64_FMT, p->courant, drift[a].num, drift[a].den);
+  PrintTimeStep(s, p->courant);
+  MpmPrint("): ");
   if (p->verdict == MPM_UNDECIDED)
     MpmPrint("undecided\n");
   else
     MpmPrint("growth - 1 = %.3g per step, %.3g per time h/c\n", p->growth - 1, expm1(log(p->growth) / p->courant));
 }
 
-static void PrintFound(const MpmRequest *request, const MpmCriticalMach *c)
+static void PrintFound(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
 {
   const MpmMach *mach = &request->mach;
 
@@ -27,13 +35,16 @@ static void PrintFound(const MpmRequest *request, const MpmCriticalMach *c)
     MpmPrint("none of them grows beyond 1 + %.6g\n", request->tolerance);
   else if (!c->stable)
     MpmPrint("the smallest of them is not stable:\n");
-  else
-    MpmPrint("largest Courant number up to which none of them grows: %.6g\n", c->points[c->stable - 1].courant);
+  else {
+    MpmPrint("largest Courant number up to which none of them grows: %.6g", c->points[c->stable - 1].courant);
+    PrintTimeStep(s, c->points[c->stable - 1].courant);
+    MpmPrint("\n");
+  }
   if (c->stable < c->n) {
     MpmPrint("  first      ");
-    PrintPoint(mach, &c->points[c->stable]);
+    PrintPoint(s, mach, &c->points[c->stable]);
     MpmPrint("  fastest    ");
-    PrintPoint(mach, &c->points[c->worst]);
+    PrintPoint(s, mach, &c->points[c->worst]);
     MpmPrint("             of those %s\n",
              c->rest > 0 && c->rest < c->to ? "up to the limit of particles at rest" : "that were searched");
     MpmPrint("  in all     %" PetscInt_FMT " of %" PetscInt_FMT " grow, %" PetscInt_FMT " are undecided\n", c->unstable,
@@ -54,10 +65,18 @@ PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request
            c->n, c->points[0].courant, c->points[c->n - 1].courant);
   MpmPrint("  M k is each fraction with a denominator up to %d, and those near %" PetscInt_FMT " equal steps of k\n",
            MPM_CRITICAL_MACH_ALL, c->steps);
-  PrintFound(request, c);
-  if (c->rest > 0 && isfinite(c->rest)) MpmPrint("  at rest    the limit is %.6g\n", c->rest);
-  MpmPrint("\nat Courant number %.6g: growth %.9g per step\n", s->step.courant, c->asked.growth);
-  PetscCall(MpmReportFinding(&c->asked, NAN));
+  PrintFound(s, request, c);
+  if (c->rest > 0 && isfinite(c->rest)) {
+    MpmPrint("  at rest    the limit is %.6g", c->rest);
+    PrintTimeStep(s, c->rest);
+    MpmPrint("\n");
+  }
+  if (MpmSceneHasStep(s)) {
+    MpmPrint("\nat Courant number %.6g", s->step.courant);
+    PrintTimeStep(s, s->step.courant);
+    MpmPrint(": growth %.9g per step\n", c->asked.growth);
+    PetscCall(MpmReportFinding(&c->asked, NAN));
+  }
   MpmPrint("time: %.3g s\n", c->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -71,11 +90,14 @@ PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *req
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
-  MpmJsonSetFinding(object, &c->asked);
+  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, &c->asked);
   for (PetscInt a = 0; a < s->layout.dim; a++)
     json_array_append_new(mach, json_real((PetscReal)request->mach.times[a] * request->mach.unit.value));
+  if (!MpmSceneHasStep(s)) json_object_del(object, "drift"); /* that of the default Courant number */
   json_object_set_new(critical, "mach", mach);
   if (c->stable) MpmJsonSet(critical, "critical_courant", c->points[c->stable - 1].courant);
+  if (c->stable && MpmSceneIsPhysical(s))
+    MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, c->points[c->stable - 1].courant));
   if (c->stable < c->n) {
     MpmJsonSet(critical, "unstable_at", c->points[c->stable].courant);
     MpmJsonSet(critical, "growth_at_unstable", c->points[c->stable].growth);

@@ -39,7 +39,10 @@ static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size
 
   PetscFunctionBegin;
   if (one->inside) {
-    PetscCall(PetscStrncpy(text, "waves inside: the surfaces make nothing worse", room));
+    PetscCall(PetscStrncpy(text,
+                           one->kind == MPM_AT_CORNER ? "waves inside or at an edge: the corner makes nothing worse"
+                                                      : "waves inside: the surfaces make nothing worse",
+                           room));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PlaceText(dim, one, sizeof place, place));
@@ -213,15 +216,20 @@ static json_t *Array(PetscInt dim, const PetscReal values[])
   return array;
 }
 
-static json_t *One(const MpmScene *s, const MpmNeighbourhood *one)
+/* Growth is at the scene's own Courant number, which a critical in physical units need not have. */
+static json_t *One(const MpmScene *s, const MpmNeighbourhood *one, PetscBool limits)
 {
+  const PetscBool grows = !limits || MpmSceneHasStep(s) ? PETSC_TRUE : PETSC_FALSE;
+
   const PetscInt dim    = s->layout.dim;
   json_t        *object = json_object();
 
   MpmJsonSet(object, "critical_courant", one->courant);
   if (MpmSceneIsPhysical(s)) MpmJsonSet(object, "critical_dt", MpmSceneTimeStep(s, one->courant));
-  MpmJsonSet(object, "growth", one->growth);
-  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[one->verdict]));
+  if (grows) {
+    MpmJsonSet(object, "growth", one->growth);
+    json_object_set_new(object, "verdict", json_string(MpmVerdictNames[one->verdict]));
+  }
   if (Has(dim, one->place)) json_object_set_new(object, "place", Array(dim, one->place));
   if (Has(dim, one->beta)) json_object_set_new(object, "limited_by_beta", Array(dim, one->beta));
   if (one->kind != MPM_IN_BULK && !isnan(one->courant))
@@ -229,9 +237,11 @@ static json_t *One(const MpmScene *s, const MpmNeighbourhood *one)
   if (one->why_not) json_object_set_new(object, "undecided", json_string(one->why_not));
   if (one->layouts) {
     json_object_set_new(object, "layouts", json_integer(one->layouts));
+    json_object_set_new(object, "worst_seed", json_integer(one->worst_seed));
+  }
+  if (one->layouts && grows) {
     json_object_set_new(object, "unstable", json_integer(one->unstable));
     json_object_set_new(object, "share", json_real((PetscReal)one->unstable / (PetscReal)one->layouts));
-    json_object_set_new(object, "worst_seed", json_integer(one->worst_seed));
   }
   json_object_set_new(object, "evaluations", json_integer(one->evaluations));
   MpmJsonSet(object, "seconds", one->seconds);
@@ -244,7 +254,7 @@ void MpmNeighbourhoodsJson(const MpmScene *s, const MpmNeighbourhoods *all, Pets
   json_t        *each  = json_object();
 
   for (PetscInt i = 0; i < all->n; i++)
-    json_object_set_new(each, MpmNeighbourhoodNames[all->of[i].kind], One(s, &all->of[i]));
+    json_object_set_new(each, MpmNeighbourhoodNames[all->of[i].kind], One(s, &all->of[i], limits));
   json_object_set_new(object, "neighbourhoods", each);
   if (worst != MPM_NONE)
     json_object_set_new(object, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",

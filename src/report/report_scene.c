@@ -76,9 +76,9 @@ static PetscErrorCode PrintScheme(const MpmScene *s, const MpmRequest *request)
 }
 
 /* Whether the Courant number of the scene is that of the task. */
-static PetscBool HasOneStep(const MpmScene *s, const MpmRequest *request)
+static PetscBool HasOneStep(const MpmScene *s, const char task[])
 {
-  return MpmSceneHasStep(s) || strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
+  return MpmSceneHasStep(s) || strcmp(task, "critical") ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscErrorCode MpmReportUnits(const MpmScene *s, const MpmRequest *request)
@@ -88,7 +88,7 @@ PetscErrorCode MpmReportUnits(const MpmScene *s, const MpmRequest *request)
   PetscCall(PrintFields(s, request, "units of the scene: wave speed {wave_speed}, cells {cell_width} wide"));
   if (s->density > 0) PetscCall(PrintFields(s, request, ", density {density}"));
   if (MpmSceneHasPoisson(s)) PetscCall(PrintFields(s, request, ", Poisson's ratio {poisson}"));
-  if (request->survey || IsVaried(request, "courant") || !HasOneStep(s, request))
+  if (request->survey || IsVaried(request, "courant") || !HasOneStep(s, request->task))
     MpmPrint("; dt is %.6g times the Courant number", MpmSceneTimeStep(s, 1));
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -102,10 +102,13 @@ static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
   char            text[96];
 
   PetscFunctionBegin;
-  if (HasOneStep(s, request)) PetscCall(PrintFields(s, request, "Courant number {courant}, "));
-  if (HasOneStep(s, request) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
-  PetscCall(PrintFields(s, request, "drift {drift} cells per step, "));
-  if (!HasOneStep(s, request) || !both || IsVaried(request, "drift") || IsVaried(request, "drift_angle"))
+  if (HasOneStep(s, request->task)) PetscCall(PrintFields(s, request, "Courant number {courant}, "));
+  if (HasOneStep(s, request->task) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
+  if (request->at_mach && !HasOneStep(s, request->task))
+    MpmPrint("drift M k cells per step, ");
+  else
+    PetscCall(PrintFields(s, request, "drift {drift} cells per step, "));
+  if (!HasOneStep(s, request->task) || !both || IsVaried(request, "drift") || IsVaried(request, "drift_angle"))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < s->layout.dim; a++) velocity[a] = s->step.drift[a].value * s->cell_width / s->dt;
   PetscCall(MpmReportVector(s->layout.dim, velocity, 6, sizeof text, text));
@@ -309,6 +312,7 @@ PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ra
 {
   PetscFunctionBegin;
   PetscCall(Head(s, NULL, task, ranks, wall_s, object));
+  if (!HasOneStep(s, task)) json_object_del(*object, "courant"); /* the default, of which nothing is said */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

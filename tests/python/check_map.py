@@ -44,7 +44,7 @@ def check_mach(mpiexec, mpmstab):
     texts = []
     for ranks in (1, 2, 3):
         done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "critical", "-formulation", "usl", "-ppc", "1",
-                               "-mach", "1/3", "-json", "mach.json", "-csv", "mach.csv"],
+                               "-mach", "1/3", "-sound_speed", "10", "-cell_width", "0.1", "-json", "mach.json", "-csv", "mach.csv"],
                               capture_output=True, text=True, check=False)
         check(done.returncode == 0 and done.stderr == "", done.stderr)
         with open("mach.csv") as file:
@@ -57,6 +57,9 @@ def check_mach(mpiexec, mpmstab):
     first = stable.index(False)
     check(len(rows) == found["searched"] and 0 < first, f"{len(rows)} rows, the first at {first} grows")
     check(float(rows[first - 1]["courant"]) == found["critical_courant"], f"{rows[first - 1]}")
+    check(abs(found["critical_dt"] - found["critical_courant"] / 100) < 1e-15, f"dt {found['critical_dt']}")
+    check(f"none of them grows: {found['critical_courant']:.6g}, dt {found['critical_dt']:.6g}\n" in done.stdout and
+          "verdict" not in done.stdout, done.stdout)
     check(float(rows[first]["courant"]) == found["unstable_at"], f"{rows[first]}")
     check(float(rows[first]["growth"]) == found["growth_at_unstable"] > 1 + 1e-6, f"{rows[first]}")
     check(sum(row["verdict"] == "unstable" for row in rows) == found["unstable"], "number of unstable rows")

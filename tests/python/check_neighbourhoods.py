@@ -39,6 +39,7 @@ def check_issue():
               f"keys {sorted(critical)}")
         check(f"a lone particle limits the Courant number to 0.707107, the time step to {printed} (wherever" in text, text)
         check("verdict" not in found and "verdict" not in text, "a verdict on a time step that nobody gave")
+        check("courant" not in found and "growth" not in critical["neighbourhoods"]["lone"], "growth at no given step")
 
 
 def check_all():

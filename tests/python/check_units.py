@@ -74,7 +74,8 @@ def check_none():
 
 
 BULK = "-neighbourhood bulk"
-PAGES = (("mpm88", BULK, 0, "dt 0.0002 is 0.392 of the limit 0.000510302"),
+PAGES = (("mpm88", "", 0, "dt 0.0002 is 0.724 of the limit 0.000276214"),
+         ("mpm88", BULK, 0, "dt 0.0002 is 0.392 of the limit 0.000510302"),
          ("mpm88", LONE_PAGE, 0, "dt 0.0002 is 0.724 of the limit 0.000276214"),
          ("mpm88", f"{LONE_PAGE} -dt 2.8e-4", 3, "dt 0.00028 is 1.01 times the limit 0.000276214: it grows by a factor "),
          ("mpm88", f"{LONE_PAGE} -cell_width 0.005", 3,
