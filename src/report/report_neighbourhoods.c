@@ -142,6 +142,17 @@ static const char *Subject(MpmNeighbourhoodKind kind)
   return said[kind];
 }
 
+/* A limit of 0 is that of a place which particles may never come to. So the limit without surfaces is said again. */
+static void PrintAway(const MpmScene *s, const MpmNeighbourhoods *all)
+{
+  for (PetscInt i = 0; i < all->n; i++) {
+    if (all->of[i].kind != MPM_IN_BULK || !(all->of[i].courant > 0) || isinf(all->of[i].courant)) continue;
+    MpmPrint("where no cell is empty the limit of the bulk holds: %.6g", all->of[i].courant);
+    if (MpmSceneIsPhysical(s)) MpmPrint(", a time step of %.6g", MpmSceneTimeStep(s, all->of[i].courant));
+    MpmPrint("\n");
+  }
+}
+
 static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhoods *all)
 {
   const MpmNeighbourhood *least = all->least == MPM_NONE ? NULL : &all->of[all->least];
@@ -162,6 +173,7 @@ static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, c
   if (MpmSceneIsPhysical(s)) MpmPrint(", the time step to %.6g", MpmSceneTimeStep(s, all->courant));
   PetscCall(ReasonText(s, request, least, sizeof reason, reason));
   MpmPrint(" (%s)\n", reason);
+  if (all->courant == 0) PrintAway(s, all);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -76,6 +76,13 @@ def check_bulk():
           f"{found['critical']}")
 
 
+def check_none():
+    """On hats a lone particle has no limit but 0. The report then says what holds where no cell is empty."""
+    found, text = run("critical", "-formulation usl -sound_speed 10 -cell_width 0.1 -neighbourhood bulk,lone".split())
+    check(found["critical"]["critical_courant"] == 0, f"{found['critical']}")
+    check("where no cell is empty the limit of the bulk holds: 0.755929, a time step of 0.00755929\n" in text, text)
+
+
 def check_spectrum():
     """The growth of each at the scene's own Courant number, and the verdict by the worst."""
     words = "-cells 8 -formulation usl -courant 0.7 -basis quadratic -measure false".split()
@@ -94,4 +101,5 @@ def check_spectrum():
 check_issue()
 check_all()
 check_bulk()
+check_none()
 check_spectrum()
