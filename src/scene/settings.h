@@ -187,6 +187,12 @@ PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene);
 
 /*
+   Collective. Reads the grid of a scene, where its particles are, the time step, and the drift unless mach is given. The
+   wave speed must be known.
+*/
+PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
+
+/*
    Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
    become random where they have no exact solution.
 */
