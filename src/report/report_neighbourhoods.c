@@ -210,7 +210,10 @@ PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *reque
     if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
   }
   if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
-  if (MpmSceneDrifts(s)) MpmPrint("the bulk is under the scene's drift, the others are of particles at rest\n");
+  if (MpmSceneDrifts(s))
+    MpmPrint(request->neighbourhood[MPM_IN_BULK]
+                 ? "the bulk is under the scene's drift, the others are of particles at rest\n"
+                 : "these are of particles at rest, whatever the scene's drift is\n");
   if (all->bound > 0)
     MpmPrint("no layout of such particles at rest grows up to the Courant number %.6g, so none is worse than that\n",
              all->bound);

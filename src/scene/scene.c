@@ -109,8 +109,9 @@ static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene
   PetscFunctionBegin;
   if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Those(can, names, sizeof names));
-  PetscCall(PetscSNPrintf(message, sizeof message, "%s has no %s; allowed: with formulation %s",
-                          scene->scheme.formulation->name, why, names));
+  PetscCall(PetscSNPrintf(message, sizeof message, "%s has no %s; allowed: with formulation %s%s",
+                          scene->scheme.formulation->name, why, names,
+                          scene->written ? ", or a line for that in the scheme" : ""));
   PetscCall(MpmSettingsRefuse(settings, option, message));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

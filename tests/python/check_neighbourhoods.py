@@ -96,6 +96,8 @@ def check_spectrum():
     found, text = run("spectrum", "-cells 8 -formulation usl -neighbourhood lone".split())
     check("operator" not in text and "growth" not in found and found["verdict"] == "unstable", text)
     check("a lone particle grows without bound" in text, text)
+    _, text = run("spectrum", "-cells 8 -formulation usl -drift 1/8 -neighbourhood lone".split())
+    check("bulk" not in text and "these are of particles at rest, whatever the scene's drift is" in text, text)
 
 
 check_issue()
