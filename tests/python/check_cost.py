@@ -3,8 +3,8 @@
 
 check_cost.py PROGRAM RECORDED COMPILER [--record]
 
-It counts what runs inside MpmMarchStep, per particle and step. Another compiler makes other code, with which nothing is
-compared (status 77). --record writes new numbers; say in the commit what changed them.
+It counts what runs inside MpmMarchStep, per particle and step. A formulation as text costs as much as the same one of the
+program, with any compiler. Another compiler makes other code, with which nothing is compared (status 77). --record writes new numbers; say in the commit what changed them.
 """
 import argparse
 import json
@@ -18,23 +18,43 @@ from checks import check, loaded
 import program
 
 WITHIN = 0.1
+SAME = 1e-3
+TEXT = "musl linear 0"
 CELLS, PPC, STEPS = 2000, 2, 20
 MARCHES = ("gas2 linear 0", "usl quadratic 0.3", "musl linear 0")
 
 
-def instructions(mpmstab, march):
+def written(mpmstab, formulation, folder):
+    """A formulation of the program as text: the words that name it."""
+    path = os.path.join(folder, "scheme.yaml")
+    done = subprocess.run([mpmstab, "list", "formulation", formulation], capture_output=True, text=True, check=False)
+    check(done.returncode == 0, f"list formulation {formulation}: status {done.returncode}: {done.stderr}")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(done.stdout)
+    return ["-scheme", path]
+
+
+def instructions(mpmstab, march, as_text=False):
     formulation, basis, drift = march.split()
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "callgrind")
+        scheme = written(mpmstab, formulation, folder) if as_text else ["-formulation", formulation]
         done = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=MpmMarchStep",
-                               f"--callgrind-out-file={out}", mpmstab, "run", "-formulation", formulation, "-basis",
-                               basis, "-drift", drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS),
-                               "-courant", "0.1"], capture_output=True, text=True, check=False)
+                               f"--callgrind-out-file={out}", mpmstab, "run", *scheme, "-basis", basis, "-drift",
+                               drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS), "-courant", "0.1"],
+                              capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"{march}: status {done.returncode}: {done.stderr}")
         with open(out, encoding="utf-8") as file:
             counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
     check(counted, f"{march}: no instruction was counted in MpmMarchStep")
     return counted / (CELLS * PPC * STEPS)
+
+
+def check_text(mpmstab, march, built_in):
+    """A formulation as text makes the same passes as the one of the program, so it costs the same."""
+    as_text = instructions(mpmstab, march, as_text=True)
+    print(f"{march:18} {as_text:8.2f} as text")
+    check(abs(as_text / built_in - 1) < SAME, f"{march}: {as_text:.2f} instructions as text, {built_in:.2f} built in")
 
 
 def main():
@@ -49,6 +69,7 @@ def main():
         recorded = {"compiler": args.compiler, "instructions": found}
         program.write_whole(args.recorded, json.dumps(recorded, indent=2) + "\n")
         return
+    check_text(args.program, TEXT, found[TEXT])
     recorded = loaded(args.recorded)
     off = []
     for march, now in found.items():
