@@ -3,8 +3,9 @@
 
 check_cost.py PROGRAM RECORDED COMPILER [--record]
 
-It counts what runs inside MpmMarchStep, per particle and step. A formulation as text costs as much as the same one of the
-program, with any compiler. Another compiler makes other code, with which nothing is compared (status 77). --record writes new numbers; say in the commit what changed them.
+It counts what runs inside MpmMarchStep, per particle and step. A formulation as text costs as much as the same one of
+the program, with any compiler. Another compiler makes other code, with which nothing is compared (status 77). --record
+writes new numbers; say in the commit what changed them.
 """
 import argparse
 import json
