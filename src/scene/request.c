@@ -458,6 +458,7 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
+  if (!strcmp(request->task, "map")) PetscCall(MpmSettingsReadProgramAxes(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

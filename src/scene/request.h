@@ -121,6 +121,14 @@ static inline PetscBool MpmRequestProbes(const MpmRequest *request)
   return request->program[0] || request->plugin[0] ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/*
+   MpmRequestPhases - the phases in each direction of the symbol of blocks: those that were given, one number for all
+   directions or one for each, or else as many as suit the dimension.
+
+   Collective. Errors: refuses another number of them.
+*/
+PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[]);
+
 /* Not collective. Whether the request is for a map that goes over this. */
 static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind kind)
 {

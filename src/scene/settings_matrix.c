@@ -1,6 +1,7 @@
 /* A matrix, or the blocks of a lattice, in the place of a scene: which options go with it. */
 #include "scene/request.h"
 #include "scene/settings.h"
+#include <mpmstab/errors.h>
 #include <string.h>
 
 #define LONGEST 1024 /* characters, so that a message of PETSc's length can name it */
@@ -113,5 +114,18 @@ PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
   PetscFunctionBegin;
   *given = text ? 1 : 0;
   for (; text && *text; text++) *given += *text == ',';
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])
+{
+  static const PetscInt fallback[MPM_MAX_DIM] = {64, 32, 16};
+
+  PetscFunctionBegin;
+  MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
+                "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
+                " direction%s; allowed: one number for all directions, or one for each",
+                request->given_phases, MpmRequestSource(request), dim, dim == 1 ? "" : "s");
+  for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }

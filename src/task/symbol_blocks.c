@@ -25,20 +25,6 @@ typedef struct {
   PetscMPIInt     ranks;
 } Answer;
 
-/* One number of phases is for all directions; several are one for each. */
-static PetscErrorCode FindPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])
-{
-  static const PetscInt fallback[MPM_MAX_DIM] = {64, 32, 16};
-
-  PetscFunctionBegin;
-  MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
-                "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
-                " direction%s; allowed: one number for all directions, or one for each",
-                request->given_phases, MpmRequestSource(request), dim, dim == 1 ? "" : "s");
-  for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Takes the phase of the symbol where the search between its phases has found no larger growth. */
 static PetscErrorCode Compare(Answer *a)
 {
@@ -105,7 +91,7 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscCallMPI(MPI_Comm_size(comm, &a->ranks));
   PetscCall(GetBlocks(request, a));
   PetscCall(MpmBlocksSource(&a->blocks, MpmRequestSource(request), &source));
-  PetscCall(FindPhases(request, source.dim, wish.phases));
+  PetscCall(MpmRequestPhases(request, source.dim, wish.phases));
   PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
   PetscCall(Compare(a));

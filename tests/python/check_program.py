@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, faults, failures or page. Silent when all is
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, faults, failures, page or map. Silent when all is
 well.
 """
+import csv
 import os
 import re
 import shlex
@@ -12,6 +13,7 @@ import subprocess
 import sys
 import time
 
+import h5py
 import numpy
 import scipy.sparse
 
@@ -172,4 +174,43 @@ def check_page():
     near("share", 100 * found["critical"]["given_dt"] / found["critical"]["critical_dt"], share, 0.005)
 
 
-{"page": check_page, "steps": check_steps, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
+def check_map():
+    """A code with stiffness E and step dt is the scene of Courant number sqrt(E) dt, at each point and on any ranks."""
+    steps = ["-program", program("program_steps.py", "usl")]
+    axes = ["-map_axes", "dt,E", "-map_dt", "0.4,0.8", "-map_E", "0.5,2", "-map_points", "3,4"]
+    texts = []
+    for ranks in (1, 2, 3):
+        found = run("map", *steps, *axes, "-csv", "map.csv", "-output", "map.h5", ranks=ranks)
+        texts.append(text_of("map.csv"))
+    rows = list(csv.DictReader(texts[0].splitlines()))
+    for dt, E in {(float(row["dt"]), float(row["E"])) for row in rows[::5]}:
+        right = run("symbol", "-formulation", "usl", "-cells", "64", "-courant", repr(E**0.5 * dt))
+        row = next(one for one in rows if (float(one["dt"]), float(one["E"])) == (dt, E))
+        near(f"dt {dt}, E {E}", float(row["growth"]), right["symbol"]["growth"], 1e-9)
+        check(row["verdict"] == right["verdict"] and row["fails"] == "", f"{row}, {right['verdict']}")
+    check(len(rows) == 12 and found["map"]["axes"] == ["dt", "E"], f"{found['map']}")
+    check(found["map"]["unstable"] == sum(row["verdict"] == "unstable" for row in rows) == 4, f"{found['map']}")
+    for other in texts[1:]:
+        for one, two in zip(rows, csv.DictReader(other.splitlines())):
+            near("growth on more ranks", float(one["growth"]), float(two["growth"]), 1e-9)
+    with h5py.File("map.h5") as file:
+        growth = numpy.array(file["map/growth"]).ravel()
+    near("growth in HDF5", abs(growth - [float(row["growth"]) for row in csv.DictReader(texts[2].splitlines())]).max(), 0, 0)
+    bad = ["-program", program("program_steps.py", "usl", "drops"), *axes[:-1], "2,2"]
+    found = run("map", *bad, "-csv", "map.csv")
+    verdicts = [(row["verdict"], row["fails"]) for row in csv.DictReader(text_of("map.csv").splitlines())]
+    check(verdicts == 3 * [("undecided", "additivity")] + [("unstable", "additivity")], f"{verdicts}")
+    check(found["map"]["undecided"] == 3, f"{found['map']}")
+    particles = run("map", *steps, *axes[:-1], "2,2", "-probe", "coloured")["map"]
+    check("phases" not in particles and particles["unstable"] == 1, f"{particles}")
+    for words, said in ((["dt,F", "-map_dt", "1,2", "-map_F", "1,2"], "no such parameter; allowed: dt, E"),
+                        (["dt,E", "-map_dt", "1,2"], "with -map_E lo,hi"), (["dt,dt", "-map_dt", "1,2"], "two different"),
+                        (["dt,growth", "-map_dt", "1,2", "-map_growth", "1,2"], "cannot hold"),
+                        (["dt,E", "-map_dt", "2,1", "-map_E", "1,2"], "lo < hi"),
+                        (["dt,E", "-map_dt", "1,2", "-map_E", "1,2", "-map_drift", "0,1"], "does not name it"),
+                        (["dt,E", "-map_dt", "1,2", "-map_E", "1,2", "-probe", "coloured", "-phases", "8"], "has no phases")):
+        answer = run("map", *steps, "-map_axes", *words, status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+
+
+{"page": check_page, "map": check_map, "steps": check_steps, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
