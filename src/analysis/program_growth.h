@@ -14,3 +14,12 @@ PetscErrorCode MpmProgramJudgeWaves(MpmProgram *program, const PetscInt phases[]
                                     MpmFinding *finding);
 PetscErrorCode MpmProgramJudgeParticles(MpmProgram *program, PetscReal started, MpmFinding *finding,
                                         MpmCarriers *carriers);
+
+/*
+   MpmProgramJudgeSpectrum - the verdict on a spectrum of the program's operator, given the operator with the other size of
+   perturbations and the certificates. Without all eigenvalues nothing is stable: at radius 1 those of largest magnitude
+   are found late or not at all.
+
+   Collective. Changes the finding of the spectrum.
+*/
+PetscErrorCode MpmProgramJudgeSpectrum(const MpmProgram *program, Mat other, MpmSpectrum *spectrum);

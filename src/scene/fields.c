@@ -463,7 +463,7 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "critical", OF_MATRIX},
   {"program_timeout", MPM_REAL, "60", "seconds in which program must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
-  {"probe", MPM_WORD, NULL, "how program or plugin is probed (default: bloch where all cells are alike, else coloured)",
+  {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
    .word = ProbeWord, .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
   {"at", MPM_PATH, NULL, "steps of program or plugin after which its state is probed, such as 0,100,200",
    NO_RANGE, .tasks = "spectrum", FILE_IN(at), IN(66, 48, 0, 0), OF_MATRIX},

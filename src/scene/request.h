@@ -47,7 +47,7 @@ typedef struct {
 /*E
    MpmProbeKind - how a program or plugin is probed (see operator/probe.h). MPM_PROBE_ANY: it was not said.
 E*/
-typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_ANY } MpmProbeKind;
+typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_MATRIX_FREE, MPM_PROBE_ANY } MpmProbeKind;
 extern const char *const MpmProbeNames[];
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */

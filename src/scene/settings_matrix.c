@@ -6,7 +6,7 @@
 
 #define LONGEST 1024 /* characters, so that a message of PETSc's length can name it */
 
-const char *const MpmProbeNames[] = {"bloch", "coloured", NULL};
+const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
 /* The options that name one. Each option's tasks are those that read it. */
 static const char *const sources[] = {"matrix", "matrix_blocks", "program", "plugin"};
@@ -99,11 +99,11 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscCall(ReadText(settings, task, "at", request->at));
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
-  if (!strcmp(task, "symbol") && request->probe == MPM_PROBE_COLOURED)
+  if (!strcmp(task, "symbol") && (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE))
     PetscCall(MpmSettingsRefuse(settings, "probe", "a symbol needs cells that are alike; allowed: bloch"));
   if (!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH)
-    PetscCall(
-        MpmSettingsRefuse(settings, "probe", "a spectrum is of all particles; allowed: coloured, or task symbol"));
+    PetscCall(MpmSettingsRefuse(settings, "probe",
+                                "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,6 +5,7 @@
 #include "task/spectrum_program.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
+#include "analysis/program_growth.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
@@ -21,18 +22,20 @@ typedef struct {
   json_t      *more, *list;
 } States;
 
-/* The growth of the operator that was probed with the other size of perturbations. */
-static PetscErrorCode OtherGrowth(const MpmProgram *p, Mat B, PetscReal *growth)
+/* Refuses what needs a matrix, before the work. */
+static PetscErrorCode CheckShell(const MpmProgram *p)
 {
-  const PetscReal target[2] = {0, 0};
-  PetscInt        order;
-  MpmEigen       *eigen;
+  const MpmRequest *request = p->request;
+  const char       *name    = request->powers            ? "powers"
+                              : request->pseudospectrum  ? "pseudospectrum"
+                              : request->write_matrix[0] ? "write_matrix"
+                                                         : NULL;
 
   PetscFunctionBegin;
-  PetscCall(MatGetSize(B, &order, NULL));
-  PetscCall(MpmEigenSolve(B, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
-  *growth = eigen->n ? MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), 0, p->probe.steps) : NAN;
-  PetscCall(MpmEigenDestroy(&eigen));
+  MpmCheckInput(!p->shell || !name,
+                "-%s: it needs the matrix, and of %" PetscInt64_FMT
+                " unknowns only products are asked for; allowed: up to %d unknowns, or coloured probing",
+                name, p->stepper->particles * p->stepper->width, MPM_MATRIX_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,13 +73,13 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmSpectrum *s;
   MpmCarriers  carriers;
   PetscMPIInt  ranks;
-  PetscReal    other = NAN;
   json_t      *one;
   Mat          A, B;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmProgramPrepare(p));
+  PetscCall(CheckShell(p));
   if (states->most)
     MpmPrint("\n");
   else
@@ -85,8 +88,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(MpmProgramMatrix(p, &A, &B));
   PetscCall(MpmReportCertificates(p));
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
-  PetscCall(OtherGrowth(p, B, &other));
-  PetscCall(MpmProgramJudge(p, other, isnan(s->condition) ? 1 : s->condition, &s->finding));
+  PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
   PetscCall(MpmReportCarriers(p, &carriers));

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, faults, failures, page or map. Silent when all is
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, faults, failures, page, map or free. Silent when all is
 well.
 """
 import csv
@@ -17,6 +17,7 @@ import h5py
 import numpy
 import scipy.sparse
 
+import program_implicit
 from checks import check, loaded, text_of
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -213,4 +214,34 @@ def check_map():
         check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
 
 
-{"page": check_page, "map": check_map, "steps": check_steps, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
+def check_free():
+    """The step of an implicit code: its eigenvalues are numpy's. Products alone cannot show that it is stable."""
+    for theta, words, ranks in ((0.45, [], (1, 2, 3)), (0.45, ["place"], (1,)), (0.5, [], (1,))):
+        left, right = program_implicit.matrices(20, theta, 0.5)
+        known = numpy.linalg.eigvals(numpy.linalg.solve(left, right))
+        asked = ["-program", program("program_implicit.py", "20", str(theta), *words)]
+        for on in ranks:
+            found = run("spectrum", *asked, "-csv", "ring.csv", ranks=on)
+            values = numpy.loadtxt("ring.csv", delimiter=",", skiprows=1)[:, 1:3] @ [1, 1j]
+            check(len(values) == len(known) and found["probing"]["probing"] == "matrix_free", f"{found['probing']}")
+            distance = abs(values[:, None] - known)
+            near(f"theta {theta}, {on} ranks", max(distance.min(0).max(), distance.min(1).max()), 0, 1e-7)  # a defective pair at 1
+            check(found["verdict"] == ("stable" if theta == 0.5 else "unstable"), f"{theta}: {found['verdict']}")
+        near("growth", found["growth"], abs(known).max(), 1e-8 if theta == 0.5 else 1e-12)
+        left, right = program_implicit.matrices(40, theta, 0.5)
+        known = numpy.linalg.eigvals(numpy.linalg.solve(left, right))
+        for on in ranks[::2] if not words else ():  # too many unknowns for the solver to find all
+            large = ["-program", program("program_implicit.py", "40", str(theta))]
+            krylov = run("spectrum", *large, "-eps_type", "krylovschur", "-output", "ring.h5", ranks=on)
+            near("growth by products", krylov["growth"], abs(known).max(), 1e-8)
+            check(krylov["verdict"] == ("undecided" if theta == 0.5 else "unstable"), f"{theta}: {krylov['verdict']}")
+            check("nonzeros" not in krylov["spectrum"] and "reach" not in krylov["probing"]["certificates"], f"{krylov}")
+    found = run("critical", *asked)
+    check(found["verdict"] == "stable" and "critical_dt" not in found["critical"], f"of Crank and Nicolson: {found}")
+    for words, said in ((["spectrum", "-powers", "8"], "-powers: it needs the matrix"), (["symbol"], "has no symbol"),
+                        (["symbol", "-probe", "matrix_free"], "allowed: bloch")):
+        answer = run(words[0], *asked, *words[1:], *(["-eps_type", "krylovschur"] if words[0] == "spectrum" else []), status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+
+
+{"page": check_page, "map": check_map, "free": check_free, "steps": check_steps, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
