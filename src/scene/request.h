@@ -76,7 +76,8 @@ extern const char *const MpmProbeNames[];
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
    program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
-                       that are set; program_dt: the one that is the time step; at: steps after which it is probed
+                       that are set; program_dt: the one that is the time step; at: steps after which it is probed;
+                       compare: keys of a scene that it is compared with
    program_timeout, probe - seconds in which a program must answer, and how it is probed
    write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
@@ -98,7 +99,7 @@ typedef struct {
   PetscReal       program_timeout;
   MpmProbeKind    probe;
   char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
-  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN];
+  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
   char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];

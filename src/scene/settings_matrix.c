@@ -21,6 +21,7 @@ static const struct {
     {"program_timeout", "program", "program"},
     {"probe", "program", "plugin"},
     {"at", "program", "plugin"},
+    {"compare", "program", "plugin"},
 };
 
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
@@ -97,6 +98,12 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscCall(ReadText(settings, task, "program_set", request->program_set));
   PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
   PetscCall(ReadText(settings, task, "at", request->at));
+  PetscCall(ReadText(settings, task, "compare", request->compare));
+  if (request->program_dt[0] && strcmp(task, "critical") && !request->compare[0])
+    PetscCall(MpmSettingsRefuse(settings, "program_dt", "allowed: with task critical, or with compare"));
+  if (request->compare[0] && request->at[0])
+    PetscCall(
+        MpmSettingsRefuse(settings, "compare", "it is about the state that the code describes; allowed: without at"));
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
   if (!strcmp(task, "symbol") && (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE))

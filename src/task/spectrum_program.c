@@ -6,6 +6,7 @@
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "analysis/program_growth.h"
+#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
@@ -66,6 +67,27 @@ static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The blocks of one cell are probed besides: all particles at once do not show them. */
+static PetscErrorCode Compare(MpmProgram *p, json_t *one)
+{
+  MpmCompareProgram compare;
+  MpmBlocks         blocks;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!p->why[0],
+                "-compare: only cells that are alike can be compared, and of the code they are not (%s); "
+                "allowed: without compare",
+                p->why);
+  PetscCall(MpmUnreadDestroy(&p->unread));
+  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
+  PetscCall(MpmCompareProgramCreate(p, &blocks, NAN, &compare));
+  PetscCall(MpmReportCompare(p, &compare));
+  json_object_set_new(one, "comparison", MpmJsonCompare(&compare));
+  PetscCall(MpmCompareProgramDestroy(&compare));
+  PetscCall(MpmBlocksFree(&blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Probes the base state as it is. */
 static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscInt at, PetscReal started)
 {
@@ -95,6 +117,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
   json_object_set_new(one, "carriers", MpmJsonCarriers(p, &carriers));
+  if (request->compare[0]) PetscCall(Compare(p, one));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));

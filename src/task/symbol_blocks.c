@@ -3,6 +3,7 @@
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
+#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "task/expect.h"
 #include <mpmstab/errors.h>
@@ -12,17 +13,18 @@
 
 /*S
    Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
-   other, which are the blocks with another size of perturbations: only of a code that is probed.
+   other, which are the blocks with another size of perturbations: only of a code that is probed. compare: only if asked for.
 S*/
 typedef struct {
-  MpmProgram      program;
-  MpmBlocks       blocks, other;
-  MpmSymbol      *symbol;
-  PetscReal       beta[MPM_MAX_DIM];
-  MpmSourceGrowth worst;
-  PetscReal       worst_uncertainty;
-  MpmFinding      finding;
-  PetscMPIInt     ranks;
+  MpmProgram        program;
+  MpmBlocks         blocks, other;
+  MpmSymbol        *symbol;
+  PetscReal         beta[MPM_MAX_DIM];
+  MpmSourceGrowth   worst;
+  PetscReal         worst_uncertainty;
+  MpmCompareProgram compare;
+  MpmFinding        finding;
+  PetscMPIInt       ranks;
 } Answer;
 
 /* Takes the phase of the symbol where the search between its phases has found no larger growth. */
@@ -96,6 +98,7 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
   PetscCall(Compare(a));
   PetscCall(Judge(request, a));
+  if (request->compare[0]) PetscCall(MpmCompareProgramCreate(&a->program, &a->blocks, a->worst.growth, &a->compare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -116,6 +119,7 @@ static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
   PetscCall(MpmReportVector(dim, a->beta, 6, sizeof beta, beta));
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s, the largest of a search between these phases", beta));
   PetscCall(MpmReportGrowth("all waves", a->worst.growth, text));
+  if (request->compare[0]) PetscCall(MpmReportCompare(&a->program, &a->compare));
   MpmPrint("\n");
   PetscCall(MpmReportFinding(&a->finding, a->worst.condition));
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
@@ -135,6 +139,7 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
   if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
   json_object_set_new(object, "lattice", blocks);
   if (MpmRequestProbes(request)) json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
+  if (request->compare[0]) json_object_set_new(object, "comparison", MpmJsonCompare(&a->compare));
   json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
   for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
   refined = json_object();
@@ -175,6 +180,7 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(MpmBlocksFree(&answer.blocks));
   if (MpmRequestProbes(request)) {
     PetscCall(MpmBlocksFree(&answer.other));
+    if (request->compare[0]) PetscCall(MpmCompareProgramDestroy(&answer.compare));
     PetscCall(MpmProgramClose(&answer.program));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
