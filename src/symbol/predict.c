@@ -34,6 +34,11 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
   return WhyNot(layout, scheme, drifts);
 }
 
+const char *MpmPredictionText(const MpmScheme *scheme)
+{
+  return scheme->space.prestress == 0 ? scheme->formulation->corrected_text : "with a prestress: THEORY.md, section 9";
+}
+
 static MpmOpKind GradientOf(const MpmScheme *scheme)
 {
   return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_GRAD_MLS : MPM_GRAD;

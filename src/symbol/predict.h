@@ -16,6 +16,9 @@ typedef struct {
   double complex mu, theta, chi;
 } MpmAlong;
 
+/* Not collective. The corrected formula of a scheme as text. */
+const char *MpmPredictionText(const MpmScheme *scheme);
+
 /*S
    MpmPredictor - the closed forms of a scheme on a layout.
 
