@@ -182,7 +182,7 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
 /*
    MpmSettingsReadProgramAxes - reads the axes of a map of a code: two of its parameters, each with a span lo,hi in the
    option map_NAME. Whether the code has such parameters is known when it has been started.
-   MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, by the options given.
+   MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
 
    Collective.
 */

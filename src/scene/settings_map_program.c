@@ -24,23 +24,19 @@ static PetscErrorCode Words(const char text[], PetscInt *n, MpmAxis axes[2], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether it is a code that is mapped is known later: map_axes of a scene allows no word that is not its own. */
 PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
 {
-  const char *const sources[] = {"-program", "-plugin"};
-  MpmAxis           axes[2];
-  PetscInt          n;
-  const char       *text;
-  PetscBool         probes = PETSC_FALSE, given, fit;
+  MpmAxis     axes[2];
+  PetscInt    n;
+  const char *text;
+  PetscBool   given, fit;
 
   PetscFunctionBegin;
   *is = PETSC_FALSE;
   if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
-  for (int i = 0; i < 2; i++) {
-    PetscCall(PetscOptionsHasName(NULL, NULL, sources[i], &given));
-    if (given) probes = PETSC_TRUE;
-  }
   PetscCall(PetscOptionsFindPair(NULL, NULL, "-map_axes", &text, &given));
-  if (!probes || !given) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Words(text, &n, axes, &fit));
   for (PetscInt i = 0; i < n; i++)
     if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
