@@ -78,6 +78,9 @@ static PetscErrorCode PrintVerdict(const MpmCompareProgram *c)
     between = ", ";
   }
   MpmPrint("\n");
+  if (m->factors <= c->bound)
+    MpmPrint(
+        "its amplification factors are the same, though: it may be that step with its numbers kept in another form\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
