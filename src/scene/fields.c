@@ -508,7 +508,7 @@ const MpmField MpmOptions[] = {
    BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
   {"matrix", MPM_PATH, NULL, "file with the matrix of anybody's step in place of a scene: Matrix Market, PETSc's binary, HDF5 or scipy's .npz",
    NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
-  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A",
+  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A; or a matrix that the hook has written, if all cells are alike",
    NO_RANGE, .tasks = "symbol", FILE_IN(matrix_blocks), IN(62, 44, 0, 0), OF_MATRIX},
   {"program", MPM_PATH, NULL, "command of a code in place of a scene: mpmstab starts it, asks it for steps through its standard input and output, and builds its operator from them",
    NO_RANGE, .rival = "plugin", .tasks = "spectrum, symbol, critical", FILE_IN(program), IN(63, 45, 0, 0), OF_MATRIX},
