@@ -41,6 +41,7 @@ static const char *const other[][2] = {
     {"polarisation", "-dim 2 -polarisation s"},
     {"amplitude", "-amplitude 2"},
     {"stagger", "-stagger"},
+    {"balance", "-balance cells"},
 };
 
 /* Finds the text of a field in the checkpoint of a scene; it is empty when there is none. */
