@@ -74,6 +74,7 @@ extern const char *const MpmBalanceNames[];
    material   - the materials of the particles
    varies     - varies[property]: particles differ in this property
    balance    - how the cells are shared among ranks
+   ranks      - the number of ranks along each direction; 0: those with the fewest ghosts
 S*/
 typedef struct {
   const char  *name;
@@ -87,6 +88,7 @@ typedef struct {
   MpmMaterial  material;
   PetscBool    varies[MPM_PROPERTIES];
   MpmBalance   balance;
+  PetscInt     ranks[MPM_MAX_DIM];
 } MpmLayout;
 
 /* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */

@@ -21,10 +21,14 @@
 static PetscErrorCode CheckCells(const MpmMarch *march, PetscMPIInt size, PetscInt need, PetscBool fits)
 {
   const MpmLayout *layout = march->layout;
-  PetscInt         cells  = layout->grid[0].cells;
+  PetscInt         cells = layout->grid[0].cells, product = 1;
   char             text[64];
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < layout->dim; a++) product *= layout->ranks[a];
+  MpmCheckInput(!product || product == size,
+                "ranks: their product is %" PetscInt_FMT ", on %d ranks; allowed: numbers whose product is %d", product,
+                size, size);
   for (PetscInt a = 1; a < layout->dim; a++) cells = PetscMin(cells, layout->grid[a].cells);
   if (need > cells)
     MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT " with formulation %s and basis %s",

@@ -109,6 +109,7 @@ static PetscErrorCode Choose(const MpmLayout *layout, PetscMPIInt size, PetscInt
     for (PetscInt y = 1; size % x == 0 && y <= size / x; y++) {
       const PetscInt n[MPM_MAX_DIM] = {x, y, size / x / y};
 
+      if (layout->ranks[0] && (x != layout->ranks[0] || y != PetscMax(1, layout->ranks[1]))) continue;
       if (size / x % y || !Share(layout, n, least, by_particles, partition->starts, &merit)) continue;
       if (!IsBetter(&merit, &best, by_particles)) continue;
       best = merit;

@@ -21,8 +21,8 @@ typedef struct {
 
    Equal ranges are shared for the fewest ghosts. Ranges of equal load are those with the smallest maximum of particles
    over the ranks (where none would be shorter than least cells; else near to it): the particles of a layout are a product of those of its directions, so each direction is cut for itself
-   by the numbers of particles in its planes of cells. Of the ways to write size as a product the one with the least
-   load is taken, and among those the one with the fewest ghosts.
+   by the numbers of particles in its planes of cells. Of the ways to write size as a product (or the one
+   that the layout asks for) the one with the least load is taken, and among those the one with the fewest ghosts.
 
    Not collective.
 

@@ -233,6 +233,12 @@ static PetscBool HasBalance(const MpmScene *scene, MpmRecord record)
   return scene->layout.balance != MPM_BALANCE_AUTO ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool HasRanks(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->layout.ranks[0] ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
@@ -412,6 +418,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"balance", MPM_WORD, "auto", "how ranks share the grid: cells, as many for each; particles, as many for each at the start; auto: particles where they rest and a rank would have 1.25 times the mean",
    .word = BalanceWord, .tasks = "run", TEXT(BalanceOf), IN(0, 0, 49, 0), .shown = HasBalance},
+  {"ranks", MPM_INTEGER, NULL, "ranks along each direction, such as 4,1 for slabs; their product is the number of ranks (default: the fewest ghosts)",
+   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 50, 0), .shown = HasRanks},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
