@@ -2,6 +2,7 @@
 #include "report/report.h"
 #include "report/results.h"
 #include "march/partition.h"
+#include "symbol/predict.h"
 #include <math.h>
 
 /* Prints a number. One that is out of range is described as such, not printed as inf. */
@@ -46,7 +47,7 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
   PetscFunctionBegin;
   MpmPrint("growth per step\n");
   PetscCall(Prediction("published", run->predictions.published, s->scheme.formulation->published_text));
-  PetscCall(Prediction("corrected", run->predictions.corrected, s->scheme.formulation->corrected_text));
+  PetscCall(Prediction("corrected", run->predictions.corrected, MpmPredictionText(&s->scheme)));
   if (s->initial == MPM_INITIAL_MODE)
     PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
   if (s->initial == MPM_INITIAL_EIGENMODE)
