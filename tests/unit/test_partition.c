@@ -104,6 +104,7 @@ static PetscErrorCode Test(int argc, char **argv)
   /* three cells wide, so that only the long direction can be shared evenly */
   PetscCall(CheckBox("-dim 2 -formulation usl -ppc 1 -cells 16,16 -fill 0,3,0,16 -balance particles", 1, 4, 1, 1));
   PetscCall(CheckBox("-dim 3 -formulation usl -cells 8 -fill 0,8,0,8,0,4", 1, 2, 2, 1));
+  PetscCall(CheckBox("-dim 2 -formulation usl -cells 60 -fill 0,20,0,20 -balance cells -ranks 2,2", 2, 2, 1, 4));
   PetscCall(CheckBox("-dim 2 -formulation usl -cells 16,16 -ranks 2,2", 2, 2, 1, 1));
   PetscCall(CheckBox("-dim 2 -formulation usl -cells 16,16 -fill 0,8,0,8 -ranks 4,1", 4, 1, 1, 1));
   PetscCall(CheckBox("-dim 3 -formulation usl -cells 8 -ranks 2,1,2", 2, 1, 2, 1));
