@@ -45,7 +45,8 @@ static PetscErrorCode PrintProgram(const MpmStabilityMap *map, PetscMPIInt ranks
   PetscFunctionBegin;
   PetscCall(MpmReportProgram(map->program, ranks));
   MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
-  PetscCall(MpmReportCertificates(map->program));
+  PetscCall(MpmReportCertificates(&map->program->certificates));
+  PetscCall(MpmReportApart(map->program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
