@@ -77,10 +77,11 @@ static PetscErrorCode SolveBloch(MpmSpectrum *s)
 /*
    The method that the operator allows. On a layout with a symbol all eigenvalues are those of its small blocks, and some
    of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none) allows it.
+   assembled: the particles' operator is a matrix, which has room for eigenvalues near a target.
 */
-static MpmEigenMethod MethodOf(PetscInt order, PetscInt n, PetscBool symbol)
+static MpmEigenMethod MethodOf(PetscInt order, PetscInt n, PetscBool symbol, PetscBool assembled)
 {
-  return MpmEigenChoose(n && !symbol ? n : order, symbol);
+  return MpmEigenChoose(n && !symbol ? n : order, symbol && assembled ? PETSC_TRUE : PETSC_FALSE);
 }
 
 /* Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. */
@@ -92,7 +93,7 @@ static PetscErrorCode SolveMatrix(MpmSpectrum *s, MpmEigenMethod method)
     if (s->eigen->n && (method != MPM_EIGEN_DENSE || s->eigen->complete)) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmEigenDestroy(&s->eigen));
     PetscCall(MpmReducedDestroy(&s->nodal));
-    method = MpmEigenChoose(s->op->order, s->symbol ? PETSC_TRUE : PETSC_FALSE);
+    method = MethodOf(s->op->order, 0, s->symbol ? PETSC_TRUE : PETSC_FALSE, s->op->assembled);
   }
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -114,7 +115,7 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
   bloch = !assembled && symbol && !asked ? PETSC_TRUE : PETSC_FALSE;
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
-  method = MethodOf(s->op->order, n, (assembled || s->nodal) && symbol ? PETSC_TRUE : PETSC_FALSE);
+  method = MethodOf(s->op->order, n, symbol, assembled);
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", n ? n : s->op->order));
   PetscCall(MpmProgressBegin("", &progress));
@@ -302,7 +303,8 @@ static PetscErrorCode TryOptions(const char what[], PetscInt64 order, PetscInt64
                                  const MpmRequest *request)
 {
   PetscFunctionBegin;
-  PetscCall(MpmEigenTryOptions(MethodOf((PetscInt)PetscMin(order, PETSC_MAX_INT), (PetscInt)nodal, has_symbol)));
+  PetscCall(
+      MpmEigenTryOptions(MethodOf((PetscInt)PetscMin(order, PETSC_MAX_INT), (PetscInt)nodal, has_symbol, PETSC_TRUE)));
   if (request->pseudospectrum) PetscCall(MpmPseudospectrumCheck(what, order));
   if (request->powers) PetscCall(MpmTransientTryOptions());
   PetscCall(MpmEigenRefuseUnread());
