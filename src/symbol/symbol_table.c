@@ -3,7 +3,7 @@
    of amplification matrices.
 */
 #include "scene/layout.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_growth.h"
 #include "symbol/blocks.h"
 #include "symbol/phases.h"
 #include <mpmstab/errors.h>
@@ -84,8 +84,9 @@ static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
 }
 
 typedef struct {
-  MpmBloch  bloch;
-  PetscReal courant;
+  MpmBloch      bloch;
+  MpmSmallEigen eigen;
+  PetscReal     courant;
 } TableMatrix;
 
 static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
@@ -95,6 +96,17 @@ static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool no
 
   PetscFunctionBegin;
   PetscCall(MpmBlochMatrix(&t->bloch, t->courant, beta, noisy, G, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Through a turn, where that is shorter than a period. */
+static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal *growth, PetscReal *without_null)
+{
+  TableMatrix *t = context;
+
+  PetscFunctionBegin;
+  (void)without_null;
+  PetscCall(MpmBlochGrowth(&t->bloch, &t->eigen, t->courant, beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -124,6 +136,7 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
                         .size      = b->size,
                         .period    = b->period,
                         .matrix    = Matrix,
+                        .growths   = b->turn < b->period ? Growths : NULL,
                         .context   = t,
                         .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
                         .null_all  = MPM_NONE};
@@ -150,11 +163,13 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   PetscFunctionBegin;
   PetscCall(MpmSymbolCheck(layout));
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
+  PetscCall(MpmSmallEigenCreate(table.bloch.size, &table.eigen));
   PetscCall(Describe(&table, step, &source));
   PetscCall(MpmSymbolFromSource(comm, &source, wish, symbol));
   (*symbol)->layout = layout;
   (*symbol)->scheme = scheme;
   (*symbol)->step   = *step;
+  PetscCall(MpmSmallEigenDestroy(&table.eigen));
   PetscCall(MpmBlochDestroy(&table.bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

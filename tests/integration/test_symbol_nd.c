@@ -85,6 +85,57 @@ static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
   return nearest;
 }
 
+/* ---- turns ---- */
+
+/*
+   The amplification factors of a period are powers of those of a turn, times the phase of the cells that particles move.
+   Sorted out one by one, since a defective pair splits by rounding.
+*/
+static PetscErrorCode CheckTurn(const char options[], PetscInt turn)
+{
+  const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
+  double complex  value[64];
+  PetscReal       angle = 0;
+  PetscInt        exponent;
+  Wave            w;
+
+  PetscFunctionBegin;
+  PetscCall(WaveCreate(options, &w));
+  CHECK(w.bloch.turn == turn && w.bloch.size <= 64, "%s: a turn of %d steps", options, (int)w.bloch.turn);
+  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, w.eigen.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&w.eigen, PETSC_FALSE));
+  for (PetscInt a = 0; a < w.scene->layout.dim; a++)
+    angle += beta[a] * w.scene->step.drift[a].value * (PetscReal)w.bloch.period;
+  for (PetscInt i = 0; i < w.eigen.n; i++)
+    value[i] =
+        cpow(w.eigen.value[i] * scalbn(1, (int)exponent), (double)(w.bloch.period / w.bloch.turn)) * cexp(I * angle);
+  PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
+  for (PetscInt i = 0; i < w.eigen.n; i++) {
+    PetscInt nearest = i;
+
+    for (PetscInt j = i; j < w.eigen.n; j++)
+      if (cabs(value[j] - w.eigen.value[i]) < cabs(value[nearest] - w.eigen.value[i])) nearest = j;
+    CHECK(cabs(value[nearest] - w.eigen.value[i]) <= 1e-11 * fmax(1, cabs(value[nearest])), "%s: %.3g apart", options,
+          cabs(value[nearest] - w.eigen.value[i]));
+    value[nearest] = value[i];
+  }
+  PetscCall(WaveDestroy(&w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckTurns(void)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 0.9", 4));
+  PetscCall(CheckTurn("-formulation gas2 -basis quadratic -ppc 6 -drift -7/4 -offset 0.3 -courant 0.4", 2));
+  PetscCall(CheckTurn("-formulation musl -basis gimp -ppc 3 -drift 5/6 -courant 0.7 -transfer apic", 2));
+  PetscCall(CheckTurn("-formulation usl -ppc 1 -drift 1/8 -courant 0.9", 8));
+  PetscCall(CheckTurn("-dim 2 -formulation usl -basis quadratic -ppc 2,3 -drift 1/4,-2/3 -courant 0.5", 2));
+  PetscCall(CheckTurn("-dim 2 -formulation usf -basis cubic -ppc 2,2 -drift 1/4,1/3 -courant 0.5 -transfer apic", 6));
+  PetscCall(CheckTurn("-dim 3 -formulation gas1 -basis linear -ppc 2,1,2 -drift 1/2,1/2,3/4 -courant 0.2", 2));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- closed forms ---- */
 
 /* The options of scene n of many: any scheme, layout, material and dimension, at rest. */
@@ -411,6 +462,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscFunctionBegin;
   (void)argc;
   PetscCall(OracleGrowthNd(argv[1], 60, CheckRow));
+  PetscCall(CheckTurns());
   PetscCall(CheckRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
   for (int n = 0; n < 300; n++) PetscCall(CheckProblems(n));
   for (int n = 0; n < 60; n++) PetscCall(CheckLargest(n));
