@@ -22,7 +22,7 @@ OF_UNKNOWN = 2400               # bytes of memory for eigenvalues near a target
 DENSE_ORDER = 4096               # up to this order mpmstab takes all eigenvalues
 BESIDE = 1e-10                   # how far a shift is from the eigenvalue, relatively, as in mpmstab
 SAME, SAME_GROWTH = 1e-8, 1e-6   # a defective pair at 1 splits by 1e-8 or more
-TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 30
+TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 10
 SCHEMES, BASES, DRIFTS = ("gas2", "usl", "musl"), ("linear", "quadratic"), ("0", "1/8")
 
 

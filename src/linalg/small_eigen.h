@@ -27,3 +27,6 @@ PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *small);
    Not collective.
 */
 PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *small, PetscBool vectors);
+
+/* Not collective. The eigenvalues by LAPACK alone, with which those of MpmSmallEigenSolve are compared. */
+PetscErrorCode MpmSmallEigenLapack(MpmSmallEigen *small);

@@ -15,7 +15,7 @@
 #include "base/hash.h"
 #include "base/power_of_two.h"
 #include "linalg/complex_inline.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_nodal.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
 
@@ -104,12 +104,14 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
     PetscCall(PetscMalloc1(b->ties[a].period * KINDS * layout->ppc[a], &b->tie[a]));
     b->beta[a] = NAN;
   }
+  PetscCall(MpmBlochNodalCreate(b, &b->nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochDestroy(MpmBloch *b)
 {
   PetscFunctionBegin;
+  PetscCall(MpmBlochNodalDestroy(&b->nodal));
   for (PetscInt a = 0; a < b->layout->dim; a++) {
     PetscCall(MpmTiesDestroy(&b->ties[a]));
     PetscCall(PetscFree(b->tie[a]));
@@ -152,8 +154,7 @@ static void SetStep(MpmBloch *b, PetscInt step)
   }
 }
 
-/* The symbol of a map along an axis at particle j: the map's own along the axis, and phi's along the others. */
-static inline double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
+double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
 {
   const PetscInt *ppc = b->layout->ppc;
   double complex  product;
@@ -198,11 +199,24 @@ static PetscReal Inverse(const MpmBloch *b)
   PetscReal alpha = 0;
 
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex tie = Tie(b, MPM_G2P, 0, j);
+    const double complex tie = MpmBlochTie(b, MPM_G2P, 0, j);
 
     alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->mass;
   }
   return alpha > SINGULAR ? 1 / alpha : 0;
+}
+
+double complex MpmBlochOfNodes(const MpmBloch *b, const MpmOp *op, const PetscReal beta[])
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return op->kind == MPM_SOLVE ? Inverse(b) : Stencil(&traits, beta[op->axis]);
+}
+
+void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
+{
+  for (PetscInt a = 0; a < b->layout->dim; a++) SetPhase(b, a, beta[a], 1);
+  SetStep(b, 0);
 }
 
 /* The rows of a register of particles, and the row of one of nodes. */
@@ -235,7 +249,7 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
   }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, MpmScaled(a, Tie(b, op->kind, op->axis, j)), Row(b, op->src), Rows(b, op->dst) + j * 2 * n);
+      AddRow(n, MpmScaled(a, MpmBlochTie(b, op->kind, op->axis, j)), Row(b, op->src), Rows(b, op->dst) + j * 2 * n);
     return;
   }
   dst = Row(b, op->dst);
@@ -249,9 +263,9 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
     const PetscReal share = a / b->mass;
 
     for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, MpmScaled(share, conj(Tie(b, op->kind, op->axis, j))), Rows(b, op->src) + j * 2 * n, dst);
+      AddRow(n, MpmScaled(share, conj(MpmBlochTie(b, op->kind, op->axis, j))), Rows(b, op->src) + j * 2 * n, dst);
   } else
-    AddRow(n, a * (op->kind == MPM_SOLVE ? Inverse(b) : Stencil(&traits, beta[op->axis])), Row(b, op->src), dst);
+    AddRow(n, a * MpmBlochOfNodes(b, op, beta), Row(b, op->src), dst);
 }
 
 /* Divides the state's registers by a power of two when they would leave the range of doubles; returns its exponent. */

@@ -2,6 +2,8 @@
 #pragma once
 #include "symbol/ties.h"
 
+typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
+
 /*S
    MpmBloch - memory for the matrices, and the weights of all maps for one cell's particles at every step of a period.
 
@@ -24,6 +26,7 @@
    tie          - tie[axis][(step x kinds + kind) x ppc + j]: the symbol of a map along an axis at the particles that
                   are j-th there, at the present phase; now[axis]: those of the present step
    mass         - of a node, at the present step
+   nodal        - the nodal operator; NULL where it does not apply
    traits, values - of the table's operations; values are those at the Courant number of the last matrix
 S*/
 typedef struct {
@@ -35,6 +38,7 @@ typedef struct {
   double complex   wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM], *now[MPM_MAX_DIM];
   PetscInt         known[MPM_MAX_DIM];
   PetscReal       *particle, *nodes, beta[MPM_MAX_DIM], mass;
+  MpmBlochNodal   *nodal;
   MpmOpTraits     *traits;
   PetscReal       *values;
 } MpmBloch;
@@ -70,6 +74,18 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscRea
 */
 PetscErrorCode MpmBlochTurn(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], double complex G[],
                             PetscInt *exponent);
+
+/*
+   MpmBlochSetPhase - makes ready for MpmBlochTie and MpmBlochOfNodes at a phase, before the first step
+   MpmBlochTie     - the symbol of a map along an axis at particle j of a cell: the map's own along the axis, and phi's
+                     along the others
+   MpmBlochOfNodes - the symbol of an operation from nodes to nodes, without its factor
+
+   Not collective.
+*/
+void           MpmBlochSetPhase(MpmBloch *bloch, const PetscReal beta[]);
+double complex MpmBlochTie(const MpmBloch *bloch, MpmOpKind kind, PetscInt axis, PetscInt j);
+double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const PetscReal beta[]);
 
 /*
    MpmBlochStep - applies one step of the period to a state of a cell, in place: size numbers, with particle j's numbers

@@ -6,7 +6,7 @@
 #include "symbols.h"
 #include "base/hash.h"
 #include "linalg/small_eigen.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_nodal.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 
@@ -169,6 +169,60 @@ static PetscErrorCode Random(int n, size_t room, char options[])
                           0.05 + 2.5 * MpmHash(n, 5), dim > 1 && formulation > 2 ? " -poisson " : "",
                           dim > 1 && formulation > 2 ? poissons[Choice(n, 6, 4)] : "",
                           formulation < 3 && transfer > 0 && Choice(n, 7, 2) ? " -pic_filter before" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the one of count numbers that is nearest to a number out of them; returns its distance. */
+static PetscReal TakeNearest(double complex number, PetscInt *count, double complex from[])
+{
+  PetscInt  nearest = 0;
+  PetscReal distance;
+
+  for (PetscInt i = 1; i < *count; i++)
+    if (cabs(from[i] - number) < cabs(from[nearest] - number)) nearest = i;
+  distance      = cabs(from[nearest] - number);
+  from[nearest] = from[--*count];
+  return distance;
+}
+
+/*
+   The amplification factors of the nodal operator and of the null space of P2G are those of the full matrix. Rounding
+   splits what is defective at a number of the null space.
+*/
+static PetscErrorCode CheckNodal(int n, PetscInt *checked)
+{
+  const PetscReal beta[MPM_MAX_DIM] = {0.7 + 0.01 * n, -1.9 + 0.03 * n, 2.6};
+  char            options[256];
+  double complex  value[MPM_MAX_IMAGES];
+  PetscInt        count;
+  PetscBool       ok;
+  Wave            w;
+
+  PetscFunctionBegin;
+  PetscCall(Random(n, sizeof options, options));
+  PetscCall(WaveCreate(options, &w));
+  if (w.bloch.nodal) {
+    const MpmBlochNodal *nodal = w.bloch.nodal;
+
+    ++*checked;
+    PetscCall(MpmBlochNodalFactors(w.bloch.nodal, &w.bloch, w.scene->step.courant, beta, value, &ok));
+    PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
+    count = w.bloch.size;
+    CHECK(ok && count == nodal->plan->nimages + nodal->all, "%s: %d factors", options, (int)count);
+    for (PetscInt i = 0; i < nodal->plan->nimages; i++) {
+      const PetscBool apart    = cabs(value[i] - 1) > 1e-3 && cabs(value[i] - nodal->factor) > 1e-3;
+      const PetscReal distance = TakeNearest(value[i], &count, w.eigen.value);
+
+      CHECK(distance <= (apart ? 1e-11 : 1e-4), "%s: %g %+gi is %.3g off", options, creal(value[i]), cimag(value[i]),
+            distance);
+    }
+    for (PetscInt i = 0; i < nodal->all; i++) {
+      const PetscReal distance = TakeNearest(i < nodal->rest ? 1 : nodal->factor, &count, w.eigen.value);
+
+      CHECK(distance <= 1e-4, "%s: a factor of the null space is %.3g off", options, distance);
+    }
+  }
+  PetscCall(WaveDestroy(&w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -457,6 +511,7 @@ static PetscErrorCode CheckSame(const char a[], const char b[])
 
 static PetscErrorCode Test(int argc, char **argv)
 {
+  PetscInt        checked           = 0;
   const PetscReal beta[MPM_MAX_DIM] = {0.7, 1.9, 2.6}, shear = sqrt((1 - 2 * 0.3) / (2 * (1 - 0.3)));
 
   PetscFunctionBegin;
@@ -464,6 +519,8 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(OracleGrowthNd(argv[1], 60, CheckRow));
   PetscCall(CheckTurns());
   PetscCall(CheckRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
+  for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));
+  CHECK(checked >= 40, "%d nodal operators", (int)checked);
   for (int n = 0; n < 300; n++) PetscCall(CheckProblems(n));
   for (int n = 0; n < 60; n++) PetscCall(CheckLargest(n));
   PetscCall(CheckTriple("-dim 2 -formulation gas1 -ppc 1 -offset 0 -courant 0.1085"));
