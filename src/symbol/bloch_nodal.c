@@ -3,7 +3,11 @@
 #include "linalg/small_qr.h"
 #include "symbol/bloch_nodal.h"
 
-/* Nodes have one number of a number, and a vector of a vector or of a stress. An affine part adds to its vector's. */
+/*
+   Nodes have one number of a number, and a vector of a vector or of a stress. An affine part adds to its vector's own
+   numbers. Displacements are sums of what else is in the state, so that each has a factor of 1 of its own; all of them are
+   left out.
+*/
 void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscReal *factor)
 {
   const MpmScheme *scheme     = b->scheme;
@@ -16,7 +20,7 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
     PetscInt components = 0, seen;
 
     numbers[t->filtered[r]] += b->ppc;
-    if (t->field[r] == MPM_NONE || t->component[r] > 0) continue;
+    if (t->field[r] < 0 || t->component[r] > 0) continue;
     for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
     seen = scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
     numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
