@@ -7,7 +7,8 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
-typedef struct MpmRowPlan_ MpmRowPlan; /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmRowPlan_   MpmRowPlan;   /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
 /*S
    MpmMarch_ - the state of a run.
@@ -24,6 +25,8 @@ struct MpmMarch_ {
   MpmParticles    *particles;
   MpmSchedule      schedule;
   MpmRowPlan      *plans; /* in more than one dimension: of the passes, and of the start after them */
+  MpmCloudPlan    *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
+  PetscReal       *bundles;
   PetscInt         nnodes, slack;
   Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */

@@ -55,11 +55,7 @@ static PetscBool IsAlike(const MpmRowArrays *a, PetscInt begin, PetscInt n, cons
   return differ ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/*
-   Moves n particles from their resting places along an axis on to those of the pass, before DRIFT or after it. Along an
-   axis without drift they stay exactly where they are, also those just left of a wall.
-*/
-static void Move(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
+void MpmRowsMove(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
                  PetscInt after, PetscInt cell[], PetscReal xi[])
 {
   if (a->march->particles->drift[axis].value != 0) {
@@ -85,7 +81,7 @@ static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscI
   }
   moved[0] = 0; /* a row is never empty, but the compiler cannot know it */
   for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
-  Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
+  MpmRowsMove(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + origin, wall);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], wall, &placed->block);
   placed->begin = begin;
@@ -113,7 +109,7 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
     PetscInt  cell, wall[2];
     PetscReal xi;
 
-    Move(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
+    MpmRowsMove(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
     MpmDirectionWalls(&march->layout->grid[d], grid->axis[d].first + cell, wall);
     for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
       first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], wall, along[d][*k]);
@@ -138,8 +134,7 @@ static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt af
   PlaceAcross(a, begin, after, placed);
 }
 
-/* A particle field of a row. Scratch fields live for one row. */
-static PetscReal *FieldOf(const MpmRowArrays *a, PetscInt field, PetscInt begin)
+PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
 {
   const PetscInt nstate = a->march->scheme->table->nstate;
 
@@ -160,7 +155,7 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
       const MpmRowMap *last = m + m->shared;
 
       if (m == last && !m->weight) {
-        m->kernel(&placed->block, m->a, FieldOf(a, m->particle, placed->begin), line);
+        m->kernel(&placed->block, m->a, MpmRowsField(a, m->particle, placed->begin), line);
         m++;
         continue;
       }
@@ -169,7 +164,7 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
       for (; m <= last; m++) {
         const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
         const PetscReal *restrict from   = w->weighed;
-        PetscReal *restrict q            = FieldOf(a, m->particle, placed->begin);
+        PetscReal *restrict q            = MpmRowsField(a, m->particle, placed->begin);
 
         for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
       }
@@ -182,7 +177,7 @@ static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *p
 {
   for (PetscInt i = placed->lo; i < placed->hi; i++) line[i] = 0;
   for (const MpmRowMap *m = a->plan->map + l->begin; m < a->plan->map + l->end; m++) {
-    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : FieldOf(a, m->particle, placed->begin);
+    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, placed->begin);
     const PetscReal *weight = m->weight ? a->weight[m->weight] + placed->begin : NULL;
 
     if (weight) {
@@ -224,14 +219,14 @@ static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
     else if (step->kind == MPM_ROW_SPREAD)
       RunSpread(a, step, placed, w);
     else if (step->kind == MPM_ROW_SCALE)
-      MpmScale(n, step->a, FieldOf(a, step->particle, begin));
+      MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_ADD)
-      MpmNodeAdd(0, n, step->a, FieldOf(a, step->other, begin), FieldOf(a, step->particle, begin));
+      MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
       Place(a, begin, n, 1, &w->placed[1]);
       placed = &w->placed[1];
     } else if (a->sample)
-      a->squares[step->particle] += MpmSumSquares(n, FieldOf(a, step->particle, begin));
+      a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
   }
 }
 

@@ -198,6 +198,31 @@ INLINE void Gather(Weights weights, const MpmBlock *b, PetscReal a, PetscReal *r
   GatherEach(weights, b->end, b->n, b, a, particle, node);
 }
 
+INLINE void WeightsOfEach(Weights weights, const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  for (PetscInt p = 0; p < b->n; p++) {
+    PetscReal of_particle[NODES];
+
+    (void)weights(b->xi[p], b->half_width, of_particle);
+    for (int d = 0; d < NODES; d++) weight[d * stride + p] = of_particle[d];
+  }
+}
+
+static void PhiWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Phi, b, stride, weight);
+}
+
+static void GradientWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Gradient, b, stride, weight);
+}
+
+static void MomentWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Moment, b, stride, weight);
+}
+
 static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
                        PetscInt *restrict first)
 {
@@ -239,6 +264,7 @@ static void Grad(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, P
 #ifndef G2P_AFFINE
 #define G2P_AFFINE G2PAffine
 #define DIV_MLS DivMls
+#define MLS_WEIGHTS FittedWeights
 static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
   Gather(Moment, b, a, particle, node);
@@ -248,10 +274,19 @@ static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle,
 {
   Scatter(Fitted, b, a, particle, node, NULL);
 }
+
+static void FittedWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Fitted, b, stride, weight);
+}
 #endif
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
+  .weights = {[MPM_P2G]        = PhiWeights,                                                                            \
+              [MPM_P2G_AFFINE] = MomentWeights,                                                                         \
+              [MPM_DIV]        = GradientWeights,                                                                       \
+              [MPM_DIV_MLS]    = MLS_WEIGHTS},                                                                          \
   .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,         \
              [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,     \
              [MPM_G2P_SLOPE] = Grad}
