@@ -18,7 +18,7 @@ static PetscInt Place(MpmCloudPlan *plan, PetscInt node, PetscBool sums, PetscIn
     last               = plan->nbundles++;
     plan->bundle[last] = (MpmCloudBundle){.sums = sums};
   }
-  *lane                           = plan->bundle[last].n++;
+  *lane                          = plan->bundle[last].n++;
   plan->bundle[last].node[*lane] = node;
   return last;
 }

@@ -1,5 +1,8 @@
 /* Takes the particles of a rank through a pass, cloud by cloud. */
 #include "march/clouds.h"
+#include <stdint.h>
+
+#define LINE 64 /* bytes in a line of the cache: the values of a node are in one line */
 
 /* The places of a cloud, before DRIFT or after it, and its weights, by direction and number of the kind in the plan. */
 typedef struct {
@@ -9,8 +12,8 @@ typedef struct {
 
 /* Memory for a cloud while it is in a pass. product: the numbers of a cloud's particles for each product of weights. */
 typedef struct {
-  Placed              placed[2];
-  PetscReal           product[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
+  Placed placed[2];
+  _Alignas(LINE) PetscReal product[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
   const MpmCloudPlan *plan;
   PetscReal          *node[2 * (MPM_MAX_FIELDS + 1)]; /* node 0 of each bundle */
 } Work;
@@ -132,29 +135,38 @@ static PetscInt Nodes(const MpmGrid *grid)
 }
 
 /* Copies the fields of a bundle that is read into it, or the sums of the others out of it. */
+static inline void CopyWidth(const MpmRowArrays *a, const MpmCloudBundle *bundle, const PetscInt width, PetscInt nodes,
+                             PetscReal *restrict values)
+{
+  PetscReal *field[MPM_BUNDLE] = {NULL};
+
+  for (PetscInt l = 0; l < width; l++)
+    field[l] = (bundle->sums ? a->sum : a->node)[bundle->node[PetscMin(l, bundle->n - 1)]] - a->march->grid->origin;
+  if (bundle->sums) {
+    for (PetscInt i = 0; i < nodes; i++)
+      for (PetscInt l = 0; l < bundle->n; l++) field[l][i] = values[width * i + l];
+    return;
+  }
+  for (PetscInt i = 0; i < nodes; i++)
+    for (PetscInt l = 0; l < width; l++) values[width * i + l] = field[l][i];
+}
+
 static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt nodes, PetscReal *restrict values)
 {
-  const PetscInt origin = a->march->grid->origin, width = bundle->width;
-
-  for (PetscInt l = 0; l < bundle->n; l++) {
-    PetscReal *restrict field = (bundle->sums ? a->sum : a->node)[bundle->node[l]] - origin;
-
-    if (bundle->sums)
-      for (PetscInt i = 0; i < nodes; i++) field[i] = values[width * i + l];
-    else
-      for (PetscInt i = 0; i < nodes; i++) values[width * i + l] = field[i];
-  }
+  if (bundle->width == 4) CopyWidth(a, bundle, 4, nodes, values);
+  if (bundle->width == 8) CopyWidth(a, bundle, 8, nodes, values);
 }
 
 PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan)
 {
-  return plan->width * Nodes(grid);
+  return plan->width * Nodes(grid) + LINE / sizeof(PetscReal);
 }
 
 PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
 {
   const MpmGrid *grid  = a->march->grid;
   const PetscInt count = a->march->particles->count, nodes = Nodes(grid);
+  PetscReal     *first = bundles + (LINE - (uintptr_t)bundles % LINE) / sizeof(PetscReal);
   Work           work  = {.plan = plan};
 
   PetscFunctionBegin;
@@ -163,7 +175,7 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
   for (PetscInt p = 0; p < MPM_CLOUD; p++) work.ones[p] = 1;
   for (PetscInt b = 0; b < plan->nbundles; b++) {
     const MpmCloudBundle *bundle = &plan->bundle[b];
-    PetscReal            *values = bundles + bundle->begin * nodes;
+    PetscReal            *values = first + bundle->begin * nodes;
 
     work.node[b] = values + bundle->width * grid->origin;
     if (bundle->sums)
@@ -174,6 +186,6 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
   for (PetscInt begin = 0; begin < count; begin += MPM_CLOUD)
     RunCloud(a, begin, PetscMin(MPM_CLOUD, count - begin), &work);
   for (PetscInt b = 0; b < plan->nbundles; b++)
-    if (plan->bundle[b].sums) Copy(a, &plan->bundle[b], nodes, bundles + plan->bundle[b].begin * nodes);
+    if (plan->bundle[b].sums) Copy(a, &plan->bundle[b], nodes, first + plan->bundle[b].begin * nodes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -24,7 +24,7 @@ struct MpmMarch_ {
   MpmGrid         *grid;
   MpmParticles    *particles;
   MpmSchedule      schedule;
-  MpmRowPlan      *plans; /* in more than one dimension: of the passes, and of the start after them */
+  MpmRowPlan      *plans;  /* in more than one dimension: of the passes, and of the start after them */
   MpmCloudPlan    *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
   PetscReal       *bundles;
   PetscInt         nnodes, slack;

@@ -11,8 +11,13 @@
 typedef PetscReal Four __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
-/* The weight of kind k of particle p at node d along direction a. */
-#define WEIGHT(a, k, d) (weight[a][k][(d) * MPM_CLOUD + p])
+/* The weights of particle p along x and y, each in all lanes of a register: every plane of nodes uses them again. */
+#define LOAD(Values)                                                                                                   \
+  for (int k = 0; k <= kinds; k++)                                                                                     \
+    for (int d = 0; d < nodes; d++) {                                                                                  \
+      wx[k][d] = cloud->weight[0][k][d * MPM_CLOUD + p] - (Values){0};                                                 \
+      wy[k][d] = cloud->weight[1][k][d * MPM_CLOUD + p] - (Values){0};                                                 \
+    }
 
 /*
    First along x, then y, then z. row[k]: of a row of nodes, with kind k along x. plane[0]: of a plane, with phi_ip along
@@ -22,17 +27,15 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
   INLINE void Gather##Values(const int dim, const int nodes, const int kinds, const MpmCloud *cloud,                   \
                              const PetscReal *restrict node, PetscReal *restrict product)                              \
   {                                                                                                                    \
-    const PetscReal *weight[MPM_MAX_DIM][MOST_KINDS];                                                                  \
-    const Values    *at = (const Values *)node;                                                                        \
-    Values          *to = (Values *)product;                                                                           \
-    const PetscInt   sy = cloud->stride[1], sz = dim > 2 ? cloud->stride[2] : 0;                                       \
+    const Values  *at = (const Values *)node;                                                                          \
+    Values        *to = (Values *)product;                                                                             \
+    const PetscInt sy = cloud->stride[1], sz = dim > 2 ? cloud->stride[2] : 0;                                         \
                                                                                                                        \
-    for (int a = 0; a < dim; a++)                                                                                      \
-      for (int k = 0; k <= kinds; k++) weight[a][k] = cloud->weight[a][k];                                             \
     for (PetscInt p = 0; p < cloud->n; p++) {                                                                          \
       const Values *first = at + cloud->first[p];                                                                      \
-      Values        sum[MPM_MOST_PRODUCTS];                                                                            \
+      Values        sum[MPM_MOST_PRODUCTS], wx[MOST_KINDS][4], wy[MOST_KINDS][4];                                      \
                                                                                                                        \
+      LOAD(Values)                                                                                                     \
       for (int c = 0; c < MPM_PRODUCTS(dim, kinds); c++) sum[c] = (Values){0};                                         \
       for (int z = 0; z < (dim > 2 ? nodes : 1); z++) {                                                                \
         Values plane[1 + 2 * MPM_BUNDLE_KINDS];                                                                        \
@@ -42,24 +45,24 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
           const Values *line = first + y * sy + z * sz;                                                                \
           Values        row[MOST_KINDS];                                                                               \
                                                                                                                        \
-          for (int k = 0; k <= kinds; k++) row[k] = WEIGHT(0, k, 0) * line[0];                                         \
+          for (int k = 0; k <= kinds; k++) row[k] = wx[k][0] * line[0];                                                \
           for (int x = 1; x < nodes; x++)                                                                              \
-            for (int k = 0; k <= kinds; k++) row[k] += WEIGHT(0, k, x) * line[x];                                      \
-          plane[0] += WEIGHT(1, 0, y) * row[0];                                                                        \
+            for (int k = 0; k <= kinds; k++) row[k] += wx[k][x] * line[x];                                             \
+          plane[0] += wy[0][y] * row[0];                                                                               \
           for (int k = 1; k <= kinds; k++) {                                                                           \
-            plane[2 * k - 1] += WEIGHT(1, 0, y) * row[k];                                                              \
-            plane[2 * k] += WEIGHT(1, k, y) * row[0];                                                                  \
+            plane[2 * k - 1] += wy[0][y] * row[k];                                                                     \
+            plane[2 * k] += wy[k][y] * row[0];                                                                         \
           }                                                                                                            \
         }                                                                                                              \
         if (dim == 2) {                                                                                                \
           for (int c = 0; c < 1 + 2 * kinds; c++) sum[c] = plane[c];                                                   \
           continue;                                                                                                    \
         }                                                                                                              \
-        sum[0] += WEIGHT(2, 0, z) * plane[0];                                                                          \
+        sum[0] += cloud->weight[2][0][z * MPM_CLOUD + p] * plane[0];                                                   \
         for (int k = 1; k <= kinds; k++) {                                                                             \
-          sum[3 * k - 2] += WEIGHT(2, 0, z) * plane[2 * k - 1];                                                        \
-          sum[3 * k - 1] += WEIGHT(2, 0, z) * plane[2 * k];                                                            \
-          sum[3 * k] += WEIGHT(2, k, z) * plane[0];                                                                    \
+          sum[3 * k - 2] += cloud->weight[2][0][z * MPM_CLOUD + p] * plane[2 * k - 1];                                 \
+          sum[3 * k - 1] += cloud->weight[2][0][z * MPM_CLOUD + p] * plane[2 * k];                                     \
+          sum[3 * k] += cloud->weight[2][k][z * MPM_CLOUD + p] * plane[0];                                             \
         }                                                                                                              \
       }                                                                                                                \
       for (int c = 0; c < MPM_PRODUCTS(dim, kinds); c++) to[MPM_CLOUD * c + p] = sum[c];                               \
@@ -71,17 +74,15 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
   INLINE void Spread##Values(const int dim, const int nodes, const int kinds, const MpmCloud *cloud,                   \
                              PetscReal *restrict node, const PetscReal *restrict product)                              \
   {                                                                                                                    \
-    const PetscReal *weight[MPM_MAX_DIM][MOST_KINDS];                                                                  \
-    Values          *at   = (Values *)node;                                                                            \
-    const Values    *from = (const Values *)product;                                                                   \
-    const PetscInt   sy = cloud->stride[1], sz = dim > 2 ? cloud->stride[2] : 0;                                       \
+    Values        *at   = (Values *)node;                                                                              \
+    const Values  *from = (const Values *)product;                                                                     \
+    const PetscInt sy = cloud->stride[1], sz = dim > 2 ? cloud->stride[2] : 0;                                         \
                                                                                                                        \
-    for (int a = 0; a < dim; a++)                                                                                      \
-      for (int k = 0; k <= kinds; k++) weight[a][k] = cloud->weight[a][k];                                             \
     for (PetscInt p = 0; p < cloud->n; p++) {                                                                          \
       Values *first = at + cloud->first[p];                                                                            \
-      Values  given[MPM_MOST_PRODUCTS];                                                                                \
+      Values  given[MPM_MOST_PRODUCTS], wx[MOST_KINDS][4], wy[MOST_KINDS][4];                                          \
                                                                                                                        \
+      LOAD(Values)                                                                                                     \
       for (int c = 0; c < MPM_PRODUCTS(dim, kinds); c++) given[c] = from[MPM_CLOUD * c + p];                           \
       for (int z = 0; z < (dim > 2 ? nodes : 1); z++) {                                                                \
         Values plane[1 + 2 * MPM_BUNDLE_KINDS];                                                                        \
@@ -89,26 +90,26 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
         if (dim == 2)                                                                                                  \
           for (int c = 0; c < 1 + 2 * kinds; c++) plane[c] = given[c];                                                 \
         else {                                                                                                         \
-          plane[0] = WEIGHT(2, 0, z) * given[0];                                                                       \
+          plane[0] = cloud->weight[2][0][z * MPM_CLOUD + p] * given[0];                                                \
           for (int k = 1; k <= kinds; k++) {                                                                           \
-            plane[0] += WEIGHT(2, k, z) * given[3 * k];                                                                \
-            plane[2 * k - 1] = WEIGHT(2, 0, z) * given[3 * k - 2];                                                     \
-            plane[2 * k]     = WEIGHT(2, 0, z) * given[3 * k - 1];                                                     \
+            plane[0] += cloud->weight[2][k][z * MPM_CLOUD + p] * given[3 * k];                                         \
+            plane[2 * k - 1] = cloud->weight[2][0][z * MPM_CLOUD + p] * given[3 * k - 2];                              \
+            plane[2 * k]     = cloud->weight[2][0][z * MPM_CLOUD + p] * given[3 * k - 1];                              \
           }                                                                                                            \
         }                                                                                                              \
         for (int y = 0; y < nodes; y++) {                                                                              \
           Values *line = first + y * sy + z * sz;                                                                      \
           Values  row[MOST_KINDS];                                                                                     \
                                                                                                                        \
-          row[0] = WEIGHT(1, 0, y) * plane[0];                                                                         \
+          row[0] = wy[0][y] * plane[0];                                                                                \
           for (int k = 1; k <= kinds; k++) {                                                                           \
-            row[0] += WEIGHT(1, k, y) * plane[2 * k];                                                                  \
-            row[k] = WEIGHT(1, 0, y) * plane[2 * k - 1];                                                               \
+            row[0] += wy[k][y] * plane[2 * k];                                                                         \
+            row[k] = wy[0][y] * plane[2 * k - 1];                                                                      \
           }                                                                                                            \
           for (int x = 0; x < nodes; x++) {                                                                            \
             Values value = line[x];                                                                                    \
                                                                                                                        \
-            for (int k = 0; k <= kinds; k++) value += WEIGHT(0, k, x) * row[k];                                        \
+            for (int k = 0; k <= kinds; k++) value += wx[k][x] * row[k];                                               \
             line[x] = value;                                                                                           \
           }                                                                                                            \
         }                                                                                                              \

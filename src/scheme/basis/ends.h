@@ -188,10 +188,10 @@ static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict partic
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                                      \
-  .weights = {[MPM_P2G]        = PhiWeights,                                                                            \
-              [MPM_P2G_AFFINE] = MomentWeights,                                                                         \
-              [MPM_DIV]        = GradientWeights,                                                                       \
+  .weights = {[MPM_P2G]        = PhiWeights,                                                                           \
+              [MPM_P2G_AFFINE] = MomentWeights,                                                                        \
+              [MPM_DIV]        = GradientWeights,                                                                      \
               [MPM_DIV_MLS]    = FittedWeights},                                                                          \
-  .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine, [MPM_DIV] = Div,   [MPM_DIV_MLS] = DivMls,           \
-             [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2PAffine, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2PAffine,       \
-             [MPM_G2P_SLOPE] = Grad}
+  .kernel  = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine, [MPM_DIV] = Div,   [MPM_DIV_MLS] = DivMls,          \
+              [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2PAffine, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2PAffine,      \
+              [MPM_G2P_SLOPE] = Grad}

@@ -283,10 +283,10 @@ static void FittedWeights(const MpmBlock *b, PetscInt stride, PetscReal *restric
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
-  .weights = {[MPM_P2G]        = PhiWeights,                                                                            \
-              [MPM_P2G_AFFINE] = MomentWeights,                                                                         \
-              [MPM_DIV]        = GradientWeights,                                                                       \
-              [MPM_DIV_MLS]    = MLS_WEIGHTS},                                                                          \
-  .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,         \
-             [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,     \
-             [MPM_G2P_SLOPE] = Grad}
+  .weights = {[MPM_P2G]        = PhiWeights,                                                                           \
+              [MPM_P2G_AFFINE] = MomentWeights,                                                                        \
+              [MPM_DIV]        = GradientWeights,                                                                      \
+              [MPM_DIV_MLS]    = MLS_WEIGHTS},                                                                            \
+  .kernel  = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,        \
+              [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,    \
+              [MPM_G2P_SLOPE] = Grad}
