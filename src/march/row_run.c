@@ -12,11 +12,14 @@
    begin, n - the particles that the block is of
    lo, hi   - the nodes of the line that have weights
    rows     - the number of rows of nodes; node[0] of a row is at offset[r] of a local array
+   alike    - the runs of the row are alike, with the weights run[kind] along x
    weight   - weight[a][kind]: of the rows, with kind along axis a and phi_ip along the others; of axis 0: phi_ip alone
 */
 typedef struct {
   MpmBlock  block;
   PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
+  PetscBool alike;
+  PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_NODES];
   PetscReal xi[MPM_BLOCK], weight[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_ROWS];
 } Placed;
 
@@ -84,6 +87,9 @@ static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscI
   MpmRowsMove(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + origin, wall);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], wall, &placed->block);
+  placed->alike = MpmRunsFind(march->scheme->basis, &placed->block);
+  for (const MpmOpKind *k = a->plan->kind; placed->alike && k < a->plan->kind + a->plan->nkinds; k++)
+    MpmRunsWeights(march->scheme->basis, *k, &placed->block, placed->run[*k]);
   placed->begin = begin;
   placed->n     = n;
   placed->lo = placed->hi = placed->block.first[0];
@@ -141,6 +147,20 @@ PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
   return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
+/* Runs the kernel of a map, from a line to particles or back. weights: those of the map along x. */
+static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, MpmOpKind weights, PetscBool to_nodes,
+                      const Placed *placed, PetscReal factor, PetscReal q[], PetscReal line[])
+{
+  const PetscInt nodes = a->march->scheme->basis->nodes;
+
+  if (!placed->alike)
+    map->kernel(&placed->block, factor, q, line);
+  else if (to_nodes)
+    MpmRunsSpread(&placed->block, nodes, placed->run[weights], factor, q, line);
+  else
+    MpmRunsGather(&placed->block, nodes, placed->run[weights], factor, q, line);
+}
+
 /* The nodes [lo, hi) of a line to particles. Maps that share a kernel differ in their particle fields and factors. */
 static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
 {
@@ -155,12 +175,13 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
       const MpmRowMap *last = m + m->shared;
 
       if (m == last && !m->weight) {
-        m->kernel(&placed->block, m->a, MpmRowsField(a, m->particle, placed->begin), line);
+        RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, m->a,
+                  MpmRowsField(a, m->particle, placed->begin), line);
         m++;
         continue;
       }
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
-      m->kernel(&placed->block, 1, w->weighed, line);
+      RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, 1, w->weighed, line);
       for (; m <= last; m++) {
         const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
         const PetscReal *restrict from   = w->weighed;
@@ -184,7 +205,7 @@ static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *p
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = weight[p] * q[p];
       q = w->weighed;
     }
-    m->kernel(&placed->block, m->a, q, line);
+    RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_TRUE, placed, m->a, q, line);
   }
 }
 
