@@ -170,6 +170,7 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
     PetscCall(CompilePlans(m));
     PetscCall(CompileClouds(m));
   }
+  PetscCall(MpmRowsFind(m));
   PetscCall(CreateVectors(m));
   PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
   PetscCall(RegisterEvents(m));
@@ -226,6 +227,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   PetscCall(VecDestroy(&(*march)->inverse_mass));
   PetscCall(PetscFree((*march)->scratch));
   PetscCall(PetscFree((*march)->plans));
+  PetscCall(PetscFree((*march)->row));
   PetscCall(PetscFree((*march)->clouds));
   PetscCall(PetscFree((*march)->bundles));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
@@ -269,6 +271,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->migrate_event, 0, 0, 0, 0));
   PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmRowsFind(march));
   PetscCall(PetscLogEventEnd(march->migrate_event, 0, 0, 0, 0));
   march->migrations++;
   PetscFunctionReturn(PETSC_SUCCESS);

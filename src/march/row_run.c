@@ -29,35 +29,6 @@ typedef struct {
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
-/* The number of particles from begin on that are on one line, in cells that a line of nodes has room for. */
-static PetscInt RowLength(const MpmRowArrays *a, PetscInt begin)
-{
-  const PetscInt dim = a->march->layout->dim, most = PetscMin(a->march->particles->count - begin, MPM_BLOCK);
-  PetscInt       n = 1;
-
-  for (; n < most; n++) {
-    const PetscInt on = a->cell[0][begin + n] - a->cell[0][begin];
-
-    if (on < 0 || on >= MPM_BLOCK) return n;
-    for (PetscInt d = 1; d < dim; d++)
-      if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
-  }
-  return n;
-}
-
-/* Whether the particles of a row rest at the same places along x as those that placed is of, but for whole cells. */
-static PetscBool IsAlike(const MpmRowArrays *a, PetscInt begin, PetscInt n, const Placed *placed)
-{
-  const PetscInt  *cell = a->cell[0] + begin, *of = a->cell[0] + placed->begin;
-  const PetscReal *xi = a->xi[0] + begin, *of_xi = a->xi[0] + placed->begin;
-  PetscInt         differ = 0;
-
-  if (placed->n != n) return PETSC_FALSE;
-  if (MpmBasisIsAltered(a->march->scheme->basis) && cell[0] != of[0]) return PETSC_FALSE;
-  for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of[p] - of[0]) | (xi[p] != of_xi[p]);
-  return differ ? PETSC_FALSE : PETSC_TRUE;
-}
-
 void MpmRowsMove(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
                  PetscInt after, PetscInt cell[], PetscReal xi[])
 {
@@ -72,13 +43,14 @@ void MpmRowsMove(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscIn
 }
 
 /* Finds the places of a row along x. */
-static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
 {
-  const MpmMarch *march  = a->march;
+  const MpmMarch *march = a->march;
+  const PetscInt  begin = row->begin, n = row[1].begin - begin;
   const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
   PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK], wall[2];
 
-  if (IsAlike(a, begin, n, placed)) {
+  if (row->alike) {
     placed->begin = begin;
     return;
   }
@@ -134,10 +106,10 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
   }
 }
 
-static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
 {
-  PlaceAlong(a, begin, n, after, placed);
-  PlaceAcross(a, begin, after, placed);
+  PlaceAlong(a, row, after, placed);
+  PlaceAcross(a, row->begin, after, placed);
 }
 
 PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
@@ -229,11 +201,12 @@ static void RunSpread(const MpmRowArrays *a, const MpmRowStep *step, const Place
   }
 }
 
-static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
+static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
 {
-  const Placed *placed = &w->placed[0];
+  const PetscInt begin = row->begin, n = row[1].begin - begin;
+  const Placed  *placed = &w->placed[0];
 
-  Place(a, begin, n, 0, &w->placed[0]);
+  Place(a, row, 0, &w->placed[0]);
   for (const MpmRowStep *step = a->plan->step; step < a->plan->step + a->plan->nsteps; step++) {
     if (step->kind == MPM_ROW_GATHER)
       RunGather(a, step, placed, w);
@@ -244,7 +217,7 @@ static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
     else if (step->kind == MPM_ROW_ADD)
       MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
-      Place(a, begin, n, 1, &w->placed[1]);
+      Place(a, row, 1, &w->placed[1]);
       placed = &w->placed[1];
     } else if (a->sample)
       a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
@@ -253,13 +226,9 @@ static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
 
 void MpmRowsRun(const MpmRowArrays *arrays)
 {
-  const PetscInt count = arrays->march->particles->count;
-  Work           work;
+  const MpmMarch *march = arrays->march;
+  Work            work;
 
-  work.placed[0].n = work.placed[1].n = 0;
   for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
-  for (PetscInt begin = 0, n; begin < count; begin += n) {
-    n = RowLength(arrays, begin);
-    RunRow(arrays, begin, n, &work);
-  }
+  for (PetscInt r = 0; r < march->nrows; r++) RunRow(arrays, &march->row[r], &work);
 }
