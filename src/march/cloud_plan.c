@@ -23,12 +23,18 @@ static PetscInt Place(MpmCloudPlan *plan, PetscInt node, PetscBool sums, PetscIn
   return last;
 }
 
-/* The number of a kind of weights among those of a part, where phi_ip is 0. */
-static PetscInt KindOf(const MpmRowPlan *rows, MpmCloudPart *part, MpmOpKind kind)
+/* The number of a kind of weights in a row plan, where phi_ip is 0. */
+static PetscInt Number(const MpmRowPlan *rows, MpmOpKind kind)
 {
   PetscInt number = 0;
 
   while (rows->kind[number] != kind) number++;
+  return number;
+}
+
+/* The number of a kind among those of a part, where phi_ip is 0. */
+static PetscInt KindOf(MpmCloudPart *part, PetscInt number)
+{
   if (number == 0) return 0;
   for (PetscInt k = 0; k < part->nkinds; k++)
     if (part->kind[k] == number) return k + 1;
@@ -51,8 +57,12 @@ static void Insert(MpmCloudPlan *plan, MpmCloudPart *part, MpmCloudMap map)
   plan->nmaps++;
 }
 
-/* Makes the part of a step that is of one bundle. Every kind has products of its own, in all directions. */
-static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt dim, MpmCloudPlan *plan)
+/*
+   Makes a part of a step, of one bundle and the share of the kinds that one map can have. Every kind has products of its
+   own, in all directions.
+*/
+static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt share, PetscInt dim,
+                    MpmCloudPlan *plan)
 {
   const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
   MpmCloudPart   *part    = &plan->part[plan->nparts];
@@ -63,8 +73,11 @@ static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bun
 
     if (Place(plan, l->node, spreads, &lane) != bundle) continue;
     for (const MpmRowMap *m = rows->map + l->begin; m < rows->map + l->end; m++) {
-      const PetscInt kind = KindOf(rows, part, m->weights);
+      const PetscInt number = Number(rows, m->weights);
+      PetscInt       kind;
 
+      if (PetscMax(number - 1, 0) / MPM_BUNDLE_KINDS != share) continue;
+      kind = KindOf(part, number);
       Insert(plan, part,
              (MpmCloudMap){.product  = kind ? MPM_PRODUCTS(dim, kind - 1) + l->axis : 0,
                            .lane     = lane,
@@ -93,7 +106,9 @@ void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt
     const MpmRowStep *step = &rows->step[s];
 
     plan->first[s] = plan->nparts;
-    for (PetscInt b = 0; b < plan->nbundles && step->begin < step->end; b++) AddPart(rows, step, b, dim, plan);
+    for (PetscInt b = 0; b < plan->nbundles && step->begin < step->end; b++)
+      for (PetscInt share = 0; share <= rows->nkinds / MPM_BUNDLE_KINDS; share++)
+        AddPart(rows, step, b, share, dim, plan);
     for (MpmCloudPart *part = plan->part + plan->first[s]; part < plan->part + plan->nparts; part++)
       part->run = MpmBundleMapFind(plan->bundle[part->bundle].sums, dim, basis->nodes, PetscMax(part->nkinds, 1),
                                    plan->bundle[part->bundle].width);

@@ -7,7 +7,7 @@
 /* The places of a cloud, before DRIFT or after it, and its weights, by direction and number of the kind in the plan. */
 typedef struct {
   MpmCloud  cloud;
-  PetscReal weight[MPM_MAX_DIM][1 + MPM_BUNDLE_KINDS][MPM_MOST_NODES * MPM_CLOUD];
+  PetscReal weight[MPM_MAX_DIM][MPM_MOST_KINDS][MPM_MOST_NODES * MPM_CLOUD];
 } Placed;
 
 /* Memory for a cloud while it is in a pass. product: the numbers of a cloud's particles for each product of weights. */

@@ -8,6 +8,8 @@
 #include "scheme/bundles.h"
 #include "scheme/lines.h"
 
+#define MPM_MOST_KINDS 6 /* kinds of weights: those of the operations that go to nodes */
+
 /* A map between a particle field and one of the fields of a bundle, with one of the products of weights. */
 typedef struct {
   PetscInt    product, lane, particle;
@@ -16,7 +18,7 @@ typedef struct {
 } MpmCloudMap;
 
 /*
-   The maps of a step of a row plan that are of one bundle: map[begin] to map[end - 1] of the plan, in the order of their
+   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to map[end - 1] of the plan, in the order of their
    products and lanes. kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside
    phi_ip.
 */

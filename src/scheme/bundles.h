@@ -11,7 +11,7 @@
 
 #define MPM_BUNDLE 8       /* node fields in a bundle, at most */
 #define MPM_CLOUD 64       /* particles that go through a map together, at most */
-#define MPM_BUNDLE_KINDS 3 /* kinds of weights beside phi_ip, at most */
+#define MPM_BUNDLE_KINDS 3 /* kinds of weights beside phi_ip in one map, at most */
 
 /* The number of products of weights in dim directions: phi_ip in all of them, and each kind in each direction. */
 #define MPM_PRODUCTS(dim, kinds) (1 + (dim) * (kinds))
