@@ -265,8 +265,12 @@ PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *b)
 
 /* ---- what blocks give ---- */
 
-/* The square of the Frobenius norm of the difference at a phase: of sum over d of (A_d - B_d) e^(-i beta.d). */
-static PetscReal SquareAt(const MpmProbeBlocks *one, const MpmProbeBlocks *other, const PetscReal beta[])
+/*
+   The square of the Frobenius norm of the difference at a phase: of sum over d of (A_d - B_d) e^(-i beta.d), without the rows
+   and columns of what is set apart.
+*/
+static PetscReal SquareAt(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
+                          const PetscBool apart[], const PetscReal beta[])
 {
   const PetscInt square = one->order * one->order;
   PetscReal      sum    = 0;
@@ -274,6 +278,7 @@ static PetscReal SquareAt(const MpmProbeBlocks *one, const MpmProbeBlocks *other
   for (PetscInt e = 0; e < square; e++) {
     PetscReal part[2] = {0, 0};
 
+    if (apart[e % one->order % width] || apart[e / one->order % width]) continue;
     for (int of = 0; of < 2; of++) {
       const MpmProbeBlocks *b = of ? other : one;
 
@@ -290,7 +295,8 @@ static PetscReal SquareAt(const MpmProbeBlocks *one, const MpmProbeBlocks *other
   return sum;
 }
 
-PetscReal MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other)
+PetscReal MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
+                                 const PetscBool apart[])
 {
   PetscReal largest = 0;
 
@@ -298,7 +304,7 @@ PetscReal MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks
     PetscReal beta[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(3, i * MPM_MAX_DIM + a);
-    largest = PetscMax(largest, SquareAt(one, other, beta));
+    largest = PetscMax(largest, SquareAt(one, other, width, apart, beta));
   }
   return sqrt(largest);
 }
