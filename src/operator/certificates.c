@@ -178,7 +178,7 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   PetscCall(MpmProbeRandom(p, 41, Small(p), amount, response));
   PetscCall(MpmStepperAgree(p->stepper));
   PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
-  c->value[MPM_CERTIFY_SIZES] = MpmProbeBlocksDistance(one, other, p->stepper->width, apart);
+  PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
   c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
   c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;

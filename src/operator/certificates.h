@@ -58,7 +58,6 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
 */
 PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, MpmCertificates *certificates);
 PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, const PetscBool apart[],
-                                MpmCertificates *certificates);
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 MpmCertificates *certificates);
