@@ -474,6 +474,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
    .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+  {"verbose", MPM_SWITCH, "false", "also print the symbols alpha, kappa and mu at the wave that sets the limit",
+   .tasks = "critical", ASKED(AS_SWITCH, verbose)},
   {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
    .tasks = "symbol", ASKED(AS_SWITCH, damping)},
   {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
