@@ -173,7 +173,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
     PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
-    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], &p->certificates));
+    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], p->unread.apart, &p->certificates));
     PetscCall(Reduce(p, &probed[1], other));
     PetscCall(MpmProbeBlocksDestroy(&probed[1]));
   }
@@ -222,9 +222,9 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
     PetscCall(Matrix(p, p->probe.other, &B));
-    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, B, &p->certificates));
-    if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
+    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, &p->certificates));
+    if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MatDestroy(&B));
   }
   PetscCall(MatDestroy(&A));
