@@ -4,6 +4,7 @@
 */
 #pragma once
 #include "analysis/modes.h"
+#include "operator/certificates.h"
 #include "symbol/predict.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/run.h"
@@ -12,7 +13,7 @@
 /*S
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
-   scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
+   certificates: NULL, or what shows that a matrix of a file is that of a step. scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
    nullity or leading modes.
 
    radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
@@ -21,6 +22,7 @@
    are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
    on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
    ranks, beyond those that it had before.
+   nodal: the operator of the nodes, which the eigenvalues were sought of; NULL where they are of the particles'.
    run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
    NULL when not asked for, or when the operator's numbers leave the range of doubles. leading: the modes of the first
    listed eigenvalues, in two and three dimensions; none in one.
@@ -29,8 +31,10 @@ S*/
 typedef struct {
   const MpmScene    *scene;
   const MpmRequest  *request;
+  MpmCertificates   *certificates;
   PetscMPIInt        ranks;
   MpmOperator       *op;
+  MpmReduced        *nodal;
   MpmEigen          *eigen;
   MpmSymbol         *symbol;
   MpmRun            *run;

@@ -38,6 +38,7 @@ struct MpmMarch_ {
   MpmCloudPlan    *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
   PetscReal       *bundles;
   PetscInt         nnodes, slack, nrows;
+  PetscInt         fullest; /* the largest number of particles that this rank has had */
   Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
   PetscInt64       step, migrations;
@@ -53,6 +54,9 @@ struct MpmMarch_ {
    output it includes those of the run's output.
 */
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
+
+/* Collective. The largest number of particles that a rank has had, over the mean. */
+PetscErrorCode MpmMarchLoad(const MpmMarch *march, PetscReal *load);
 
 /* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude) and sums them to the nodes. */
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);

@@ -31,9 +31,28 @@ const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
                                             "the block of cells is too small for the reach of a step",
                                             "the columns are not those of the whole state"};
 
+PetscBool MpmCertificatesTaken(const MpmCertificates *c)
+{
+  for (int i = 0; i < MPM_CERTIFICATES; i++)
+    if (!isnan(c->value[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
 {
   return isnan(c->value[which]) || c->value[which] <= c->bound[which] ? PETSC_FALSE : PETSC_TRUE;
+}
+
+void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *c)
+{
+  c->tolerance = tolerance;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) {
+    c->value[i] = NAN;
+    c->bound[i] = tolerance;
+  }
+  c->bound[MPM_CERTIFY_ADDITIVITY] = c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM] = single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_SIZES]       = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
 }
 
 /* Everything at once is perturbed by little, so that products of two perturbations are small. */
@@ -150,13 +169,7 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates 
   const PetscReal size = Small(p);
 
   PetscFunctionBegin;
-  for (int i = 0; i < MPM_CERTIFICATES; i++) {
-    c->value[i] = NAN;
-    c->bound[i] = tolerance;
-  }
-  c->bound[MPM_CERTIFY_ADDITIVITY] = c->bound[MPM_CERTIFY_ONE_SIDED] = SWITCHES;
-  c->bound[MPM_CERTIFY_EQUILIBRIUM]                                  = p->single ? AT_REST_SINGLE : AT_REST;
-  c->bound[MPM_CERTIFY_SIZES]                                        = (p->single ? SPREAD_SINGLE : SPREAD) * tolerance;
+  MpmCertificatesBegin(p->single, tolerance, c);
   PetscCall(Repeat(p, &c->value[MPM_CERTIFY_REPEAT]));
   PetscCall(Additivity(p, size, &c->value[MPM_CERTIFY_ADDITIVITY]));
   PetscCall(OneSided(p, size, &c->value[MPM_CERTIFY_ONE_SIDED]));
@@ -167,7 +180,7 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates 
 }
 
 PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, MpmCertificates *c)
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ;
@@ -178,10 +191,9 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   PetscCall(MpmProbeRandom(p, 41, Small(p), amount, response));
   PetscCall(MpmStepperAgree(p->stepper));
   PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
-  c->value[MPM_CERTIFY_SIZES] = MpmProbeBlocksDistance(one, other);
+  PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
   c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
-  c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
   PetscCall(PetscFree2(amount, response));
   PetscCall(Share(c));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -211,7 +223,8 @@ static PetscErrorCode Norm2(Mat E, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat other, MpmCertificates *c)
+PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
+                                MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ, largest = 0;
@@ -235,11 +248,10 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
   PetscCall(VecAssemblyEnd(y));
   PetscCall(VecNorm(y, NORM_INFINITY, &differ));
   c->value[MPM_CERTIFY_COLUMNS] = largest > 0 ? differ / largest : 0;
-  c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
   PetscCall(VecDestroy(&x));
   PetscCall(VecDestroy(&y));
   PetscCall(PetscFree2(amount, response));
-  PetscCall(MatDuplicate(one, MAT_COPY_VALUES, &E));
+  PetscCall(MatDuplicate(kept, MAT_COPY_VALUES, &E));
   PetscCall(MatAXPY(E, -1, other, DIFFERENT_NONZERO_PATTERN));
   PetscCall(Norm2(E, &c->value[MPM_CERTIFY_SIZES]));
   PetscCall(MatDestroy(&E));

@@ -37,13 +37,20 @@ typedef enum {
 extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *const MpmCertificateTexts[];
 
 /*S
-   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN.
+   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
+   the operator that does not matter.
 S*/
 typedef struct {
-  PetscReal value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES];
+  PetscReal value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
 } MpmCertificates;
 
-/* Not collective. Whether a certificate was taken and does not hold. */
+#define MPM_TOLERANCE_SINGLE 1e-5 /* of a verdict: what single precision can tell */
+
+/* Not collective. Sets the bounds; no certificate is taken. */
+void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *certificates);
+
+/* Not collective. Whether any certificate was taken, and whether one was taken and does not hold. */
+PetscBool MpmCertificatesTaken(const MpmCertificates *certificates);
 PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
 
 /*
@@ -51,10 +58,13 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
    MpmCertifyBlocks - adds two sizes, reach and columns, of blocks that were probed with the two sizes of probe.
    MpmCertifyMatrix - does the same for a matrix.
 
+   What is set apart does not count for two sizes, because no eigenvalue that is judged feels its error: apart[c] says
+   whether number c of a particle is; kept and other are without it, one is with it.
+
    Collective. tolerance: the error of the operator that does not matter.
 */
 PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, MpmCertificates *certificates);
 PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, MpmCertificates *certificates);
-PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat other,
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *certificates);
+PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 MpmCertificates *certificates);

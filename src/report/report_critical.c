@@ -152,7 +152,7 @@ PetscErrorCode MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCritical *c)
+static PetscErrorCode PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
 {
   char wave[256];
 
@@ -160,12 +160,12 @@ static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCr
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!isnan(c->fading) && !isnan(c->courant))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
-             c->fading, tolerance);
+             c->fading, request->tolerance);
   PetscCall(MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave));
   MpmPrint("  limited by   %s", wave);
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
-  if (c->closed > 0 && isfinite(c->closed))
+  if (request->verbose && c->closed > 0 && isfinite(c->closed))
     MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (-DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
              "(transfer)\n",
              c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
@@ -205,8 +205,8 @@ static PetscErrorCode PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (c->assembled)
-    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
-             c->order, c->evaluations);
+    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers\n",
+             c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations);
   else if (c->phases)
     MpmPrint("searched: %s%" PetscInt_FMT " phases in (0, pi] of each direction and uphill from the largest growths, "
              "%" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
@@ -231,7 +231,7 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   if (c) {
     MpmPrint("\n");
     PetscCall(PrintLimit(s, request->tolerance, c));
-    PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
+    PetscCall(PrintReason(s->layout.dim, request, c));
     if (MpmSceneHasStep(s)) PetscCall(PrintAsked(s, request->tolerance, c));
   }
   if (all)

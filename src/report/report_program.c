@@ -35,7 +35,7 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
 }
 
 /* Names the numbers of particles that are set apart, field by field. */
-static PetscErrorCode PrintApart(const MpmProgram *p)
+PetscErrorCode MpmReportApart(const MpmProgram *p)
 {
   const MpmStepper *s       = p->stepper;
   const char       *between = "";
@@ -56,38 +56,16 @@ static PetscErrorCode PrintApart(const MpmProgram *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCertificates(const MpmProgram *p)
-{
-  const MpmCertificates *of = &p->certificates;
-
-  PetscFunctionBegin;
-  MpmPrint("\ncertificates\n");
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(of->value[c])) continue;
-    MpmPrint("  %-12s%-9.2g %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
-             MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
-    if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
-  }
-  PetscCall(PrintApart(p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 json_t *MpmJsonProgram(const MpmProgram *p)
 {
   const MpmStepper *s = p->stepper;
-  json_t           *object, *certificates = json_object(), *apart = json_array();
+  json_t           *object, *apart = json_array();
 
   object = json_pack("{s:s, s:s, s:I, s:i, s:i, s:I, s:b, s:f, s:f}", "name", s->name, "probing",
                      MpmProbeNames[p->kind], "particles", (json_int_t)s->particles, "numbers", (int)s->width, "steps",
                      (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
                      p->probe.size, "other_size", p->probe.other);
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(p->certificates.value[c])) continue;
-    json_object_set_new(certificates, MpmCertificateNames[c],
-                        json_pack("{s:f, s:f, s:b}", "value", p->certificates.value[c], "bound",
-                                  p->certificates.bound[c], "holds", !MpmCertificateFails(&p->certificates, c)));
-  }
-  json_object_set_new(object, "certificates", certificates);
+  json_object_set_new(object, "certificates", MpmJsonCertificates(&p->certificates));
   for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
     if (p->unread.apart[i]) json_array_append_new(apart, json_integer(i));
   json_object_set_new(object, "set_apart", apart);

@@ -1,5 +1,5 @@
 /* Prints the table of the task spectrum. */
-#include "report/report.h"
+#include "report/report_certificates.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -81,6 +81,11 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
     MpmPrint("; it differs from the march by %.1e\n", s->step_mismatch);
   else
     MpmPrint("; not compared: the march leaves the range of doubles\n");
+  if (s->eigen->small)
+    MpmPrint("nodes' own operator: order %" PetscInt_FMT
+             ", whose eigenvalues these are, and those that particles keep by "
+             "themselves; it agrees with the particles' to %.1e\n",
+             s->eigen->small->order, s->nodal->mismatch);
   if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
@@ -131,6 +136,7 @@ PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request
     PetscCall(MpmReportScene(scene, request, ranks));
   else if (!MpmRequestProbes(request)) /* whose heading is printed before it is probed */
     PetscCall(MpmReportFile(request, "the matrix", ranks));
+  if (s && s->certificates) PetscCall(MpmReportCertificates(s->certificates));
   if (s) PetscCall(PrintBulk(s));
   if (all)
     PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));

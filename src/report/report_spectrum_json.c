@@ -1,5 +1,5 @@
 /* Writes the result of the task spectrum as a JSON object. */
-#include "report/report.h"
+#include "report/report_certificates.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -13,6 +13,10 @@ static json_t *Operator(const MpmSpectrum *s)
   if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);
   json_object_set_new(object, "solver", json_string(s->eigen->solver));
+  if (s->eigen->small) {
+    json_object_set_new(object, "nodal_unknowns", json_integer(s->eigen->small->order));
+    MpmJsonSet(object, "nodal_mismatch", s->nodal->mismatch);
+  }
   json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
   json_object_set_new(object, "listed", json_integer(s->eigen->n));
   MpmJsonSet(object, "spectral_radius", s->radius);
@@ -66,6 +70,7 @@ static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
     json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
     json_object_set_new(object, "run", run);
   }
+  if (s->certificates) json_object_set_new(object, "certificates", MpmJsonCertificates(s->certificates));
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
   PetscFunctionReturn(PETSC_SUCCESS);
