@@ -67,6 +67,7 @@ PetscErrorCode MpmProgramPrepare(MpmProgram *p)
 {
   PetscFunctionBegin;
   PetscCall(MpmProbeCreate(p->stepper, &p->probe));
+  if (p->alike) MpmProbeSizesOf(&p->probe, p->alike);
   PetscCall(Choose(p));
   PetscCall(MpmProbeBegin(&p->probe, p->why[0] ? 1 : LONGEST));
   p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, TOLERANCE_SINGLE) : p->request->tolerance;

@@ -303,6 +303,14 @@ static PetscErrorCode Share(MpmProbe *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmProbeSizesOf(MpmProbe *p, const MpmProbe *other)
+{
+  p->single = other->single;
+  p->size   = other->size;
+  p->other  = other->other;
+  p->bends  = other->bends;
+}
+
 PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
 {
   MpmStepper      *s = p->stepper;
@@ -319,9 +327,11 @@ PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
   if (s->place == MPM_NONE || !HasShifted(s, p->near, p->rest, p->shift))
     PetscCall(PetscArrayzero(p->shift, MPM_MAX_DIM));
   p->moved = Moved(p);
-  PetscCall(AnswersFloats(p, again));
+  if (p->size == 0) {
+    PetscCall(AnswersFloats(p, again));
+    PetscCall(ChooseSizes(p));
+  }
   PetscCall(PetscFree(again));
-  PetscCall(ChooseSizes(p));
   PetscCall(MpmStepperAgree(s));
   PetscCall(Share(p));
   PetscFunctionReturn(PETSC_SUCCESS);

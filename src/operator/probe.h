@@ -42,6 +42,9 @@ PetscErrorCode MpmProbeCreate(MpmStepper *stepper, MpmProbe *probe);
 PetscErrorCode MpmProbeBegin(MpmProbe *probe, PetscInt longest);
 PetscErrorCode MpmProbeDestroy(MpmProbe *probe);
 
+/* Not collective. Takes precision and sizes from another probe, before MpmProbeBegin, which then does not look for them. */
+void MpmProbeSizesOf(MpmProbe *probe, const MpmProbe *other);
+
 /*
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of
    unknown[i], which must be different ones; amount[i] is replaced by what the code's arithmetic makes of it.

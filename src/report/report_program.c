@@ -94,25 +94,17 @@ json_t *MpmJsonProgram(const MpmProgram *p)
   return object;
 }
 
-static const PetscReal *PlaceOf(const MpmStepper *s, PetscInt64 particle)
-{
-  return s->place == MPM_NONE ? NULL : s->base + particle * s->width + s->fields[s->place].first;
-}
-
-PetscErrorCode MpmReportCarriers(const MpmProgram *p, const MpmCarriers *c)
+PetscErrorCode MpmReportCarriers(const MpmCarriers *c)
 {
   char place[96];
 
   PetscFunctionBegin;
   if (!c->n) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most,
-           p->stepper->particles);
+  MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most, c->all);
   for (PetscInt i = 0; i < c->n; i++) {
-    const PetscReal *at = PlaceOf(p->stepper, c->particle[i]);
-
     MpmPrint("%s particle %" PetscInt64_FMT, i ? "," : "", c->particle[i]);
-    if (at) {
-      PetscCall(MpmReportVector(p->stepper->dim, at, 6, sizeof place, place));
+    if (c->dim) {
+      PetscCall(MpmReportVector(c->dim, c->place[i], 6, sizeof place, place));
       MpmPrint(" at %s", place);
     }
     MpmPrint(" %.3g%%", (double)(100 * c->share[i]));
@@ -121,16 +113,15 @@ PetscErrorCode MpmReportCarriers(const MpmProgram *p, const MpmCarriers *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-json_t *MpmJsonCarriers(const MpmProgram *p, const MpmCarriers *c)
+json_t *MpmJsonCarriers(const MpmCarriers *c)
 {
   json_t *list = json_array();
 
   for (PetscInt i = 0; i < c->n; i++) {
-    const PetscReal *at    = PlaceOf(p->stepper, c->particle[i]);
-    json_t          *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
-    json_t          *place = json_array();
+    json_t *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
+    json_t *place = json_array();
 
-    for (PetscInt a = 0; a < p->stepper->dim && at; a++) json_array_append_new(place, json_real(at[a]));
+    for (PetscInt a = 0; a < c->dim; a++) json_array_append_new(place, json_real(c->place[i][a]));
     json_object_set_new(one, "place", place);
     json_array_append_new(list, one);
   }

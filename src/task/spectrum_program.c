@@ -89,10 +89,10 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(MpmProgramJudge(p, other, isnan(s->condition) ? 1 : s->condition, &s->finding));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
-  PetscCall(MpmReportCarriers(p, &carriers));
+  PetscCall(MpmReportCarriers(&carriers));
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
-  json_object_set_new(one, "carriers", MpmJsonCarriers(p, &carriers));
+  json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));
