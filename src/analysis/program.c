@@ -182,13 +182,17 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
 
 /* ---- verdict ---- */
 
-/* Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. */
+/*
+   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
+   too far away may be felt in every cell.
+*/
 static PetscBool IsBeyond(const MpmProgram *p, MpmCertificate c, PetscReal condition, const MpmFinding *f)
 {
   const PetscReal value = p->certificates.value[c], excess = f->growth - 1;
+  const PetscReal each = c == MPM_CERTIFY_REACH && p->lattice.sites ? p->stepper->particles / p->lattice.sites : 1;
 
   if (c == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
-  return excess > f->tolerance + condition * value ? PETSC_TRUE : PETSC_FALSE;
+  return excess > f->tolerance + condition * value * each ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscErrorCode MpmProgramJudge(const MpmProgram *p, PetscReal other, PetscReal condition, MpmFinding *f)

@@ -37,10 +37,12 @@ typedef enum {
 extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *const MpmCertificateTexts[];
 
 /*S
-   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN.
+   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. most[c] is the unknown
+   that shows it most, or MPM_NONE.
 S*/
 typedef struct {
-  PetscReal value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES];
+  PetscReal  value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES];
+  PetscInt64 most[MPM_CERTIFICATES];
 } MpmCertificates;
 
 /* Not collective. Whether a certificate was taken and does not hold. */

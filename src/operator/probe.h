@@ -21,16 +21,17 @@
    scale   - for each number of a particle what a change of order 1 means
    size, other - the two sizes of perturbations, in scales
    bends   - how much the response to a random perturbation depends on its size, relative to it; where nothing switches
-             it is small
+             it is small; bends_at: the unknown of which that is so
    rest    - the state after steps from the base
    moved   - the largest change of a number in an application to the base, over its scale, without the shift: 0 in
-             equilibrium
+             equilibrium; moved_at: its unknown
 S*/
 typedef struct {
   MpmStepper *stepper;
   PetscInt    steps, shift[MPM_MAX_DIM];
   PetscBool   single;
   PetscReal  *scale, near, size, other, bends, *rest, moved;
+  PetscInt64  bends_at, moved_at;
 } MpmProbe;
 
 /*

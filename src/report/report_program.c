@@ -34,6 +34,26 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Names the number of a particle that shows most that a certificate fails, with its place. */
+static PetscErrorCode PrintMost(const MpmStepper *s, PetscInt64 unknown)
+{
+  const PetscReal *at;
+  char             place[96];
+  PetscInt         f = 0;
+
+  PetscFunctionBegin;
+  if (unknown == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  while (f + 1 < s->nfields && s->fields[f + 1].first <= unknown % s->width) f++;
+  MpmPrint("  %-12smost at %s of particle %" PetscInt64_FMT, "", s->fields[f].name, unknown / s->width);
+  at = MpmStepperPlace(s, unknown / s->width);
+  if (at) {
+    PetscCall(MpmReportVector(s->dim, at, 6, sizeof place, place));
+    MpmPrint(", which is at %s", place);
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Names the numbers of particles that are set apart, field by field. */
 static PetscErrorCode PrintApart(const MpmProgram *p)
 {
@@ -66,7 +86,9 @@ PetscErrorCode MpmReportCertificates(const MpmProgram *p)
     if (isnan(of->value[c])) continue;
     MpmPrint("  %-12s%-9.2g %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
              MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
-    if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
+    if (!MpmCertificateFails(of, c)) continue;
+    MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
+    PetscCall(PrintMost(p->stepper, of->most[c]));
   }
   PetscCall(PrintApart(p));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -86,6 +108,9 @@ json_t *MpmJsonProgram(const MpmProgram *p)
     json_object_set_new(certificates, MpmCertificateNames[c],
                         json_pack("{s:f, s:f, s:b}", "value", p->certificates.value[c], "bound",
                                   p->certificates.bound[c], "holds", !MpmCertificateFails(&p->certificates, c)));
+    if (p->certificates.most[c] != MPM_NONE)
+      json_object_set_new(json_object_get(certificates, MpmCertificateNames[c]), "particle",
+                          json_integer((json_int_t)(p->certificates.most[c] / s->width)));
   }
   json_object_set_new(object, "certificates", certificates);
   for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
