@@ -5,6 +5,7 @@
 #include "base/stop.h"
 #include "base/suggest.h"
 #include "task/task.h"
+#include "task/words.h"
 #include <signal.h>
 #include <string.h>
 
@@ -30,11 +31,20 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
 
   PetscFunctionBegin;
   PetscCall(CheckTrap());
-  if (argc < 2 || !strcmp(argv[1], "help")) {
-    PetscCall(MpmPrintUsage());
-    *status = MPM_EXIT_DONE;
+  *status = MPM_EXIT_DONE;
+  if (argc > 1 && !strcmp(argv[1], "version")) {
+    MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (argc > 2 && !strcmp(argv[1], "help")) {
+    PetscCall(MpmPrintHelp(argv[2]));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (argc < 2 || !strcmp(argv[1], "help")) {
+    PetscCall(MpmPrintUsage());
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *status = MPM_EXIT_FAILED;
   for (; MpmTasks[n].name; n++) {
     names[n] = MpmTasks[n].name;
     if (strcmp(argv[1], MpmTasks[n].name)) continue;
@@ -53,14 +63,7 @@ int main(int argc, char **argv)
 
   MpmLaunchStandardFiles();
   if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
-  for (int i = 1; i < argc; i++) /* PETSc would print its own version or help, and end the program */
-    if (!strcmp(argv[i], "-help") || !strcmp(argv[i], "--help") || !strcmp(argv[i], "-h") ||
-        !strcmp(argv[i], "-version") || !strcmp(argv[i], "--version")) {
-      static char help[] = "help";
-
-      argv[1] = help;
-      argc    = 2;
-    }
+  if (MpmWordsRead(&argc, &argv)) return MPM_EXIT_FAILED; /* PETSc would answer -help and -version by itself */
   if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reader, not the work; PETSc would print a stack trace */
   (void)signal(SIGXFSZ, SIG_IGN); /* writing beyond 'ulimit -f' then fails like any other write */

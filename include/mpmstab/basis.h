@@ -46,6 +46,8 @@ extern const char *const MpmSplineEndNames[];
      P2G_AFFINE  node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) / h
      DIV         node[i]     += a h sum_p dphi_ip/dx particle[p]
      DIV_MLS     node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) h / sum_j phi_jp (x_j - x_p)^2
+     CURVE       node[i]     += a h^2 sum_p d2phi_ip/dx2 particle[p]
+     CURVE_MLS   node[i]     += a sum_p particle[p] h d/dx_p of the weight of DIV_MLS
      G2P         particle[p] += a sum_i phi_ip node[i]
      G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
      GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
@@ -76,6 +78,9 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
    wall_nodes  - between walls there are so many nodes more than cells
    spline_ends - how functions next to walls differ from all others
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
+   curve_sum   - a bound of h^2 sum_i abs(d2phi_ip/dx2), and of h times the sum of the slopes of DIV_MLS's weights; 0 for
+                 hats, whose slopes do not change but on nodes
+   smooth      - the slopes of the functions have slopes at any place of a particle
    kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
    p2g_mass    - P2G with the nodal masses
    first_nodes - for n particles at xi in cells cell, the first node that each has a weight at
@@ -86,7 +91,8 @@ typedef struct {
   const char   *name, *summary, *reference;
   PetscInt      reach_left, reach_right, nodes, wall_nodes;
   MpmSplineEnds spline_ends;
-  PetscReal     slope_sum;
+  PetscReal     slope_sum, curve_sum;
+  PetscBool     smooth;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
   void (*first_nodes)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscInt first[]);

@@ -25,6 +25,8 @@
    MPM_P2G_AFFINE - node = a sum_p phi_ip m_p particle (x_i - x_p) / h
    MPM_DIV        - node = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
    MPM_DIV_MLS    - node = a sum_p phi_ip (x_i - x_p) h / D_p V_p particle, the adjoint of GRAD_MLS
+   MPM_CURVE      - node = a h^2 sum_p d2phi_ip/dx2 V_p particle: the force that a prestress makes of displacements
+   MPM_CURVE_MLS  - the same with the slopes of DIV_MLS's weights
 
    From nodes to particles. These always accumulate:
    MPM_G2P        - particle += a sum_i phi_ip node
@@ -35,7 +37,7 @@
                     gradient of the affine field that fits the nodes best (Hu et al. 2018). For hats it is GRAD.
    MPM_G2P_SLOPE  - particle += a h sum_i dphi_ip/dx node: GRAD without the stiffness, for the slopes of a velocity
 
-   P2G_AFFINE, DIV, LAP, G2P_AFFINE, G2P_SLOPE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
+   P2G_AFFINE, DIV, CURVE, LAP, G2P_AFFINE, G2P_SLOPE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
@@ -50,6 +52,9 @@
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
    MPM_FILTER_BEFORE, MPM_FILTER_AFTER - the same where the filter of the space is before, or after the step takes the
                     nodal values of the field; nothing where it is not
+   MPM_MOVE       - x += k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else nothing.
+                    Node fields whose sum is the grid's velocity have one each.
+   MPM_MOVE_PROJECTED - takes the place of all MOVE where particles move with the projected velocity
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
                     was imposed
@@ -59,6 +64,8 @@ typedef enum {
   MPM_P2G_AFFINE,
   MPM_DIV,
   MPM_DIV_MLS,
+  MPM_CURVE,
+  MPM_CURVE_MLS,
   MPM_G2P,
   MPM_G2P_AFFINE,
   MPM_GRAD,
@@ -74,6 +81,8 @@ typedef enum {
   MPM_FILTER,
   MPM_FILTER_BEFORE,
   MPM_FILTER_AFTER,
+  MPM_MOVE,
+  MPM_MOVE_PROJECTED,
   MPM_IMPOSE,
   MPM_REACT
 } MpmOpKind;
@@ -159,6 +168,8 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define FILTER(particle, node)         {.kind = MPM_FILTER, .dst = particle, .src = node, .factor = 1}
 #define FILTER_BEFORE(particle, node)  {.kind = MPM_FILTER_BEFORE, .dst = particle, .src = node, .factor = 1}
 #define FILTER_AFTER(particle, node)   {.kind = MPM_FILTER_AFTER, .dst = particle, .src = node, .factor = 1}
+#define MOVE(node)                     {.kind = MPM_MOVE, .dst = MPM_NONE, .src = node, .factor = 1}
+#define MOVE_PROJECTED(node)           {.kind = MPM_MOVE_PROJECTED, .dst = MPM_NONE, .src = node, .factor = 1}
 #define IMPOSE(node)                   {.kind = MPM_IMPOSE, .dst = node, .src = node}
 #define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
 /* clang-format on */
@@ -193,6 +204,9 @@ typedef struct {
             it is an eigenvalue of DIV STRESS GRAD.
    mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
             In more dimensions it is a square root of the sum of the squares over the directions.
+   chi    - with a prestress s0: s0 times the symbol of CURVE G2P, which is the mean over a cell's particles of
+            conj(symbol of h^2 d2phi/dx2) times that of phi; kappa is then multiplied by 1 + s0
+   projected - particles move with the projected velocity
    lap    - the symbol of -LAP: 4 sin^2(beta / 2), in more dimensions the sum over the directions
    filter - the filter symbol (see MpmTransfer), 1 for flip; f in the formulas
    taken  - the symbol of what a step with FILTER_BEFORE and FILTER_AFTER takes of old nodal values: 1, or the filter
@@ -202,7 +216,8 @@ typedef struct {
 S*/
 typedef struct {
   PetscReal      alpha, kappa, lap, filter, taken;
-  double complex mu;
+  double complex mu, chi;
+  PetscBool      projected;
 } MpmCellSymbols;
 
 /* A scheme as it is written in a scene or in a file of its own. */

@@ -30,6 +30,7 @@ typedef struct {
    inclusion - the box in which the second material is: for each direction two places, in cells
 S*/
 typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
+#define MPM_MATERIAL_KINDS 3
 
 typedef struct {
   MpmMaterialKind kind;

@@ -7,6 +7,13 @@
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
 
+/*E
+   MpmLaw - the material of a stretched state: linear, that is none, compressible neo-Hookean, Saint Venant and Kirchhoff,
+   Tait's liquid, gas at constant temperature, or a power of density (src/scene/scene_prestress.c).
+E*/
+typedef enum { MPM_LAW_LINEAR, MPM_LAW_NEO, MPM_LAW_SVK, MPM_LAW_TAIT, MPM_LAW_GAS, MPM_LAW_POLYTROPIC } MpmLaw;
+extern const char *const MpmLawNames[];
+
 /*S
    MpmScene - one problem. Length and time are in units of the user's choice; everything else follows from them
    (THEORY.md, section 1).
@@ -23,6 +30,9 @@
    polarisation         - which way the material moves in a mode
    stagger              - the field that is updated first starts half a step early
    written, own         - a scheme as text, and the formulation that was made of it; NULL where a formulation is named
+   law, stretch         - the material, and the stretch F0 that the scheme is linear about. They give the prestress
+                          (MpmSpace) and the wave speed in the stretched state.
+   lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
 typedef struct {
@@ -38,6 +48,8 @@ typedef struct {
   MpmWritten     *written;
   MpmFormulation *own;
   char            scheme_hash[17], parameters[512];
+  MpmLaw          law;
+  PetscReal       stretch, lame_ratio, exponent;
 } MpmScene;
 
 /*

@@ -20,11 +20,12 @@
    nnodes        - the number of node registers
    unfiltered    - the number of state registers that no filter acts on
    fields        - the names of the state registers, NULL-terminated; with more than one dimension v_x, s_xy and so on
-   field         - field[r]: the field of the formulation that state register r is a component of, or MPM_NONE for an
-                   affine part
+   field         - field[r]: the field of the formulation that state register r is a component of, MPM_NONE for an
+                   affine part, or MPM_DISPLACEMENT
    component     - component[r]: which of the field's components it is
    parity        - parity[n][a]: what node register n is beyond the ends of direction a
    filtered      - filtered[r]: the filter of the transfer acts on state register r
+   displacement  - the first register of the displacement of particles, or MPM_NONE
    affine        - the first register of the vector that has an affine part, or MPM_NONE
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
    affine_map    - the kind of operation that fills the affine part from nodes: G2P_AFFINE or G2P_SLOPE
@@ -40,7 +41,7 @@ struct MpmTable_ {
   PetscInt           field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
   MpmParity          parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
   PetscBool          filtered[MPM_MAX_FIELDS];
-  PetscInt           affine, affine_part;
+  PetscInt           displacement, affine, affine_part;
   MpmOpKind          affine_map;
   MpmEnd             ends[MPM_MAX_DIM][2];
   char               where[512];
@@ -69,6 +70,15 @@ E*/
 typedef enum { MPM_FILTERS_AFTER, MPM_FILTERS_BEFORE } MpmFilterTime;
 extern const char *const MpmFilterTimeNames[];
 
+/*E
+   MpmMove - the velocity of the grid that particles move with.
+
+   MPM_MOVES_WITH_GRID - the new velocity of the grid, before particles send theirs a second time
+   MPM_MOVES_PROJECTED - the velocity of the second P2G, in formulations that have one
+E*/
+typedef enum { MPM_MOVES_WITH_GRID, MPM_MOVES_PROJECTED } MpmMove;
+extern const char *const MpmMoveNames[];
+
 /*S
    MpmSpace - what a table depends on besides formulation and transfer.
 
@@ -78,6 +88,11 @@ extern const char *const MpmFilterTimeNames[];
               it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
               lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
    filter   - when the transfer's filter acts, in formulations with FILTER_BEFORE and FILTER_AFTER
+   prestress - s0 = sigma0 / (rho c^2), the stress of the state that the scheme is linear about; 0: without one. c is the
+              speed of small waves about this state, c^2 = F0^2 P'(F0) / rho0.
+   displaced - particles carry their displacement, which the prestress makes a force of. Not with hats: their slopes
+              are the same all over a cell, so that there is none.
+   move     - with a prestress, the velocity that particles move with
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
 S*/
@@ -86,6 +101,9 @@ typedef struct {
   MpmGradient   gradient;
   PetscReal     poisson;
   MpmFilterTime filter;
+  PetscReal     prestress;
+  PetscBool     displaced;
+  MpmMove       move;
   MpmEnd        ends[MPM_MAX_DIM][2];
 } MpmSpace;
 
@@ -119,6 +137,9 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
      GRAD to a vector        u_a += GRAD_a r
      GRAD to a number        r += sum_a GRAD_a u_a
      LAP                     the sum over the directions
+     MOVE                    x_a += k G2P_a, with a prestress, in cells
+     DIV of a stress, with a prestress s0 in one dimension (theory of the tangent, THEORY.md, section 9):
+                             a = (1 + s0) DIV s + s0 CURVE x
 
    With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
    that part, one for each direction. Particles take what a transfer's sharpen makes of node fields, in G2P and GRAD.

@@ -5,7 +5,8 @@
 #pragma once
 #include <mpmstab/boundary.h>
 
-#define MPM_NONE -1 /* no field, no register */
+#define MPM_NONE -1         /* no field, no register */
+#define MPM_DISPLACEMENT -2 /* the displacement of particles in cells, a field that a prestress adds to all others */
 
 /*E
    MpmInitial - the initial data of a run.
@@ -90,7 +91,8 @@ typedef struct {
                    squares is energy per density
 
    Fields have the numbers of the formulation's particle fields, and components those of MpmTable. Field MPM_NONE of a
-   first-order problem is the affine part that some transfers give to velocities, h times the gradient.
+   first-order problem is the affine part that some transfers give to velocities, h times the gradient. Field
+   MPM_DISPLACEMENT is c / h times the integral of the velocity.
 
    Not collective: value, amplitude and velocity_unit.
 S*/

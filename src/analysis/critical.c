@@ -65,7 +65,8 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
-  if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected) {
+  if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
+      scheme->space.prestress == 0) {
     PetscCall(layout->dim == 1 ? ClosedOnLine(&predictor, c) : MpmCriticalClosedInSpace(&predictor, c));
     if (!isnan(c->closed)) KeepSymbols(&predictor, c);
   }

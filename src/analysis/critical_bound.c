@@ -33,8 +33,9 @@ PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
   const MpmSpace *space = &scheme->space;
   PetscReal       least = INFINITY, chi = 1;
 
-  if (!scheme->formulation->mls_bound || !scheme->transfer->mls_bound || space->gradient != MPM_GRADIENT_MLS ||
-      layout->material.kind != MPM_MATERIAL_UNIFORM || MpmBasisIsAltered(scheme->basis))
+  if (space->prestress != 0 || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
+      space->gradient != MPM_GRADIENT_MLS || layout->material.kind != MPM_MATERIAL_UNIFORM ||
+      MpmBasisIsAltered(scheme->basis))
     return 0;
   for (PetscInt a = 0; a < layout->dim; a++) least = PetscMin(least, LeastSpread(scheme->basis, layout->half_width[a]));
   if (layout->dim > 1) chi += (PetscReal)(layout->dim - 1) * space->poisson / (1 - space->poisson);

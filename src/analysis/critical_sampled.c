@@ -316,8 +316,7 @@ PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphi
 static PetscInt VectorOf(const MpmScheme *scheme)
 {
   for (PetscInt r = 0; r < scheme->table->nstate; r++)
-    if (scheme->table->field[r] != MPM_NONE &&
-        scheme->formulation->particle_ranks[scheme->table->field[r]] == MPM_VECTOR)
+    if (scheme->table->field[r] >= 0 && scheme->formulation->particle_ranks[scheme->table->field[r]] == MPM_VECTOR)
       return r;
   return MPM_NONE;
 }

@@ -116,7 +116,8 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   PetscBool             bounded = PETSC_TRUE;
 
   PetscFunctionBegin;
-  *lone = (MpmLone){.known = f->limit && f->corrected && MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
+  *lone = (MpmLone){.known = scheme->space.prestress == 0 && f->limit && f->corrected &&
+                                     MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
                                  ? PETSC_TRUE
                                  : PETSC_FALSE};
   for (PetscInt a = 0; a < layout->dim; a++) {

@@ -33,7 +33,7 @@ static PetscInt VectorOf(const MpmScheme *scheme)
   const MpmTable *table = scheme->table;
 
   for (PetscInt r = 0; r < table->nstate && table->dim > 1; r++)
-    if (table->field[r] != MPM_NONE && scheme->formulation->particle_ranks[table->field[r]] == MPM_VECTOR) return r;
+    if (table->field[r] >= 0 && scheme->formulation->particle_ranks[table->field[r]] == MPM_VECTOR) return r;
   return MPM_NONE;
 }
 

@@ -4,6 +4,7 @@
 
 #define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
 #define BETWEEN_S 0.5
+#define BETWEEN_LINES_S 60.0 /* in a log */
 
 static MpmProgressWish wish = MPM_PROGRESS_NEVER;
 static PetscBool       taken; /* whether some work is showing its line */
@@ -20,16 +21,16 @@ PetscErrorCode MpmProgressBegin(const char unit[], MpmProgress *progress)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  progress->unit = unit;
-  progress->owns = taken ? PETSC_FALSE : PETSC_TRUE;
-  progress->enabled =
-      !rank && !taken && (wish == MPM_PROGRESS_ALWAYS || (wish == MPM_PROGRESS_ON_TERMINAL && isatty(STDERR_FILENO)))
-          ? PETSC_TRUE
-          : PETSC_FALSE;
+  progress->unit    = unit;
+  progress->owns    = taken ? PETSC_FALSE : PETSC_TRUE;
+  progress->enabled = !rank && !taken && wish != MPM_PROGRESS_NEVER ? PETSC_TRUE : PETSC_FALSE;
+  progress->lines   = wish == MPM_PROGRESS_ON_TERMINAL && !isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE;
+  progress->between = progress->lines ? BETWEEN_LINES_S : BETWEEN_S;
   progress->shown   = PETSC_FALSE;
   progress->started = MPI_Wtime();
-  progress->last    = progress->started - BETWEEN_S + (wish == MPM_PROGRESS_ALWAYS ? 0 : SILENT_S);
-  taken             = PETSC_TRUE;
+  progress->last    = progress->started;
+  if (!progress->lines) progress->last += (wish == MPM_PROGRESS_ALWAYS ? 0 : SILENT_S) - BETWEEN_S;
+  taken = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -38,13 +39,13 @@ PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscIn
   const PetscReal now = progress->enabled ? MPI_Wtime() : 0;
 
   PetscFunctionBegin;
-  if (!progress->enabled || done < 1 || now < progress->last + BETWEEN_S) PetscFunctionReturn(PETSC_SUCCESS);
-  fprintf(stderr, "\r%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left   ", progress->unit, done,
-          total, 100.0 * (double)done / (double)total,
-          (now - progress->started) * (double)(total - done) / (double)done);
+  if (!progress->enabled || done < 1 || now < progress->last + progress->between) PetscFunctionReturn(PETSC_SUCCESS);
+  fprintf(stderr, "%s%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left%s", progress->lines ? "" : "\r",
+          progress->unit, done, total, 100.0 * (double)done / (double)total,
+          (now - progress->started) * (double)(total - done) / (double)done, progress->lines ? "\n" : "   ");
   fflush(stderr);
   progress->last  = now;
-  progress->shown = PETSC_TRUE;
+  progress->shown = progress->lines ? PETSC_FALSE : PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -59,7 +60,7 @@ PetscErrorCode MpmProgressEnd(MpmProgress *progress)
 PetscErrorCode MpmProgressNote(MpmProgress *progress, const char text[])
 {
   PetscFunctionBegin;
-  if (!progress->enabled) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!progress->enabled || progress->lines) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(stderr, "\r%-70s", text);
   fflush(stderr);
   progress->shown = PETSC_TRUE;

@@ -1,17 +1,18 @@
-/* Progress: one line with the time left, on a terminal, for work that takes long. */
+/* Progress: one line with the time left, on a terminal, for work that takes long. A log gets a line a minute. */
 #pragma once
 #include <mpmstab/compat.h>
 
 /*
-   Who sees the line. MPM_PROGRESS_ON_TERMINAL: a terminal, if the work takes longer than 2 s. MPM_PROGRESS_ALWAYS:
+   Who sees the line. MPM_PROGRESS_ON_TERMINAL: a terminal, if the work takes longer than 2 s; where standard error is
+   something else, such as the log of a job, it gets a line of its own each minute. MPM_PROGRESS_ALWAYS:
    whoever reads standard error. MPM_PROGRESS_NEVER: nobody; this holds until MpmProgressShow is called.
 */
 typedef enum { MPM_PROGRESS_ON_TERMINAL, MPM_PROGRESS_ALWAYS, MPM_PROGRESS_NEVER } MpmProgressWish;
 
 typedef struct {
   const char *unit; /* what is counted, such as steps or phases */
-  PetscBool   enabled, shown, owns;
-  PetscReal   started, last;
+  PetscBool   enabled, shown, owns, lines;
+  PetscReal   started, last, between;
 } MpmProgress;
 
 /* Not collective. Sets who sees the lines of all work that begins afterwards. */

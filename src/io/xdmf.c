@@ -50,7 +50,7 @@ static void Describe(const Fields *f)
   for (PetscInt r = 0; r < table->nstate; r++) {
     const PetscInt field = table->field[r];
 
-    if (table->dim > 1 && field != MPM_NONE && f->scene->scheme.formulation->particle_ranks[field] == MPM_VECTOR) {
+    if (table->dim > 1 && field >= 0 && f->scene->scheme.formulation->particle_ranks[field] == MPM_VECTOR) {
       if (table->component[r] == 0) Vector(f, r);
       continue;
     }

@@ -301,6 +301,9 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, Pet
   case MPM_DIV:
   case MPM_DIV_MLS:
     return basis->slope_sum * ppc * cells / least_mass;
+  case MPM_CURVE:
+  case MPM_CURVE_MLS:
+    return basis->curve_sum * ppc * cells / least_mass;
   case MPM_GRAD:
   case MPM_GRAD_MLS:
   case MPM_G2P_SLOPE:

@@ -1,6 +1,7 @@
 /* Prints the result of a run as a table for people. */
 #include "report/report.h"
 #include "report/results.h"
+#include "symbol/predict.h"
 #include <math.h>
 
 /* Prints a number. One that is out of range is described as such, not printed as inf. */
@@ -45,7 +46,7 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
   PetscFunctionBegin;
   MpmPrint("growth per step\n");
   PetscCall(Prediction("published", run->predictions.published, s->scheme.formulation->published_text));
-  PetscCall(Prediction("corrected", run->predictions.corrected, s->scheme.formulation->corrected_text));
+  PetscCall(Prediction("corrected", run->predictions.corrected, MpmPredictionText(&s->scheme)));
   if (s->initial == MPM_INITIAL_MODE)
     PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
   if (s->initial == MPM_INITIAL_EIGENMODE)

@@ -152,7 +152,7 @@ PetscErrorCode MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCritical *c)
+static PetscErrorCode PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
 {
   char wave[256];
 
@@ -160,12 +160,12 @@ static PetscErrorCode PrintReason(PetscInt dim, PetscReal tolerance, const MpmCr
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!isnan(c->fading) && !isnan(c->courant))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
-             c->fading, tolerance);
+             c->fading, request->tolerance);
   PetscCall(MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave));
   MpmPrint("  limited by   %s", wave);
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
-  if (c->closed > 0 && isfinite(c->closed))
+  if (request->verbose && c->closed > 0 && isfinite(c->closed))
     MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (-DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
              "(transfer)\n",
              c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
@@ -231,7 +231,7 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
   if (c) {
     MpmPrint("\n");
     PetscCall(PrintLimit(s, request->tolerance, c));
-    PetscCall(PrintReason(s->layout.dim, request->tolerance, c));
+    PetscCall(PrintReason(s->layout.dim, request, c));
     if (MpmSceneHasStep(s)) PetscCall(PrintAsked(s, request->tolerance, c));
   }
   if (all)

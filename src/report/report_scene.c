@@ -190,7 +190,7 @@ PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions 
     text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
   PetscCall(MpmReportGrowth("published", predictions->published, text));
   PetscCall(MpmReportGrowth("corrected", predictions->corrected,
-                            p->why_not_corrected ? p->why_not_corrected : f->corrected_text));
+                            p->why_not_corrected ? p->why_not_corrected : MpmPredictionText(p->scheme)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

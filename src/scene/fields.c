@@ -53,9 +53,19 @@ static const char *LayoutWord(PetscInt i)
   return i == 0 ? "uniform" : NULL;
 }
 
+static const char *MoveWord(PetscInt i)
+{
+  return MpmMoveNames[i];
+}
+
+static const char *MoveOf(const MpmScene *scene)
+{
+  return MpmMoveNames[scene->scheme.space.move];
+}
+
 static const char *MaterialWord(PetscInt i)
 {
-  return MpmMaterialNames[i];
+  return i < MPM_MATERIAL_KINDS ? MpmMaterialNames[i] : MpmLawNames[i - MPM_MATERIAL_KINDS + 1];
 }
 
 static const char *EndWord(PetscInt i)
@@ -142,7 +152,7 @@ static const char *LayoutOf(const MpmScene *scene)
 
 static const char *MaterialOf(const MpmScene *scene)
 {
-  return MpmMaterialNames[scene->layout.material.kind];
+  return scene->law == MPM_LAW_LINEAR ? MpmMaterialNames[scene->layout.material.kind] : MpmLawNames[scene->law];
 }
 
 static const char *BoundaryOf(const MpmScene *scene)
@@ -290,6 +300,41 @@ static PetscBool HasMaterial(const MpmScene *scene, MpmRecord record)
   return record != MPM_IN_JSON || scene->layout.material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
 }
 
+static PetscBool HasMaterialName(const MpmScene *scene, MpmRecord record)
+{
+  return scene->law != MPM_LAW_LINEAR || HasMaterial(scene, record) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasPrestress(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->scheme.space.prestress != 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasMove(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->scheme.space.displaced;
+}
+
+static PetscBool HasStretch(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->law != MPM_LAW_LINEAR ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasLameRatio(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->law == MPM_LAW_NEO ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasExponent(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 {
   if (record == MPM_IN_FILE || record == MPM_IN_MODE_FILE) return PETSC_TRUE;
@@ -359,8 +404,18 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = HasSeed},
   {"fill", MPM_RANGE, NULL, "cells lo,hi between which there are particles (default: all)",
    ANY},
-  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), or graded (from the first to the second)",
-   .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), .shown = HasMaterial, .json = "material.kind"},
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic",
+   .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), .shown = HasMaterialName, .json = "material.kind"},
+  {"stretch", MPM_REAL, "1", "F0, how far the material is stretched in the state that the scheme is linear about; it gives prestress and the wave speed there",
+   ABOVE(0), KEPT(AS_REAL, stretch), IN(76, 58, 49, 42), .shown = HasStretch, .json = "material.stretch"},
+  {"lame_ratio", MPM_REAL, "0", "material neo: lambda / mu",
+   FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), .shown = HasLameRatio, .json = "material.lame_ratio"},
+  {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
+   ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), .shown = HasExponent, .json = "material.exponent"},
+  {"prestress", MPM_REAL, "0", "momentum schemes: s0 = sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of waves there",
+   BETWEEN(-1e6, 1e6), KEPT(AS_REAL, scheme.space.prestress), IN(79, 61, 52, 45), .shown = HasPrestress},
+  {"move", MPM_WORD, "grid", "with a prestress: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
+   .word = MoveWord, TEXT(MoveOf), IN(80, 62, 53, 46), .shown = HasMove},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = HasMaterial, .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
@@ -419,6 +474,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
    .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+  {"verbose", MPM_SWITCH, "false", "also print the symbols alpha, kappa and mu at the wave that sets the limit",
+   .tasks = "critical", ASKED(AS_SWITCH, verbose)},
   {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
    .tasks = "symbol", ASKED(AS_SWITCH, damping)},
   {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",

@@ -463,6 +463,17 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Who asks for a limit means that of a scheme. The default's would be taken for an answer. */
+static PetscErrorCode AskFormulation(const MpmSettings *settings, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (strcmp(request->task, "critical") || settings->scene[0] || request->survey ||
+      MpmSettingsSource(settings, "formulation") != MPM_FROM_DEFAULT || MpmSettingsGiven(settings, "scheme"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRefuse("critical: of which scheme? allowed: with a formulation, as in 'mpmstab critical usl' or 'mpmstab critical "
+            "musl -basis quadratic'; 'mpmstab list formulations' shows them, -survey compares them");
+}
+
 static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
 {
   PetscBool matrix;
@@ -477,6 +488,7 @@ static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmReque
   }
   PetscCall(MpmSettingsReadProblem(settings, *scene));
   PetscCall(ReadRequest(settings, *scene, request));
+  PetscCall(AskFormulation(settings, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

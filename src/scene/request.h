@@ -86,7 +86,7 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance, voids;
-  PetscBool       weights, source_term, ringing, measure, survey, refine, damping;
+  PetscBool       weights, source_term, ringing, measure, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];

@@ -100,9 +100,8 @@ static PetscBool CanReact(const MpmFormulation *f)
   return MpmFormulationHas(f, MPM_REACT);
 }
 
-/* Refuses an option that the scene's formulation cannot do, says why, and names the formulations that can. */
-static PetscErrorCode Require(const MpmSettings *settings, const MpmScene *scene, const char option[],
-                              PetscBool (*can)(const MpmFormulation *), const char why[])
+PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
+                                  PetscBool (*can)(const MpmFormulation *), const char why[])
 {
   char names[256], message[512];
 
@@ -157,7 +156,7 @@ static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scen
       MpmSettingsOverruled(settings, "pic_filter", "formulation") ||
       MpmSettingsOverruled(settings, "pic_filter", "transfer"))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Require(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
+  PetscCall(MpmSettingsRequire(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
   PetscCall(MpmSettingsRefuse(settings, "pic_filter", "flip has no filter; allowed: with another transfer"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -176,12 +175,12 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscCall(CheckTransferReads(settings, scene, "xpic_order"));
   PetscCall(CheckTransferReads(settings, scene, "blend_ratio"));
   if (scene->scheme.transfer->filter)
-    PetscCall(
-        Require(settings, scene, "transfer", HasFilter, "FILTER, which says where other transfers than flip act"));
+    PetscCall(MpmSettingsRequire(settings, scene, "transfer", HasFilter,
+                                 "FILTER, which says where other transfers than flip act"));
   PetscCall(CheckTransferReads(settings, scene, "aflip_ratio"));
   PetscCall(ReadFilterTime(settings, scene));
   if (scene->scheme.transfer->affine)
-    PetscCall(Require(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
+    PetscCall(MpmSettingsRequire(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,11 +203,13 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
     PetscCall(MpmSettingsRefuse(settings, "boundary", "allowed: periodic at both ends or at none"));
   for (int e = 0; e < 2; e++) {
     if (l->grid[a].ends[e] == MPM_FREE)
-      PetscCall(Require(settings, scene, "boundary", CanBeFree, "condition for a free end (fixed: a wall reflects)"));
+      PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanBeFree,
+                                   "condition for a free end (fixed: a wall reflects)"));
     if (MpmEndIsFixed(l->grid[a].ends[e]))
-      PetscCall(Require(settings, scene, "boundary", HasImpose, "IMPOSE, so that nothing would hold at a wall"));
+      PetscCall(
+          MpmSettingsRequire(settings, scene, "boundary", HasImpose, "IMPOSE, so that nothing would hold at a wall"));
     if (l->grid[a].ends[e] == MPM_FIXED_REACTION)
-      PetscCall(Require(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
+      PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
   }
   if (l->grid[a].ends[0] == MPM_PERIODIC) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(scene->step.drift[a].value == 0,
@@ -252,8 +253,8 @@ static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scen
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (basis->spline_ends == MPM_SPLINES_OPEN)
-    PetscCall(Require(settings, scene, "spline_ends", TakesNoDifferences,
-                      "differences of nodal values with open knot vectors"));
+    PetscCall(MpmSettingsRequire(settings, scene, "spline_ends", TakesNoDifferences,
+                                 "differences of nodal values with open knot vectors"));
   for (PetscInt a = 0; a < l->dim; a++)
     if (basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes)
       PetscCall(MpmSettingsRefuse(settings, "spline_ends",
@@ -333,7 +334,7 @@ static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
     if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scene->scheme.formulation))
       scene->scheme.space.gradient = MPM_GRADIENT_BASIS;
     else
-      PetscCall(Require(settings, scene, "gradient", HasGradient, "gradient"));
+      PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
   }
   if (MpmSceneHasPoisson(scene) || MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT ||
       MpmSettingsOverruled(settings, "poisson", "dim") || MpmSettingsOverruled(settings, "poisson", "formulation"))
@@ -365,7 +366,7 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
   MpmMaterial     *m = &scene->layout.material;
 
   PetscFunctionBegin;
-  PetscCall(Require(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
+  PetscCall(MpmSettingsRequire(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
   if (m->kind != MPM_MATERIAL_TWO)
     PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -388,7 +389,7 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &i));
-  scene->layout.material.kind = (MpmMaterialKind)i;
+  scene->layout.material.kind = i < MPM_MATERIAL_KINDS ? (MpmMaterialKind)i : MPM_MATERIAL_UNIFORM;
   if (scene->layout.material.kind != MPM_MATERIAL_UNIFORM)
     PetscCall(ReadRatios(settings, scene));
   else {
@@ -433,15 +434,17 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
+  PetscCall(MpmSettingsReadLaw(settings, scene));
   PetscCall(MpmSettingsReadGrid(settings, scene));
   PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
   PetscCall(ReadSpace(settings, scene));
+  PetscCall(ReadMaterial(settings, scene));
+  PetscCall(MpmSettingsReadPrestress(settings, scene));
   PetscCall(MpmTableCreate(scene->scheme.formulation, scene->scheme.transfer, &scene->scheme.numbers,
                            &scene->scheme.space, &scene->scheme.table));
-  PetscCall(ReadMaterial(settings, scene));
   PetscCall(MpmSettingsReadInitial(settings, scene));
   PetscCall(CheckSizes(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -187,6 +187,25 @@ PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene);
 
 /*
+   Collective. Reads the material and the stretch that a scheme is linear about: the prestress, and the wave speed there,
+   which multiplies that of the material at rest. The wave speed must be known.
+*/
+PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
+
+/*
+   Collective. Reads what else a prestress asks for, and refuses scenes whose particles would not stay where they are.
+   Scheme, layout, step and ends must be known.
+*/
+PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene);
+
+/*
+   Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none
+   of, and names those that have.
+*/
+PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
+                                  PetscBool (*can)(const MpmFormulation *), const char what[]);
+
+/*
    Collective. Reads the grid of a scene, where its particles are, the time step, and the drift unless mach is given. The
    wave speed must be known.
 */

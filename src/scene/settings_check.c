@@ -5,6 +5,7 @@
 #include "base/suggest.h"
 #include "scene/settings.h"
 #include "scene/settings_place.h"
+#include "scene/synonyms.h"
 #include <string.h>
 
 /*
@@ -58,6 +59,8 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
     n++;
   }
   near = MpmSuggest(name, n, names);
+  if (MpmOptionCalledHere(name))
+    MpmRefuse("unknown option -%.200s%s; it is called -%s here%s", name, place, MpmOptionCalledHere(name), more);
   if (near) MpmRefuse("unknown option -%.200s%s; did you mean -%s?%s", name, place, near, more);
   MpmRefuse("unknown option -%.200s%s; 'mpmstab list options' shows those there are%s", name, place, more);
 }

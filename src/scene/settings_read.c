@@ -1,11 +1,13 @@
 /* Readers for each kind of value. A value is checked once, here, and refused with what is allowed. */
 #include "scene/settings.h"
 #include "base/suggest.h"
+#include "scene/synonyms.h"
 #include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
 
@@ -278,7 +280,10 @@ static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[],
     PetscCall(PetscStrlcat(why, words[i], sizeof why));
   }
   near = n > 1 ? MpmSuggest(text, n, words) : NULL;
-  if (near) {
+  if (MpmWordCalledHere(name, text)) {
+    PetscCall(PetscStrlcat(why, "; here it is ", sizeof why));
+    PetscCall(PetscStrlcat(why, MpmWordCalledHere(name, text), sizeof why));
+  } else if (near) {
     PetscCall(PetscStrlcat(why, "; did you mean ", sizeof why));
     PetscCall(PetscStrlcat(why, near, sizeof why));
     PetscCall(PetscStrlcat(why, "?", sizeof why));
@@ -293,7 +298,7 @@ static PetscErrorCode FindWord(const MpmSettings *settings, const char name[], c
 
   PetscFunctionBegin;
   for (*index = 0; MpmOptions[option].word(*index); ++*index)
-    if (!strcmp(MpmOptions[option].word(*index), text)) PetscFunctionReturn(PETSC_SUCCESS);
+    if (!strcasecmp(MpmOptions[option].word(*index), text)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(RefuseWord(settings, name, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,7 @@
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include "base/yaml.h"
+#include "scene/synonyms.h"
 #include <string.h>
 
 static int Line(const yaml_node_t *node)
@@ -25,6 +26,8 @@ PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[
   PetscFunctionBegin;
   for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
   near = MpmSuggest(key, n, names);
+  if (MpmOptionCalledHere(key))
+    MpmRefuse("%s:%d: unknown key '%s'; it is called '%s' here", settings->scene, line, key, MpmOptionCalledHere(key));
   if (near) MpmRefuse("%s:%d: unknown key '%s'; did you mean '%s'?", settings->scene, line, key, near);
   MpmRefuse("%s:%d: unknown key '%s'; 'mpmstab list options' shows those there are", settings->scene, line, key);
 }

@@ -415,6 +415,19 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Particles move with a velocity of the grid. It is not marked as read: without a prestress nothing reads it. */
+static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
+{
+  const char *node = c->f->node_fields[line->field];
+
+  PetscFunctionBegin;
+  if (!c->written_to[line->field]) Refuse(c, "particles move with %s before the step has set it", node);
+  if (c->f->node_ranks[line->field] != MPM_VECTOR)
+    Refuse(c, "%s is a %s; allowed: a vector, a velocity of the grid", node, rank_names[c->f->node_ranks[line->field]]);
+  PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = MPM_NONE, .src = line->field, .factor = 1}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmLine *line)
 {
   PetscFunctionBegin;
@@ -430,6 +443,8 @@ PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmLine *line)
     PetscCall(Impose(c, line));
   else if (line->kind == MPM_LINE_REACT)
     PetscCall(React(c, line));
+  else if (line->kind == MPM_LINE_MOVE)
+    PetscCall(Move(c, line));
   else {
     c->drifts = PETSC_TRUE;
     PetscCall(Emit(c, (MpmOp)DRIFT));

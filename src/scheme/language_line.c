@@ -49,6 +49,8 @@ static const struct {
                   {"FILTER", MPM_LINE_FILTER, MPM_FILTER},
                   {"FILTER_BEFORE", MPM_LINE_FILTER, MPM_FILTER_BEFORE},
                   {"FILTER_AFTER", MPM_LINE_FILTER, MPM_FILTER_AFTER},
+                  {"MOVE", MPM_LINE_MOVE, MPM_MOVE},
+                  {"MOVE_PROJECTED", MPM_LINE_MOVE, MPM_MOVE_PROJECTED},
                   {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
@@ -478,7 +480,8 @@ static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line
   PetscFunctionBegin;
   line->kind = kind;
   if (kind == MPM_LINE_FILTER) PetscCall(ReadField(r, MPM_ON_PARTICLES, &line->field));
-  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
+  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT || kind == MPM_LINE_MOVE)
+    PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
   if (kind == MPM_LINE_FILTER || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
   if (bracket && !Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
   PetscCall(ReadEnd(r));
@@ -496,7 +499,7 @@ static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
   if (line->adds) r->at++;
   if (!Takes(r, '='))
     MpmRefuseLine(r->written, r->text,
-                  "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER or DRIFT");
+                  "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE or DRIFT");
   if (*r->at == '+') MpmRefuseLine(r->written, r->text, "'=+' is not allowed; did you mean +=?");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -28,10 +28,17 @@ typedef struct {
 
 /*
    MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
-   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER - with their fields; of a FILTER field is that of particles, and op
-                    says which of the filters it is
+   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_MOVE - with their fields; of a FILTER field is that of
+                    particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is.
 */
-typedef enum { MPM_LINE_SET, MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_DRIFT } MpmLineKindOf;
+typedef enum {
+  MPM_LINE_SET,
+  MPM_LINE_IMPOSE,
+  MPM_LINE_REACT,
+  MPM_LINE_FILTER,
+  MPM_LINE_MOVE,
+  MPM_LINE_DRIFT
+} MpmLineKindOf;
 
 typedef struct {
   MpmLineKindOf kind;

@@ -31,9 +31,10 @@ MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind)
 MpmOpKind MpmLineKind(const MpmBasis *basis, MpmOpKind kind)
 {
   static const MpmOpKind to_nodes[MPM_OP_KINDS] = {
-      [MPM_P2G] = MPM_P2G,      [MPM_P2G_AFFINE] = MPM_P2G_AFFINE, [MPM_DIV] = MPM_DIV,  [MPM_DIV_MLS] = MPM_DIV_MLS,
-      [MPM_G2P] = MPM_P2G,      [MPM_G2P_AFFINE] = MPM_DIV_MLS,    [MPM_GRAD] = MPM_DIV, [MPM_GRAD_MLS] = MPM_DIV_MLS,
-      [MPM_G2P_SLOPE] = MPM_DIV};
+      [MPM_P2G] = MPM_P2G,          [MPM_P2G_AFFINE] = MPM_P2G_AFFINE, [MPM_DIV] = MPM_DIV,
+      [MPM_DIV_MLS] = MPM_DIV_MLS,  [MPM_CURVE] = MPM_CURVE,           [MPM_CURVE_MLS] = MPM_CURVE_MLS,
+      [MPM_G2P] = MPM_P2G,          [MPM_G2P_AFFINE] = MPM_DIV_MLS,    [MPM_GRAD] = MPM_DIV,
+      [MPM_GRAD_MLS] = MPM_DIV_MLS, [MPM_G2P_SLOPE] = MPM_DIV};
 
   return MpmLineFirstAlike(basis, to_nodes[kind]);
 }

@@ -8,6 +8,7 @@
 
 const char *const MpmGradientNames[]   = {"basis", "mls", NULL};
 const char *const MpmFilterTimeNames[] = {"after", "before", NULL};
+const char *const MpmMoveNames[]       = {"grid", "projected", NULL};
 
 /*
    What MpmTableCreate needs while it makes a table. particle[f] and node[n] are the first registers of the formulation's
@@ -256,12 +257,37 @@ static PetscErrorCode Term(Builder *b, const MpmOp *op, PetscInt dst, PetscInt s
   PetscFunctionBegin;
   if (mls && op->kind == MPM_DIV) one.kind = MPM_DIV_MLS;
   if (mls && op->kind == MPM_GRAD) one.kind = MPM_GRAD_MLS;
+  if (mls && op->kind == MPM_CURVE) one.kind = MPM_CURVE_MLS;
   one.dst         = dst;
   one.src         = src;
   one.axis        = axis;
   one.factor      = op->factor * factor;
   one.accumulates = accumulates;
   PetscCall(Append(b, one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The force of a prestress on displaced particles, in one dimension: s0 CURVE x. */
+static PetscErrorCode Curve(Builder *b, const MpmOp *div)
+{
+  MpmOp op = *div;
+
+  PetscFunctionBegin;
+  if (!b->space->displaced) PetscFunctionReturn(PETSC_SUCCESS);
+  op.kind = MPM_CURVE;
+  PetscCall(Term(b, &op, b->node[div->dst], b->table->displacement, 0, b->space->prestress, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x += k G2P of each component of a velocity of the grid. */
+static PetscErrorCode Move(Builder *b, const MpmOp *op)
+{
+  const PetscBool projected = op->kind == MPM_MOVE_PROJECTED ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!b->space->displaced || projected != (b->space->move == MPM_MOVES_PROJECTED)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < b->space->dim; a++)
+    PetscCall(Append(b, (MpmOp)G2P(b->table->displacement + a, b->node[op->src] + a, COURANT)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -289,10 +315,11 @@ static PetscErrorCode Div(Builder *b, const MpmOp *op)
       const PetscInt component = Stress(b->space, a, axis);
 
       if (component == MPM_NONE) continue;
-      PetscCall(Term(b, op, dst + a, src + component, axis, 1, accumulates));
+      PetscCall(Term(b, op, dst + a, src + component, axis, 1 + b->space->prestress, accumulates));
       accumulates = PETSC_TRUE;
     }
   }
+  PetscCall(Curve(b, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -454,6 +481,8 @@ static PetscErrorCode Translate(Builder *b)
       PetscCall(Filter(b, op));
     else if (op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
       continue; /* the filter acts in the other place */
+    else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
+      PetscCall(Move(b, op));
     else if (op->kind == MPM_REACT)
       for (PetscInt c = 0; c < ComponentsOf(b, PETSC_TRUE, op->dst); c++)
         PetscCall(React(b, b->node[op->dst] + c, b->node[op->src] + c));
@@ -502,6 +531,24 @@ static PetscErrorCode AddField(Builder *b, PetscInt field)
         PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c%c", f->particle_fields[field], axes[a], axes[c]));
         PetscCall(AddState(b->table, name, field, Stress(b->space, a, c)));
       }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The displacement of particles: x, or x_x, x_y, x_z. */
+static PetscErrorCode AddDisplacement(Builder *b)
+{
+  static const char axes[] = "xyz";
+  MpmTable         *t      = b->table;
+  char              name[16];
+
+  PetscFunctionBegin;
+  t->displacement = MPM_NONE;
+  if (!b->space->displaced) PetscFunctionReturn(PETSC_SUCCESS);
+  t->displacement = t->nstate;
+  for (PetscInt a = 0; a < t->dim; a++) {
+    PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "x" : "x_%c", axes[a]));
+    PetscCall(AddState(t, name, MPM_DISPLACEMENT, a));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -601,6 +648,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;
   PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
   for (PetscInt f = 0; formulation->particle_fields[f]; f++) PetscCall(AddField(&b, f));
+  PetscCall(AddDisplacement(&b));
   t->unfiltered = t->nstate;
   PetscCall(AddAffinePart(&b));
   t->nparticles = t->nstate;

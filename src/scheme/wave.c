@@ -22,7 +22,7 @@
    ratio of 1/2 makes lambda 1 and mu 0. Then s is r, and in one dimension the stress of a bar. The scalars u and w are
    as in one dimension.
 
-   Field MPM_NONE is h times the gradient of u.
+   Field MPM_NONE is h times the gradient of u, and MPM_DISPLACEMENT x with x_t = (c/h) u.
 
    By d'Alembert u - r travels to the right, and u + r to the left. f is a Gaussian of standard deviation L/20 around
    L/4. It is repeated with period L, or between ends with its mirror images. Those beyond a fixed end have velocities
@@ -114,6 +114,12 @@ static PetscReal Stress(const MpmProfile *p, const MpmPlaneWave *wave, PetscInt 
           mu * (wave->direction[a] * wave->normal[b] + wave->direction[b] * wave->normal[a]));
 }
 
+/* The amplitude of x_t = (c/h) u in a mode. */
+static PetscReal Displacement(const MpmProfile *p)
+{
+  return p->amplitude * p->wave_speed / (p->cell_width * p->wavenumber * p->speed);
+}
+
 static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt component, const PetscReal X[],
                                 PetscReal t)
 {
@@ -123,7 +129,7 @@ static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt co
     const MpmPlaneWave *wave  = &p->wave[w];
     const PetscReal     angle = Angle(p, wave, X);
 
-    if (field == 0)
+    if (field == 0 || field == MPM_DISPLACEMENT)
       sum += wave->weight * wave->direction[component] * sin(angle);
     else if (field == 1)
       sum += wave->weight * Stress(p, wave, component) * cos(angle);
@@ -131,6 +137,7 @@ static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt co
       sum += wave->weight * wave->direction[component / p->dim] * wave->normal[component % p->dim] * cos(angle);
   }
   if (field == MPM_NONE) return p->amplitude * p->wavenumber * p->cell_width * sum * cos(Turn(p, t));
+  if (field == MPM_DISPLACEMENT) return Displacement(p) * sum * sin(Turn(p, t));
   return p->amplitude * (sum * (field ? sin(Turn(p, t)) : cos(Turn(p, t))));
 }
 
@@ -157,6 +164,7 @@ static PetscReal FirstOrderValue(const MpmProfile *p, PetscInt field, PetscInt c
 static PetscReal FirstOrderAmplitude(const MpmProfile *p, PetscInt field)
 {
   if (field == 0 || p->initial == MPM_INITIAL_STEP) return p->amplitude;
+  if (field == MPM_DISPLACEMENT) return Displacement(p);
   if (field == 1) return p->initial == MPM_INITIAL_PULSE ? p->amplitude : p->amplitude * (p->speed / p->wave_speed);
   return p->amplitude * p->cell_width *
          (p->initial == MPM_INITIAL_PULSE ? 1 / (PulseWidth(p) * sqrt(M_E)) : p->wavenumber);

@@ -34,9 +34,19 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
   return WhyNot(layout, scheme, drifts);
 }
 
+const char *MpmPredictionText(const MpmScheme *scheme)
+{
+  return scheme->space.prestress == 0 ? scheme->formulation->corrected_text : "with a prestress: THEORY.md, section 9";
+}
+
 static MpmOpKind GradientOf(const MpmScheme *scheme)
 {
   return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_GRAD_MLS : MPM_GRAD;
+}
+
+static MpmOpKind CurveOf(const MpmScheme *scheme)
+{
+  return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_CURVE_MLS : MPM_CURVE;
 }
 
 static PetscBool HasStress(const MpmPredictor *p)
@@ -80,6 +90,7 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
   p->problems              = Problems(p);
   used[MPM_P2G]            = PETSC_TRUE;
   used[GradientOf(scheme)] = PETSC_TRUE;
+  if (scheme->space.displaced) used[CurveOf(scheme)] = PETSC_TRUE;
   if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[scheme->table->affine_map] = PETSC_TRUE;
   for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &rest, used, &p->ties[a]));
   for (PetscInt j = 0; j < layout->ppc[0]; j++) {
@@ -119,6 +130,7 @@ MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
     along.alpha += creal(conj(value) * value) / ties->n;
     along.kappa += creal(conj(slope) * slope) / ties->n;
     along.mu += conj(value) * slope / ties->n;
+    if (p->scheme->space.displaced) along.chi += conj(MpmTie(ties, 0, CurveOf(p->scheme), j, wave)) * value / ties->n;
     if (p->scheme->table->affine != MPM_NONE)
       along.theta += conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) *
                      MpmTie(ties, 0, p->scheme->table->affine_map, j, wave) / ties->n;
@@ -161,10 +173,11 @@ static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal k
 /* A motion that particles do not resist has a kappa of 0, of which rounding may make a little less. */
 PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], MpmCellSymbols cell[MPM_MAX_DIM])
 {
-  const PetscInt dim = p->layout->dim;
-  MpmCellSymbols all = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
-  PetscReal      kappa[MPM_MAX_DIM], sharp                = 1;
-  double complex vector[MPM_MAX_DIM][MPM_MAX_DIM], square = 0;
+  const PetscInt  dim   = p->layout->dim;
+  const MpmSpace *space = &p->scheme->space;
+  MpmCellSymbols  all   = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
+  PetscReal       kappa[MPM_MAX_DIM], sharp                = 1;
+  double complex  vector[MPM_MAX_DIM][MPM_MAX_DIM], square = 0;
 
   for (PetscInt a = 0; a < dim; a++) {
     const double complex m = along[a].mu * Others(p, along, a, a);
@@ -185,6 +198,10 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
   for (PetscInt i = 0; i < p->problems; i++) {
     cell[i]       = all;
     cell[i].kappa = sharp * (HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa);
+    if (space->prestress == 0) continue;
+    cell[i].kappa *= 1 + space->prestress;
+    cell[i].chi       = sharp * space->prestress * along[0].chi;
+    cell[i].projected = space->move == MPM_MOVES_PROJECTED ? PETSC_TRUE : PETSC_FALSE;
   }
   return p->problems;
 }

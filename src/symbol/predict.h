@@ -8,12 +8,16 @@
    MpmAlong - the symbols of the maps along one direction, at a phase of that direction.
 
    alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
+   chi   - the symbol of CURVE G2P, where particles are displaced
    theta - the symbol of P2G_AFFINE and the table's affine map after one another; it must be a real number (why_not)
 S*/
 typedef struct {
   PetscReal      alpha, kappa, lap;
-  double complex mu, theta;
+  double complex mu, theta, chi;
 } MpmAlong;
+
+/* Not collective. The corrected formula of a scheme as text. */
+const char *MpmPredictionText(const MpmScheme *scheme);
 
 /*S
    MpmPredictor - the closed forms of a scheme on a layout.

@@ -63,7 +63,8 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
 /*
    Counts the amplification factors of the null space of P2G, the particle data that no node feels: those of fields without
    filter (rest), and of all. Nodes have one number of a number, and a vector of a vector or of a stress. The affine part
-   of a vector adds to the vector's own numbers.
+   of a vector adds to the vector's own numbers. Displacements are sums of what else is in the state, so that each has a
+   factor of 1 of its own; all of them are left out.
 */
 static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
 {
@@ -74,7 +75,7 @@ static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
     PetscInt components = 0, seen;
 
     numbers[t->filtered[r]] += b->ppc;
-    if (t->field[r] == MPM_NONE || t->component[r] > 0) continue;
+    if (t->field[r] < 0 || t->component[r] > 0) continue;
     for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
     seen = b->scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
     numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);

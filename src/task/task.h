@@ -3,10 +3,10 @@
 #include "scene/request.h"
 
 /*S
-   MpmTask - one task. run gets the words after the task's name and sets the exit status.
+   MpmTask - one task. example is a command that anybody can run. run gets the words after the task's name and sets the exit status.
 S*/
 typedef struct {
-  const char *name, *summary;
+  const char *name, *summary, *example;
   PetscErrorCode (*run)(int argc, char **argv, PetscReal started, int *status);
 } MpmTask;
 
@@ -25,8 +25,12 @@ typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *
 PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
                               int *status);
 
-/* Collective. Describes the program in ten lines. */
+/*
+   Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
+   it reads. MpmPrintHelp refuses a name that is no task's.
+*/
 PetscErrorCode MpmPrintUsage(void);
+PetscErrorCode MpmPrintHelp(const char task[]);
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status);

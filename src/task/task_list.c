@@ -4,11 +4,13 @@
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/codes.h"
+#include "task/manuals.h"
 #include "task/task.h"
 #include <math.h>
 #include <slepcsys.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static PetscErrorCode ListFormulations(void)
 {
@@ -183,6 +185,31 @@ static const struct {
      "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it",
      ListCodes, PETSC_TRUE}};
 
+/* A list by its name, or by its plural as in 'list formulations'. */
+static PetscBool IsCalled(const char word[], size_t i)
+{
+  static const char *const plurals[] = {"formulations", "bases",  "transfers", "boundaries",
+                                        "layouts",      "option", "version",   "code"};
+
+  return !strcasecmp(word, lists[i].name) || !strcasecmp(word, plurals[i]) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Texts that are installed. They are for other programs, and messages leave them out. */
+static PetscErrorCode PrintInstalled(const char word[], PetscBool *found)
+{
+  PetscFunctionBegin;
+  *found = PETSC_TRUE;
+  if (!strcmp(word, "schema"))
+    PetscCall(MpmPrintSchema());
+  else if (!strcmp(word, "man"))
+    PetscCall(MpmPrintManual());
+  else if (!strcmp(word, "completion-bash") || !strcmp(word, "completion-zsh"))
+    PetscCall(MpmPrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE));
+  else
+    *found = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(lists)];
@@ -191,14 +218,15 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
 
   PetscFunctionBegin;
   (void)started;
-  if (argc == 2 && !strcmp(argv[0], "formulation")) {
+  *status = MPM_EXIT_DONE;
+  if (argc == 1) PetscCall(PrintInstalled(argv[0], &found));
+  if (found) PetscFunctionReturn(PETSC_SUCCESS);
+  if (argc == 2 && IsCalled(argv[0], 0)) {
     PetscCall(ListOneFormulation(argv[1]));
-    *status = MPM_EXIT_DONE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if ((argc == 2 || argc == 3) && !strcmp(argv[0], "transfer")) {
+  if ((argc == 2 || argc == 3) && IsCalled(argv[0], 2)) {
     PetscCall(ListOneTransfer(argv[1], argc == 3 ? argv[2] : NULL));
-    *status = MPM_EXIT_DONE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmCheckInput(
@@ -207,7 +235,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
       argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
-    if (argc == 1 && strcmp(argv[0], lists[i].name)) continue;
+    if (argc == 1 && !IsCalled(argv[0], i)) continue;
     if (argc == 0 && lists[i].on_request) continue;
     found = PETSC_TRUE;
     MpmPrint("%s\n", lists[i].title);
@@ -219,6 +247,5 @@ PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status
     MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions or codes%s%s%s",
               argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
-  *status = MPM_EXIT_DONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

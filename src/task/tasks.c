@@ -2,21 +2,31 @@
 #include <mpmstab/errors.h>
 #include "base/memory.h"
 #include "base/stop.h"
+#include "base/suggest.h"
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
+#include "scene/fields.h"
 #include "scene/settings.h"
 #include "task/task.h"
+#include <string.h>
+#include <strings.h>
 
 const MpmTask MpmTasks[] = {
-    {"run", "march a scene: error against the exact solution, measured growth, energy, throughput", MpmTaskRun},
+    {"run", "march a scene: error against the exact solution, measured growth, energy, throughput",
+     "run -formulation usl -cells 64 -courant 1/2 -time 1", MpmTaskRun},
     {"spectrum", "eigenvalues of the assembled operator beside symbol, closed forms and measured growth",
-     MpmTaskSpectrum},
-    {"symbol", "abs(G) over the phase beta, exact for uniform layouts", MpmTaskSymbol},
-    {"critical", "the largest stable Courant number, and the wave or mode that limits it", MpmTaskCritical},
-    {"map", "growth over two of Courant number, drift, offset and particles per cell", MpmTaskMap},
-    {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval", MpmTaskEnsemble},
-    {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes", MpmTaskList},
-    {NULL, NULL, NULL},
+     "spectrum -formulation gas2 -drift 1/8 -cells 16 -courant 0.1", MpmTaskSpectrum},
+    {"symbol", "abs(G) over the phase beta, exact for uniform layouts",
+     "symbol -formulation musl -drift 1/8 -courant 0.3", MpmTaskSymbol},
+    {"critical", "the largest stable Courant number, and the wave or mode that limits it",
+     "critical -formulation musl -basis quadratic", MpmTaskCritical},
+    {"map", "growth over two of Courant number, drift, offset and particles per cell",
+     "map -formulation musl -map_points 40,20", MpmTaskMap},
+    {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval",
+     "ensemble -formulation musl -jitter 0.5 -cells 16 -layouts 20", MpmTaskEnsemble},
+    {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes",
+     "list formulation musl", MpmTaskList},
+    {NULL, NULL, NULL, NULL},
 };
 
 /* Refuses files from which a run is to start and cannot. A matrix in the place of a scene has no run. */
@@ -60,5 +70,38 @@ PetscErrorCode MpmPrintUsage(void)
            MPMSTAB_VERSION);
   for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
   MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An option of a list of this task's own, or of those that all tasks read. */
+static void PrintOptions(const char task[], PetscBool own)
+{
+  for (const MpmField *o = MpmOptions; o->name; o++)
+    if (own ? o->tasks && strstr(o->tasks, task) : !o->tasks)
+      MpmPrint("  -%-17s %-11s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
+}
+
+PetscErrorCode MpmPrintHelp(const char name[])
+{
+  const char    *names[16], *near;
+  const MpmTask *task = MpmTasks;
+  PetscInt       n    = 0;
+
+  PetscFunctionBegin;
+  for (; MpmTasks[n].name; n++) names[n] = MpmTasks[n].name;
+  near = MpmSuggest(name, n, names);
+  while (task->name && strcasecmp(task->name, name)) task++;
+  MpmCheckInput(task->name, "help %.200s: allowed: a task that 'mpmstab' alone shows%s%s%s", name,
+                near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
+  if (!strcmp(task->name, "list")) {
+    MpmPrint(
+        "  mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|codes]\n");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmPrint("options of this task: name, default, meaning\n");
+  PrintOptions(task->name, PETSC_TRUE);
+  MpmPrint("options that all tasks read: the scene and its files; also keys of a scene file\n");
+  PrintOptions(task->name, PETSC_FALSE);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

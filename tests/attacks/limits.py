@@ -8,7 +8,7 @@ from oracle import DONE, REFUSED, Beside, judge, require
 MEMORY = ("run -cells 64 -steps 20", "run -cells 1000000 -steps 2 -ppc 2", "run -cells 300000 -steps 2 -output o.h5",
           "symbol -cells 64", "symbol -cells 200000", "symbol -cells 40000 -output o.h5", "spectrum -cells 64",
           "spectrum -cells 500 -measure false -jitter 0.2", "spectrum -cells 5000 -measure false -output o.h5",
-          "critical", "critical -boundary fixed -cells 60", "map -map_points 20,10", "ensemble -jitter 0.4 -layouts 3",
+          "critical gas2", "critical gas2 -boundary fixed -cells 60", "map -map_points 20,10", "ensemble -jitter 0.4 -layouts 3",
           "spectrum -cells 40 -pseudospectrum 5 -powers 9", "list")
 FILES = ("run -cells 64 -steps 100 -output {0}.h5 -output_every 10", "map -map_points 20,15 -output {0}.h5 -csv {0}.csv",
          "symbol -cells 4000 -output {0}.h5", "symbol -cells 8000 -csv {0}.csv",

@@ -47,7 +47,7 @@ def check_start():
     """Less than MPI or LAPACK starts with is refused in our own words, on one rank of those that a launcher starts too."""
     for megabytes in (165, 180, 220, 260, 300, 330):
         size = megabytes * 1000 << 10
-        for words in ("list", "symbol -cells 64", "critical"):
+        for words in ("list", "symbol -cells 64", "critical gas2"):
             done = run(words.split(), preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
             if done.returncode == 127:  # the system cannot load the program
                 continue

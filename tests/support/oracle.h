@@ -149,3 +149,45 @@ static inline PetscErrorCode OracleCriticalSpace(const char path[], int fewest, 
   CHECK(rows >= fewest, "only %d rows read", rows);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/*
+   Collective. Does the same for growth-nonlinear.csv: growth about stretched states, on rings of 16 cells. There an
+   adiabat is a polytropic gas, and mls is apic with the gradient mls.
+*/
+static inline PetscErrorCode OracleGrowthNonlinear(const char path[], int fewest, OracleCheck check)
+{
+  FILE *file = fopen(path, "r");
+  char  row[256], formulation[32], transfer[32], basis[32], material[32], numbers[64], drift[32], offset[32],
+      options[512];
+  int    ppc, cells, rows = 0;
+  double stretch, courant, prestress, growth;
+
+  PetscFunctionBegin;
+  PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "%s cannot be read", path);
+  while (fgets(row, sizeof row, file)) {
+    double first = 1, second = 0;
+    char   number[64] = "";
+
+    if (sscanf(row, "%31[^,],%31[^,],%31[^,],%31[^,],%63[^,],%lf,%31[^,],%d,%31[^,],%lf,%d,%lf,%lf", formulation,
+               transfer, basis, material, numbers, &stretch, drift, &ppc, offset, &courant, &cells, &prestress,
+               &growth) != 13)
+      continue;
+    row[strcspn(row, "\r\n")] = 0;
+    (void)sscanf(numbers, "%*[^=]=%lf;%*[^=]=%lf", &first, &second);
+    if (!strcmp(material, "neo"))
+      PetscCall(PetscSNPrintf(number, sizeof number, "-lame_ratio %.17g", second / first));
+    else if (second != 0)
+      PetscCall(PetscSNPrintf(number, sizeof number, "-exponent %.17g", second));
+    PetscCall(PetscSNPrintf(
+        options, sizeof options,
+        "-formulation %s -transfer %s -gradient %s -basis %s -material %s -stretch %.17g %s -drift "
+        "%s -ppc %d -offset %s -courant %.17g -cells %d",
+        formulation, strcmp(transfer, "mls") ? transfer : "apic", strcmp(transfer, "mls") ? "basis" : "mls", basis,
+        strcmp(material, "adiabat") ? material : "polytropic", stretch, number, drift, ppc, offset, courant, cells));
+    PetscCall(check(row, options, growth));
+    rows++;
+  }
+  fclose(file);
+  CHECK(rows >= fewest, "only %d rows read", rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

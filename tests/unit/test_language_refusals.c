@@ -118,7 +118,7 @@ static PetscErrorCode CheckLines(void)
       {4, "v += k^8 k G2P a_i", "allowed: powers of k up to 8"},
       {4, "v += 1e999 G2P a_i", "1e999 is not a finite number"},
       {4, "v += 1e300 1e300 G2P a_i", "a factor is not a finite number"},
-      {4, "v ~ G2P a_i", "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER or DRIFT"},
+      {4, "v ~ G2P a_i", "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE or DRIFT"},
       {4, "v =+ G2P a_i", "'=+' is not allowed; did you mean +=?"},
       {4, "v += GRAD ; a_i", "';' is not expected here"},
       {4, "v += STRESS DIV a_i", "STRESS acts on a gradient; allowed: STRESS GRAD field"},

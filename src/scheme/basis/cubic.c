@@ -28,10 +28,18 @@ static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NO
   CubicSlopes(xi, slope);
 }
 
+static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES])
+{
+  (void)half_width;
+  CubicCurves(xi, curve);
+}
+
 const MpmBasis MpmCubic = {.name        = "cubic",
                            .summary     = "cubic B-splines, their middles on the nodes",
                            .reference   = "Steffen, Kirby and Berzins 2008",
                            .reach_left  = 1,
                            .reach_right = 2,
                            .slope_sum   = 2,
+                           .curve_sum   = 8,
+                           .smooth      = PETSC_TRUE,
                            KERNELS};

@@ -37,6 +37,15 @@ static inline void Slopes(PetscReal xi, PetscReal l, PetscReal slope[NODES])
   }
 }
 
+static inline void Curves(PetscReal xi, PetscReal l, PetscReal curve[NODES])
+{
+  for (int d = 0; d < NODES; d++) {
+    const PetscReal x = fabs(xi + 1 - d);
+
+    curve[d] = x < l ? -1 / l : x <= 1 - l ? 0 : x < 1 + l ? 1 / (2 * l) : 0;
+  }
+}
+
 const MpmBasis MpmGimp = {.name        = "gimp",
                           .summary     = "hat averaged over a particle's width h / ppc (uGIMP)",
                           .reference   = "Bardenhagen and Kober 2004",

@@ -5,8 +5,10 @@
      static inline PetscInt First(PetscReal xi);
      static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
      static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
+     static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES]);
 
-   First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx.
+   First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx, and Curves h^2 d2phi/dx2.
+   Hats have no Curves, and say so by NO_CURVES.
 
    In a uniform layout, moving or not, all runs of a block have the same length. A loop over runs of a known length has
    no branch and no gather, and the compiler vectorises it. Elsewhere sums stay in registers while particles have the
@@ -57,6 +59,37 @@ static inline PetscReal Fitted(PetscReal xi, PetscReal half_width, PetscReal wei
   for (int d = 0; d < NODES; d++) weight[d] /= sum;
   return 1;
 }
+
+#ifndef NO_CURVES
+static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES]);
+
+static inline PetscReal Curve(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+{
+  Curves(xi, half_width, weight);
+  return 1;
+}
+
+/* The slopes of Fitted: of phi r h / D, where r = x_i - x_p has the slope -1 and D that of sum_i phi r^2. */
+static inline PetscReal FittedSlopes(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+{
+  PetscReal phi[NODES], slope[NODES], D = 0, D_slope = 0;
+
+  Values(xi, half_width, phi);
+  Slopes(xi, half_width, slope);
+  for (int d = 0; d < NODES; d++) {
+    const PetscReal r = First(xi) + d - xi;
+
+    D += phi[d] * r * r;
+    D_slope += slope[d] * r * r;
+  }
+  for (int d = 0; d < NODES; d++) {
+    const PetscReal r = First(xi) + d - xi;
+
+    weight[d] = (slope[d] * r - phi[d]) / D - phi[d] * r * D_slope / (D * D);
+  }
+  return 1;
+}
+#endif
 
 /* A loop is vectorised only if the compiler knows its weights and the length of its runs, without a call. */
 #define INLINE static inline __attribute__((always_inline))
@@ -250,8 +283,23 @@ static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle,
 }
 #endif
 
+#ifdef NO_CURVES
+#define CURVES
+#else
+static void CurveForce(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(Curve, b, a, particle, node, NULL);
+}
+
+static void CurveForceMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
+{
+  Scatter(FittedSlopes, b, a, particle, node, NULL);
+}
+#define CURVES [MPM_CURVE] = CurveForce, [MPM_CURVE_MLS] = CurveForceMls,
+#endif
+
 #define KERNELS                                                                                                        \
   .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
-  .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,         \
-             [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,     \
+  .kernel = {CURVES[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,        \
+             [MPM_G2P] = G2P_,       [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,    \
              [MPM_G2P_SLOPE] = Grad}

@@ -29,10 +29,18 @@ static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NO
   QuadraticSlopes(xi < 0.5 ? xi : xi - 1, slope);
 }
 
+static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES])
+{
+  (void)xi;
+  (void)half_width;
+  QuadraticCurves(curve);
+}
+
 const MpmBasis MpmQuadratic = {.name        = "quadratic",
                                .summary     = "quadratic B-splines, their middles on the nodes",
                                .reference   = "Steffen, Kirby and Berzins 2008",
                                .reach_left  = 1,
                                .reach_right = 2,
                                .slope_sum   = 2,
+                               .curve_sum   = 8,
                                KERNELS};

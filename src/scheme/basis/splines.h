@@ -17,6 +17,13 @@ static inline void QuadraticSlopes(PetscReal d, PetscReal slope[3])
   slope[2] = d + 0.5;
 }
 
+static inline void QuadraticCurves(PetscReal curve[3])
+{
+  curve[0] = 1;
+  curve[1] = -2;
+  curve[2] = 1;
+}
+
 /* xi: the distance from the middle of the second of four cubic splines, 0 <= xi <= 1. */
 static inline void CubicValues(PetscReal xi, PetscReal phi[4])
 {
@@ -36,4 +43,14 @@ static inline void CubicSlopes(PetscReal xi, PetscReal slope[4])
   slope[1] = -2 * xi + 1.5 * xi * xi;
   slope[2] = 2 * eta - 1.5 * eta * eta;
   slope[3] = xi * xi / 2;
+}
+
+static inline void CubicCurves(PetscReal xi, PetscReal curve[4])
+{
+  const PetscReal eta = 1 - xi;
+
+  curve[0] = eta;
+  curve[1] = 3 * xi - 2;
+  curve[2] = 3 * eta - 2;
+  curve[3] = xi;
 }

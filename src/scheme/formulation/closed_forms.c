@@ -12,7 +12,11 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det)
 
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal k)
 {
-  return MpmQuadraticRadius(1 + cell->filter - cell->alpha * k * k * cell->kappa, cell->filter);
+  const PetscReal      f = cell->filter, alpha = cell->alpha, s = k * k * cell->kappa;
+  const double complex x = k * k * cell->chi;
+
+  if (cell->projected) return MpmQuadraticRadius(1 + f - alpha * (s + x), f);
+  return MpmQuadraticRadius(1 + f - alpha * s - x, f - (f - alpha) * x);
 }
 
 /* Jury's conditions are abs(det) <= 1 and abs(trace) <= 1 + det. So alpha s <= 2 (1 + f) with s = k^2 kappa. */

@@ -11,6 +11,9 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det);
    not from a nodal velocity that was advanced on the grid (usf, musl, usavg). With s = k^2 kappa and f = filter:
 
      trace = 1 + f - alpha s,    det = f
+
+   With a prestress and x = k^2 chi, trace = 1 + f - alpha s - x and det = f - (f - alpha) x where particles move with
+   the grid's velocity, and trace = 1 + f - alpha (s + x), det = f where they move with the projected one.
 */
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal courant);
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);

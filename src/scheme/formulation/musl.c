@@ -19,10 +19,13 @@ static const MpmOp ops[] = {
     MINUS_DIV(A_I, S, COURANT), /* 2. a_i  = - k sum_p V_p dS_ip/dx s_p         */
     REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction   */
     G2P(V, A_I, ONE),           /* 3. v_p += sum_i S_ip a_i                     */
-    P2G(V_I, V),                /* 4. v_i  = sum_p S_ip v_p    (the new v)      */
+    MOVE(V_I),                  /* 4. x_p += dt sum_i S_ip (v_i + a_i)          */
+    MOVE(A_I),                  /*                                              */
+    P2G(V_I, V),                /* 5. v_i  = sum_p S_ip v_p    (the new v)      */
     IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
-    GRAD(S, V_I, COURANT),      /* 5. s_p += k sum_i dS_ip/dx v_i               */
-    DRIFT,                      /* 6. x_p += U0 dt                              */
+    GRAD(S, V_I, COURANT),      /* 6. s_p += k sum_i dS_ip/dx v_i               */
+    MOVE_PROJECTED(V_I),        /*    x_p moves here instead with move projected */
+    DRIFT,                      /*    U0 dt, the part of x_p's motion that is known */
 };
 
 const MpmFormulation MpmMusl = {

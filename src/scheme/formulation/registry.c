@@ -43,6 +43,8 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_P2G_AFFINE] = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_MASS},
       [MPM_DIV]        = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
       [MPM_DIV_MLS]    = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
+      [MPM_CURVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
+      [MPM_CURVE_MLS]  = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
       [MPM_G2P]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_GRAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},

@@ -20,7 +20,9 @@ static const MpmOp ops[] = {
     MINUS_DIV(A_I, S, COURANT), /* 3. a_i  = - k sum_p V_p dS_ip/dx s_p         */
     REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction   */
     G2P(V, A_I, ONE),           /* 4. v_p += sum_i S_ip a_i                     */
-    DRIFT,                      /* 5. x_p += U0 dt                              */
+    MOVE(V_I),                  /* 5. x_p += dt sum_i S_ip (v_i + a_i)          */
+    MOVE(A_I),                  /*                                              */
+    DRIFT,                      /*    of which U0 dt is known                   */
 };
 
 const MpmFormulation MpmUsf = {.name = "usf",

@@ -23,17 +23,19 @@ static const MpmOp ops[] = {
     IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                    */
     G2P(V, A_I, ONE),           /* 4. v_p += sum_i S_ip a_i                     */
     GRAD(S, V_I, COURANT),      /* 5. s_p += k sum_i dS_ip/dx v_i               */
-    DRIFT,                      /* 6. x_p += U0 dt                              */
+    MOVE(V_I),                  /* 6. x_p += dt sum_i S_ip v_i                  */
+    DRIFT,                      /*    of which U0 dt is known                   */
 };
 
 /*
    A step takes the node's velocity v and increment a to
 
-     v' = f v + alpha a,    a' = a - s (v + a)    with s = k^2 kappa
+     v' = f v + alpha a,    a' = a - s (v + a)    with s = k^2 (kappa + chi)
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal s = k * k * cell->kappa, f = cell->filter;
+  const double complex s = k * k * (cell->kappa + cell->chi);
+  const PetscReal      f = cell->filter;
 
   return MpmQuadraticRadius(1 + f - s, f + (cell->alpha - f) * s);
 }

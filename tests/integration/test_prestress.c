@@ -1,0 +1,132 @@
+/*
+   Schemes about a stretched state. An independent program linearised a nonlinear step by hand and against complex steps;
+   its growth is compared with the symbol, the spectrum of the ring and marches from random data. The closed forms are
+   compared with the symbol, and A q with march(q).
+*/
+#include "analysis/run.h"
+#include "analysis/spectrum.h"
+#include "check.h"
+#include "oracle.h"
+#include "symbols.h"
+#include "symbol/predict.h"
+#include <slepcsys.h>
+
+#define LEAST 1.02         /* growth per step; slower rows would need long runs */
+#define LEAST_ON_RANKS 1.3 /* the same, where steps wait for messages */
+#define TIMES 1e90         /* by which a state grows in a run */
+
+static PetscInt marched;
+
+static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal growth)
+{
+  MpmScene   *scene;
+  MpmSymbol  *symbol;
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 16, PETSC_FALSE, &symbol));
+  /* A defective eigenvalue at 1 is split by rounding; the independent program says the same of its own numbers. */
+  CHECK_NEAR(growth < 1 + 1e-7 ? PetscMax(1, symbol->growth) : symbol->growth, growth, growth < 1 + 1e-7 ? 1e-7 : 1e-8);
+  if (fabs(symbol->growth - growth) > 1e-7) fprintf(stderr, "%s\n", row);
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  if (growth > (size > 1 ? LEAST_ON_RANKS : LEAST) && scene->step.drift[0].value == 0) {
+    MpmRun *run;
+
+    PetscCall(MpmRunRandom(scene, (PetscInt64)ceil(log(TIMES) / log(growth)), 1e-6, &run));
+    if (run->growth.measured) marched++;
+    CHECK(!run->growth.measured || fabs(log(run->growth.per_step) / log(growth) - 1) <= 0.01, "%s: measured %.9g", row,
+          (double)run->growth.per_step);
+    PetscCall(MpmRunDestroy(&run));
+  }
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator of the ring: A q = march(q), and its eigenvalues are those of the symbol. */
+static PetscErrorCode CheckRing(const char options[])
+{
+  MpmScene    *scene;
+  MpmSpectrum *s;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
+  CHECK(s->step_mismatch <= 1e-14 * s->op->period, "%s: A q and march(q) differ by %.3g", options, s->step_mismatch);
+  CHECK(!s->symbol || fabs(s->symbol->growth - s->growth) <= 1e-6, "%s: symbol %.12g, spectrum %.12g", options,
+        s->symbol->growth, s->growth);
+  PetscCall(MpmSpectrumDestroy(&s));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckRings(void)
+{
+  static const char *const rings[] = {
+      "-formulation usl -basis quadratic -prestress 0.6 -courant 0.5 -cells 12",
+      "-formulation usf -basis cubic -gradient mls -transfer apic -prestress -0.7 -offset 0.3 -cells 12 -drift 1/8",
+      "-formulation musl -basis gimp -prestress 0.3 -offset 0.1 -move projected -cells 9 -boundary fixed",
+      "-formulation usavg -basis quadratic -transfer xpic -prestress 0.5 -offset 0.4 -cells 10 -boundary "
+      "fixed_reaction",
+      "-formulation musl -basis linear -material svk -stretch 0.65 -cells 8"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rings); i++) PetscCall(CheckRing(rings[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckClosedForm(const char options[])
+{
+  MpmScene     *scene;
+  MpmSymbol    *symbol;
+  MpmPredictor  predictor;
+  MpmComparison comparison;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 24, PETSC_FALSE, &symbol));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  CHECK(comparison.corrected <= 5e-8, "%s: closed form off by %.3g at beta %.3g", options, comparison.corrected,
+        comparison.corrected_beta[0]);
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckClosedForms(void)
+{
+  static const char *const schemes[] = {"usl", "usf", "musl", "usavg", "musl -move projected", "usavg -move projected"};
+  static const char *const kinds[]   = {"-basis quadratic -offset 0.3", "-basis cubic -transfer pic -ppc 3",
+                                        "-basis quadratic -transfer apic -gradient mls",
+                                        "-basis gimp -offset 0.35 -transfer blend",
+                                        "-basis cubic -transfer xpic -gradient mls -ppc 1 -offset 0.2"};
+  static const char *const states[]  = {"-prestress 1.3", "-prestress -0.6 -courant 0.8"};
+  char                     options[512];
+
+  PetscFunctionBegin;
+  for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(schemes); f++)
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(kinds); k++)
+      for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(states); s++) {
+        PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s %s", schemes[f], kinds[k], states[s]));
+        PetscCall(CheckClosedForm(options));
+      }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "prestress FILE");
+  PetscCall(SlepcInitializeNoArguments());
+  PetscCall(OracleGrowthNonlinear(argv[1], 43, CheckRow));
+  CHECK(marched >= 3, "%d rows measured by marches", (int)marched);
+  PetscCall(CheckRings());
+  PetscCall(CheckClosedForms());
+  PetscCall(SlepcFinalize());
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
