@@ -18,49 +18,39 @@
 #include <vector>
 #include <mpmstab/plugin.h>
 
-namespace mpmstab
-{
-inline std::string &wrong()
-{
-  static std::string text;
-  return text;
-}
-
-/* Does what it is given; 1 and a text when that throws. */
-template <class Action> int caught(Action action)
+/* Does something; 1 when that throws, and then mpmstab_error says what. */
+template <class Action> int mpmstab_caught(Action action, std::string &wrong)
 {
   try {
     action();
     return 0;
   } catch (const std::exception &e) {
-    wrong() = e.what();
+    wrong = e.what();
   } catch (...) {
-    wrong() = "an exception that is no std::exception";
+    wrong = "an exception that is no std::exception";
   }
   return 1;
 }
-} // namespace mpmstab
 
 #define MPMSTAB_PLUGIN(Code)                                                                                           \
-  const char *mpmstab_describe(const double **state)                                                                   \
+  static std::string         mpmstab_text, mpmstab_wrong;                                                              \
+  static std::vector<double> mpmstab_base;                                                                             \
+  const char                *mpmstab_describe(const double **state)                                                    \
   {                                                                                                                    \
-    static std::vector<double> base;                                                                                   \
-    static std::string         text;                                                                                   \
-    if (mpmstab::caught([] { text = Code::describe(), base = Code::base(); })) return nullptr;                         \
-    *state = base.data();                                                                                              \
-    return text.c_str();                                                                                               \
+    const auto start = [] { mpmstab_text = Code::describe(), mpmstab_base = Code::base(); };                           \
+    if (mpmstab_caught(start, mpmstab_wrong)) return nullptr;                                                          \
+    *state = mpmstab_base.data();                                                                                      \
+    return mpmstab_text.c_str();                                                                                       \
   }                                                                                                                    \
   int mpmstab_set(const char name[], double value)                                                                     \
   {                                                                                                                    \
-    return mpmstab::caught([&] { Code::set(name, value); });                                                           \
+    return mpmstab_caught([&] { Code::set(name, value); }, mpmstab_wrong);                                             \
   }                                                                                                                    \
   int mpmstab_step(int steps, int64_t particles, double state[])                                                       \
   {                                                                                                                    \
-    return mpmstab::caught([&] {                                                                                       \
-      for (int n = 0; n < steps; n++) Code::step(state, (std::size_t)particles);                                       \
-    });                                                                                                                \
+    const auto all = [&] {                                                                                             \
+      while (steps-- > 0) Code::step(state, (std::size_t)particles);                                                   \
+    };                                                                                                                 \
+    return mpmstab_caught(all, mpmstab_wrong);                                                                         \
   }                                                                                                                    \
-  const char *mpmstab_error(void)                                                                                      \
-  {                                                                                                                    \
-    return mpmstab::wrong().c_str();                                                                                   \
-  }
+  const char *mpmstab_error(void) { return mpmstab_wrong.c_str(); }

@@ -9,6 +9,7 @@
      while (!mpmstab_probe(&hook, "A.mtx", h)) advance(dt);         h: the width of a cell
 
      mpmstab spectrum -matrix A.mtx
+     mpmstab symbol -matrix_blocks A.mtx                            all waves, where all cells are alike
 
    Each call keeps the answer to the last perturbation, restores the state, perturbs other unknowns and lets your loop do
    its step. The last call writes the matrix, restores the state to the last bit, and returns 1; so do all later ones.
@@ -67,7 +68,7 @@ struct mpmstab_work {
   int                nfields, width, place, stage, asked, number, reach, single;
   long               particles, colours, colour, middle, calls, bins[3], modulus[3];
   long              *bin, *colour_of, *owner, *grid;
-  double             period[3], *base, *rest, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
+  double             cell, period[3], *base, *rest, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
   double             moved, repeat, one_sided, two_sizes, additivity, leaks;
   long               n, room, *row, *column;
   double            *value;
@@ -308,10 +309,15 @@ static inline void mpmstab_owners_(struct mpmstab_work *w)
 
 /* ---- what is asked, and what is made of the answers ---- */
 
+static inline double mpmstab_size_(const struct mpmstab_work *w)
+{
+  return w->single ? 0.03125 : 7.62939453125e-06;
+}
+
 /* The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all. */
 static inline void mpmstab_perturb_(struct mpmstab_work *w)
 {
-  const double  sign = w->asked % 2 ? -1 : 1, size = (w->single ? 0.03125 : 7.62939453125e-06) * (w->asked / 2 + 1);
+  const double  sign = w->asked % 2 ? -1 : 1, size = mpmstab_size_(w) * (w->asked / 2 + 1);
   double       *amount = w->amount[w->asked];
   unsigned long random = 1;
 
@@ -351,7 +357,7 @@ static inline void mpmstab_take_columns_(struct mpmstab_work *w)
     const double unit = w->scale[w->number] / w->scale[i % w->width], both = mpmstab_minus_(w, i, f[0], f[1]);
 
     if (owner < 0) {
-      w->leaks = fmax(w->leaks, fabs(both) / w->scale[i % w->width] / (w->single ? 0.0625 : 1.52587890625e-05));
+      w->leaks = fmax(w->leaks, fabs(both) / w->scale[i % w->width] / (2 * mpmstab_size_(w)));
     } else {
       const double a = both / (d[0][j] - d[1][j]), ahead = mpmstab_minus_(w, i, f[0], w->rest) / d[0][j];
       const double larger = (mpmstab_minus_(w, i, f[2], f[3]) / (d[2][j] - d[3][j]) - a) * unit;
@@ -459,6 +465,7 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
   w->owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
   memcpy(w->period, hook->period, sizeof w->period);
+  w->cell = h;
   mpmstab_copy_(w, w->base, 0);
   for (int f = 0; f < w->nfields; f++) {
     const mpmstab_registered *of = &w->field[f];
@@ -476,6 +483,22 @@ static inline int mpmstab_finite_(const struct mpmstab_work *w, const double *st
   return 1;
 }
 
+/* Comments from which mpmstab finds out whether all cells are alike. */
+static inline void mpmstab_write_places_(const struct mpmstab_work *w, FILE *file)
+{
+  const int dim = mpmstab_directions_(w);
+
+  fprintf(file, "%% numbers: %d\n", w->width);
+  for (int i = 0; i < w->width; i++) fprintf(file, "%% scale: %.17g\n", w->scale[i]);
+  if (!dim || !(w->cell > 0)) return;
+  fprintf(file, "%% cell_width: %.17g\n%% period:", w->cell);
+  for (int a = 0; a < dim; a++) fprintf(file, " %.17g", w->period[a]);
+  for (long i = 0; i < w->particles * dim; i++)
+    fprintf(file, "%s%.17g",
+            i % dim ? " " : "\n% at: ", w->base[i / dim * w->width + w->field[w->place].begin + i % dim]);
+  fprintf(file, "\n");
+}
+
 /* Matrix Market; unknowns particle by particle, fields in the order in which they were registered. */
 static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path)
 {
@@ -489,8 +512,10 @@ static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path
       fprintf(file, " %s %d%s", w->field[f].name, w->field[f].size, f == w->place ? " place" : "");
     fprintf(file, "\n%% calls: %ld\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n", w->calls, w->moved,
             w->repeat, w->one_sided);
-    fprintf(file, "%% two_sizes: %.3g\n%% additivity: %.3g\n%ld %ld %ld\n", sqrt(w->two_sizes), w->additivity, order,
-            order, w->n);
+    fprintf(file, "%% two_sizes: %.3g\n%% additivity: %.3g\n%% size: %.3g\n%% single: %d\n", sqrt(w->two_sizes),
+            w->additivity, mpmstab_size_(w), w->single);
+    mpmstab_write_places_(w, file);
+    fprintf(file, "%ld %ld %ld\n", order, order, w->n);
     for (long k = 0; k < w->n; k++) fprintf(file, "%ld %ld %.17g\n", w->row[k] + 1, w->column[k] + 1, w->value[k]);
     bad = ferror(file);
     bad = fclose(file) || bad;

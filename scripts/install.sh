@@ -4,7 +4,7 @@
 common_packages="gcc libc6-dev make cmake pkg-config git libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
                  libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev zlib1g-dev python3 python3-numpy python3-h5py
                  python3-matplotlib"
-test_packages="clang-format valgrind chromium chromium-driver python3-selenium python3-scipy python3-pip
+test_packages="clang-format valgrind shellcheck chromium chromium-driver python3-selenium python3-scipy python3-pip
                python3-nbclient python3-ipykernel python3-jsonschema python3-yaml g++ gfortran octave"
 
 install_missing() {

@@ -3,6 +3,7 @@ function varargout = mpmstab_probe(path, h, varargin)
 %
 %   [xp, vp, sp] = mpmstab_probe('A.mtx', h, xp, vp, sp);     first line of the time loop
 %   mpmstab spectrum -matrix A.mtx                            afterwards
+%   mpmstab symbol -matrix_blocks A.mtx                       all waves, where all cells are alike
 %
 % h: the width of a cell; [h Lx Ly] for a grid with periods, Inf where there is none. The first array is the place; the
 % others are all that a step changes and a later step reads. Particles are the first or the last index. One more output
@@ -71,6 +72,7 @@ for k = 1:numel(arrays)
   w.scale = [w.scale, repmat(largest, 1, width)];
   w.names = sprintf('%s field%d %d%s', w.names, k, width, repmat(' place', 1, double(k == 1)));
 end
+w.cell = h(1);
 w.size = 2^-17;
 if any(w.single), w.size = 2^-5; end
 w.dim = numel(arrays{1}) / w.n;
@@ -242,9 +244,15 @@ function save_matrix(w, path)
 % Matrix Market; unknowns particle by particle, fields in the order of the call.
 says = sprintf('%% calls: %d\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n%% two_sizes: %.3g\n%% additivity: %.3g\n', ...
                w.calls, largest(w, minus_periods(w, w.rest, w.base)), w.repeat, w.one_sided, sqrt(w.two_sizes), w.additivity);
+period = w.period(1:w.dim);
+period(~w.periodic) = 0;
+known = [sprintf('%% size: %.3g\n%% single: %d\n%% numbers: %d\n', w.size, any(w.single), numel(w.scale)), ...
+         sprintf('%% scale: %.17g\n', w.scale), sprintf('%% cell_width: %.17g\n%% period:', w.cell), ...
+         sprintf(' %.17g', period), ...
+         sprintf(['\n%% at:', repmat(' %.17g', 1, w.dim)], w.base(:, 1:w.dim).')];
 [file, why] = fopen(path, 'w');
 if file < 0, error('mpmstab_probe: %s cannot be written: %s', path, why); end
-fprintf(file, '%%%%MatrixMarket matrix coordinate real general\n%% steps: 1\n%% fields:%s\n%s', w.names, says);
+fprintf(file, '%%%%MatrixMarket matrix coordinate real general\n%% steps: 1\n%% fields:%s\n%s%s\n', w.names, says, known);
 fprintf(file, '%d %d %d\n', numel(w.base), numel(w.base), size(w.entries, 1));
 fprintf(file, '%d %d %.17g\n', w.entries.');
 fclose(file);

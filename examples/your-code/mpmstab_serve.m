@@ -1,81 +1,58 @@
 function mpmstab_serve(step, state, about)
 % Your step as a program, in Octave and MATLAB: mpmstab spectrum -program 'octave -q serve.m'
-%
 %   mpmstab_serve(@(state, parameters) ..., struct('x', x, 'v', v), struct('cell_width', h, ...))
-%
-% step: takes the state and a structure of parameters, and returns the state after one step.
-% state: arrays with particles as first index.
-% about: cell_width; and where they are needed periodic (a period for each direction, NaN where there is none),
-% place (the name of the place, without it 'x'), scale (scale.v = 20), parameters (parameters.dt = 1e-4), name, steps.
-% Octave sends what the step prints to standard error. In MATLAB the step must print nothing.
+% step: takes the state, whose arrays have particles as first index, and a structure of parameters; returns the state.
+% about: cell_width; where they are needed, periodic (a period for each direction, NaN where there is none), place (the
+% name of the place, without it 'x'), scale (scale.v = 20), parameters (parameters.dt = 1e-4), name, steps, and any_count
+% (true: the step takes any number of particles). In Octave what the step prints goes to standard error. In MATLAB it
+% must print nothing.
 in = fopen('/dev/stdin', 'r');
 out = fopen('/dev/stdout', 'w');
-in_octave = exist('OCTAVE_VERSION', 'builtin') > 0;
-if in_octave, dup2(stderr, stdout); end
-about = with(about, struct('place', 'x', 'scale', struct(), 'parameters', struct(), 'name', 'mine', 'steps', 1));
-names = fieldnames(state);
-fields = cell(1, numel(names));
+if exist('OCTAVE_VERSION', 'builtin'), dup2(stderr, stdout); end
+[names, arrays] = deal(fieldnames(state).', struct2cell(state).');
+widths = cellfun(@(a) size(a, 2), arrays);
+doubles = @(state) cell2mat(cellfun(@double, struct2cell(state).', 'UniformOutput', false));
+base = doubles(state);
+about = with(about, struct('place', 'x', 'scale', struct()));
+dim = widths(strcmp(names, about.place));
+about = with(about, struct('protocol', 1, 'name', 'mine', 'dim', dim, 'periodic', NaN(1, dim), 'fields', {{}}, ...
+                           'particles', size(base, 1), 'any_count', false, 'parameters', struct(), 'steps', 1));
+about.periodic = num2cell(about.periodic); % in JSON an array, also of one number
 for k = 1:numel(names)
-  fields{k} = struct('name', names{k}, 'size', size(state.(names{k}), 2), 'place', strcmp(names{k}, about.place));
-  if isfield(about.scale, names{k}), fields{k}.scale = about.scale.(names{k}); end
+  about.fields{k} = struct('name', names{k}, 'size', widths(k), 'place', strcmp(names{k}, about.place));
+  if isfield(about.scale, names{k}), about.fields{k}.scale = about.scale.(names{k}); end
 end
-base = gather(state);
-dim = size(state.(about.place), 2);
-about = with(about, struct('periodic', NaN(1, dim)));
-parameters = about.parameters;
-line = next_line(in);
-while ~isempty(line)
+while true
+  line = '';
+  while isempty(line) || line(end) ~= 10 % byte by byte: fgetl of Octave waits for the byte after the line
+    line = [line, char(fread(in, 1))];
+    if feof(in), return, end
+  end
   message = jsondecode(strrep(line, '"do"', '"command"')); % 'do' is a word of Octave's language
-  head = '{}';
-  tail = [];
+  [head, tail] = deal(struct(), []);
   try
     switch message.command
       case 'quit', return
-      case 'describe'
-        head = jsonencode(struct('protocol', 1, 'name', about.name, 'dim', dim, 'cell_width', about.cell_width, ...
-                                 'periodic', {num2cell(about.periodic)}, 'particles', size(base, 1), ...
-                                 'fields', {fields}, 'parameters', parameters, 'steps', about.steps));
-        tail = base;
-      case 'set', parameters = with(rmfield(message, 'command'), parameters);
+      case 'describe', [head, tail] = deal(rmfield(about, {'place', 'scale'}), base);
+      case 'set', about.parameters = with(rmfield(message, 'command'), about.parameters);
       case 'step'
-        now = scatter(fread(in, [size(base, 2), size(base, 1)], 'double').', state);
-        for n = 1:message.steps, now = step(now, parameters); end
-        tail = gather(now);
+        message = with(message, struct('particles', about.particles));
+        tail = fread(in, [size(base, 2), message.particles], 'double').';
+        for n = 1:message.steps
+          now = mat2cell(tail, message.particles, widths);
+          now = cellfun(@(of, a) cast(of, class(a)), now, arrays, 'UniformOutput', false);
+          tail = doubles(orderfields(step(cell2struct(now, names, 2), about.parameters), state));
+        end
     end
   catch wrong
-    head = jsonencode(struct('error', wrong.message));
-    tail = [];
+    [head, tail] = deal(struct('error', wrong.message), []);
   end
-  fwrite(out, [head, char(10)]);
+  fwrite(out, [jsonencode(head), char(10)]);
   fwrite(out, tail.', 'double');
-  if in_octave, fflush(out); end
-  line = next_line(in);
-end
-end
-
-function line = next_line(in)
-% Byte by byte: fgetl of Octave waits for the byte after the line.
-line = '';
-byte = fread(in, 1);
-while ~isempty(byte) && byte ~= 10
-  line(end + 1) = char(byte);
-  byte = fread(in, 1);
+  if exist('OCTAVE_VERSION', 'builtin'), fflush(out); end
 end
 end
 
 function s = with(s, defaults)
 for name = fieldnames(defaults).', if ~isfield(s, name{1}), s.(name{1}) = defaults.(name{1}); end, end
-end
-
-function q = gather(state)
-q = cellfun(@double, struct2cell(state).', 'UniformOutput', false);
-q = [q{:}];
-end
-
-function state = scatter(q, state)
-for name = fieldnames(state).'
-  a = state.(name{1});
-  state.(name{1}) = cast(q(:, 1:size(a, 2)), class(a));
-  q(:, 1:size(a, 2)) = [];
-end
 end

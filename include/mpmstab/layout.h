@@ -37,6 +37,16 @@ typedef struct {
   PetscReal       density, stiffness, inclusion[MPM_MAX_DIM][2];
 } MpmMaterial;
 
+/*E
+   MpmBalance - how the cells are shared among ranks.
+
+   MPM_BALANCE_AUTO      - as particles where some rank would have 1.25 times the mean otherwise, and none move; else as cells
+   MPM_BALANCE_CELLS     - each rank has as many cells
+   MPM_BALANCE_PARTICLES - each rank has as many particles at the start
+E*/
+typedef enum { MPM_BALANCE_AUTO, MPM_BALANCE_CELLS, MPM_BALANCE_PARTICLES } MpmBalance;
+extern const char *const MpmBalanceNames[];
+
 /*S
    MpmLayout - a grid and the particles that rest in it. Lengths are in cells. Arrays have one entry for each direction.
 
@@ -64,6 +74,8 @@ typedef struct {
    half_width - half of a particle's width
    material   - the materials of the particles
    varies     - varies[property]: particles differ in this property
+   balance    - how the cells are shared among ranks
+   ranks      - the number of ranks along each direction; 0: those with the fewest ghosts
 S*/
 typedef struct {
   const char  *name;
@@ -76,6 +88,8 @@ typedef struct {
   PetscReal    jitter, cluster[2], half_width[MPM_MAX_DIM];
   MpmMaterial  material;
   PetscBool    varies[MPM_PROPERTIES];
+  MpmBalance   balance;
+  PetscInt     ranks[MPM_MAX_DIM];
 } MpmLayout;
 
 /* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */
@@ -100,6 +114,11 @@ static inline PetscInt MpmLayoutPpc(const MpmLayout *layout)
   for (PetscInt a = 0; a < layout->dim; a++) ppc *= layout->ppc[a];
   return ppc;
 }
+
+/*
+   Not collective. The number of particles of a line along direction a that rest in the cells before a cell, without jitter.
+*/
+PetscInt64 MpmLayoutParticlesBefore(const MpmLayout *layout, PetscInt a, PetscInt cell);
 
 /* Not collective. Whether the domain has no ends. */
 static inline PetscBool MpmLayoutIsPeriodic(const MpmLayout *layout)

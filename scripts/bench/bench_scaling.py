@@ -37,9 +37,22 @@ def arguments():
     parser.add_argument("--drifts", type=listed(("0", "0.01", "0.3")), default=("0", "0.3"))
     parser.add_argument("--particles", type=at_least(10_000), default=2_000_000, help="for tp (2000000)")
     parser.add_argument("--count-steps", type=at_least(2), default=2048, help="steps of a counted run (2048)")
+    add_network(parser)
+    return parser.parse_args()
+
+
+def add_network(parser):
     parser.add_argument("--latency", type=at_least(0, float), default=1.5e-6, help="seconds; assumed (1.5e-6)")
     parser.add_argument("--bandwidth", type=at_least(1, float), default=12e9, help="bytes a second; assumed (12e9)")
-    return parser.parse_args()
+
+
+def networks(args):
+    """Returns latency and bandwidth of the assumed network, and between two ranks here, and prints both."""
+    network = {"latency": args.latency, "bandwidth": args.bandwidth}
+    here = json.loads(bench_runs.said(["mpirun", "-q", "-n", "2", bench_runs.compiled("ping")]))
+    for name, values in (("assumed", network), ("between two ranks here", here)):
+        print(f"{name}: latency {1e6 * values['latency']:.3g} us, bandwidth {1e-9 * values['bandwidth']:.3g} GB/s")
+    return network, here
 
 
 def read_counts(lines):
@@ -214,11 +227,8 @@ def show_row(row):
 def main():
     args = arguments()
     result = bench_runs.begin("scaling", args)
-    network = {"latency": args.latency, "bandwidth": args.bandwidth}
-    here = json.loads(bench_runs.said(["mpirun", "-q", "-n", "2", bench_runs.compiled("ping")]))
+    network, here = networks(args)
     result |= {"network": network, "here": here, "models": []}
-    for name, values in (("assumed", network), ("between two ranks here", here)):
-        print(f"{name}: latency {1e6 * values['latency']:.3g} us, bandwidth {1e-9 * values['bandwidth']:.3g} GB/s")
     for scheme, basis, drift in ((s, b, d) for s in args.schemes for b in args.bases for d in args.drifts):
         model = make_model(scheme, basis, drift, args)
         show(model)

@@ -1,15 +1,14 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "analysis/program.h"
+#include "analysis/certified.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define LONGEST 128           /* steps in which particles may come to the same places in other cells */
-#define TOLERANCE_SINGLE 1e-5 /* what single precision can tell */
-#define NOISE 1e-8            /* an entry of the operator below this is none */
+#define LONGEST 128 /* steps in which particles may come to the same places in other cells */
+#define NOISE 1e-8  /* an entry of the operator below this is none */
 #define NOISE_SINGLE 1e-5
-#define MOVES_BY 1e-3 /* the share of a mode's growth by which the base state may move */
 
 /* Sets the parameters NAME=VALUE,NAME=VALUE... */
 static PetscErrorCode SetParameters(MpmProgram *p)
@@ -70,7 +69,7 @@ PetscErrorCode MpmProgramPrepare(MpmProgram *p)
   if (p->alike) MpmProbeSizesOf(&p->probe, p->alike);
   PetscCall(Choose(p));
   PetscCall(MpmProbeBegin(&p->probe, p->why[0] ? 1 : LONGEST));
-  p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, TOLERANCE_SINGLE) : p->request->tolerance;
+  p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, MPM_TOLERANCE_SINGLE) : p->request->tolerance;
   if (p->kind == MPM_PROBE_BLOCH) {
     p->columns = p->lattice.sites * p->stepper->width;
   } else {
@@ -182,41 +181,18 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
 
 /* ---- verdict ---- */
 
-/*
-   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
-   too far away may be felt in every cell.
-*/
-static PetscBool IsBeyond(const MpmProgram *p, MpmCertificate c, PetscReal condition, const MpmFinding *f)
-{
-  const PetscReal value = p->certificates.value[c], excess = f->growth - 1;
-  const PetscReal each = c == MPM_CERTIFY_REACH && p->lattice.sites ? p->stepper->particles / p->lattice.sites : 1;
-
-  if (c == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
-  return excess > f->tolerance + condition * value * each ? PETSC_TRUE : PETSC_FALSE;
-}
-
 PetscErrorCode MpmProgramJudge(const MpmProgram *p, PetscReal other, PetscReal condition, MpmFinding *f)
 {
-  const PetscReal *value = p->certificates.value, error = value[MPM_CERTIFY_SIZES] + value[MPM_CERTIFY_REPEAT];
-  const PetscInt   period = p->probe.steps;
+  const PetscInt period = p->probe.steps;
 
   PetscFunctionBegin;
   f->tolerance = p->tolerance;
   f->growth    = PetscMax(f->growth, MpmGrowthPerStep(p->unread.factor, 0, period));
-  if (f->growth > 1 + f->tolerance) {
-    const PetscReal relative = condition * error / pow(f->growth, period);
-
-    f->uncertainty = PetscMax(f->uncertainty, MpmUncertaintyOf(f->growth, relative, period));
-  }
-  f->verdict = MpmVerdictOf(f);
+  PetscCall(MpmCertifiedVerdict(&p->certificates, condition, period, f));
   if (f->verdict == MPM_UNSTABLE && !(other - 1 > f->tolerance + f->uncertainty))
     PetscCall(MpmFindingDispute(f, "with the other size of perturbations it does not grow so"));
   if (f->verdict == MPM_STABLE && other - 1 > f->tolerance)
     PetscCall(MpmFindingDispute(f, "with the other size of perturbations it grows"));
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (!MpmCertificateFails(&p->certificates, c)) continue;
-    if (f->verdict == MPM_UNSTABLE && IsBeyond(p, c, condition, f)) continue;
-    PetscCall(MpmFindingDispute(f, MpmCertificateFaults[c]));
-  }
+  PetscCall(MpmCertifiedDispute(&p->certificates, condition, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

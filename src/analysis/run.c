@@ -180,6 +180,7 @@ static PetscErrorCode Check(Loop *loop)
 
   PetscFunctionBegin;
   if (!loop->run->lost) PetscCall(MpmConservedCheck(loop->march, &loop->start, changes));
+  PetscCall(MpmMarchLoad(loop->march, &loop->run->load));
   loop->run->mass_change     = changes[0];
   loop->run->momentum_change = changes[1];
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -15,7 +15,7 @@
    the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
    the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
    what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
-   per particle and step, if known (traffic.h). transfer_first, transfer_last, transfer_most: the transfer diagnostics,
+   per particle and step, if known (traffic.h). load: the largest number of particles that a rank had, over the mean. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
    in scenes that ask for weights, source term or ringing (transfer_diagnostics.h).
 S*/
 #define MPM_NEVER -1
@@ -25,7 +25,7 @@ typedef struct {
   PetscMPIInt       ranks;
   PetscInt64        from, steps, blew_up_at_step;
   PetscReal         loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
-  PetscReal         mass_change, momentum_change, growth_above, bytes;
+  PetscReal         mass_change, momentum_change, growth_above, bytes, load;
   PetscBool         has_errors, lost, stopped;
   MpmError          error[MPM_MAX_FIELDS];
   MpmSeries         series;

@@ -4,6 +4,7 @@
 */
 #pragma once
 #include "analysis/modes.h"
+#include "operator/certificates.h"
 #include "symbol/predict.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/run.h"
@@ -12,7 +13,7 @@
 /*S
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
-   scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
+   certificates: NULL, or what shows that a matrix of a file is that of a step. scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
    nullity or leading modes.
 
    radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
@@ -29,6 +30,7 @@ S*/
 typedef struct {
   const MpmScene    *scene;
   const MpmRequest  *request;
+  MpmCertificates   *certificates;
   PetscMPIInt        ranks;
   MpmOperator       *op;
   MpmEigen          *eigen;

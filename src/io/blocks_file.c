@@ -2,6 +2,8 @@
 #include "base/textfile.h"
 #include "io/arrays.h"
 #include "io/blocks_file.h"
+#include "io/blocks_of_matrix.h"
+#include "io/matrix_file.h"
 #include "io/datafile.h"
 #include <mpmstab/errors.h>
 #include <errno.h>
@@ -68,8 +70,25 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmBlocks *b, char why
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Blocks of a matrix that the hook has written. */
+static PetscErrorCode FromMatrix(FILE *stream, MpmHooked *hooked, MpmBlocks *b, char why[MPM_WHY_TEXT])
+{
+  MpmEntries entries = {.n = 0};
+
+  PetscFunctionBegin;
+  rewind(stream);
+  MpmHookedBegin(&entries.hooked);
+  PetscCall(MpmMatrixReadText(stream, &entries, why));
+  if (!why[0]) PetscCall(MpmEntriesCheck(&entries, why));
+  if (!why[0]) PetscCall(MpmBlocksOfMatrix(&entries, b, why));
+  *hooked   = entries.hooked;
+  hooked->x = NULL;
+  PetscCall(MpmEntriesFree(&entries));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Reads the file on the first rank. */
-static PetscErrorCode ReadFile(const char path[], MpmBlocks *b, char why[MPM_WHY_TEXT])
+static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *b, char why[MPM_WHY_TEXT])
 {
   static const char *const names[]  = {"A", "d", "steps", "cell_width", NULL};
   FILE                    *stream   = fopen(path, "rb");
@@ -86,26 +105,34 @@ static PetscErrorCode ReadFile(const char path[], MpmBlocks *b, char why[MPM_WHY
     PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
   else if (hdf5)
     PetscCall(MpmArraysReadHdf5(path, names, &arrays, why));
+  else if (!memcmp(begin, "%%", sizeof begin))
+    PetscCall(FromMatrix(stream, hooked, b, why));
   else
-    PetscCall(PetscStrncpy(why, "its format is not known; allowed: HDF5, or .npz of numpy.savez", MPM_WHY_TEXT));
-  if (!why[0]) PetscCall(FromArrays(&arrays, b, why));
+    PetscCall(PetscStrncpy(
+        why, "its format is not known; allowed: HDF5, .npz of numpy.savez, or a matrix that the hook has written",
+        MPM_WHY_TEXT));
+  if (!why[0] && !b->n) PetscCall(FromArrays(&arrays, b, why));
   PetscCall(MpmArraysFree(&arrays));
   if (stream) (void)fclose(stream);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, MpmBlocks *b)
+PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, PetscReal tolerance, MpmCertificates *c,
+                             MpmBlocks *b)
 {
   char        why[MPM_WHY_TEXT] = "";
   PetscInt    sizes[4];
+  MpmHooked   hooked;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   *b = (MpmBlocks){.n = 0};
+  MpmHookedBegin(&hooked);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) PetscCall(ReadFile(path, b, why));
+  if (rank == 0) PetscCall(ReadFile(path, &hooked, b, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
   MpmCheckInput(!why[0], "-matrix_blocks %s: %s", path, why);
+  PetscCall(MpmHookedCertificates(comm, &hooked, tolerance, c));
   sizes[0] = b->dim;
   sizes[1] = b->size;
   sizes[2] = b->n;

@@ -43,6 +43,7 @@ PetscErrorCode MpmEntriesFree(MpmEntries *e)
 {
   PetscFunctionBegin;
   PetscCall(PetscFree3(e->row, e->column, e->value));
+  PetscCall(MpmHookedFree(&e->hooked));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

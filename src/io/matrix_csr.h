@@ -1,18 +1,20 @@
 /* A sparse matrix on the first rank, between a file and the ranks. */
 #pragma once
 #include "io/arrays.h"
+#include "io/hooked.h"
 #include <petscmat.h>
 
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
 
 /*S
    MpmEntries - the entries of a matrix that is read, in any order; entries of one place are added. Rows and columns count
-   from 0. steps: that the matrix covers; 0: the file does not say.
+   from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
 S*/
 typedef struct {
   PetscInt64 rows, columns, n, steps;
   PetscInt  *row, *column;
   PetscReal *value;
+  MpmHooked  hooked;
 } MpmEntries;
 
 /*S

@@ -13,12 +13,13 @@
 
 /*
    MpmMatrixRead - reads a square matrix from a file. *steps: on entry what the user says that it covers, 0 if nothing; on
-   return what the user or the file says, else 1.
+   return what the user or the file says, else 1. certificates: what the hook says in the file; none are taken elsewhere.
 
    Collective. Errors: refuses (PETSC_ERR_USER_INPUT) what is no finite square matrix in one of the formats, and steps that
    contradict the file's.
 */
-PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscInt *steps, Mat *A);
+PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal tolerance, PetscInt *steps,
+                             MpmCertificates *certificates, Mat *A);
 
 /*
    MpmMatrixWrite - writes an AIJ matrix, times 2^exponent, that covers so many steps.

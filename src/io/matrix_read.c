@@ -149,7 +149,8 @@ static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WH
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscInt *steps, Mat *A)
+PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal tolerance, PetscInt *steps,
+                             MpmCertificates *certificates, Mat *A)
 {
   MpmEntries  entries           = {.n = 0};
   MpmCsr      csr               = {.order = 0};
@@ -159,6 +160,7 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscInt *steps, 
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  MpmHookedBegin(&entries.hooked);
   if (rank == 0) PetscCall(ReadFile(path, &entries, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
   if (why[0]) PetscCall(MpmEntriesFree(&entries));
@@ -171,6 +173,7 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscInt *steps, 
   MpmCheckInput(said >= 0 && said <= MPM_MATRIX_MOST_STEPS,
                 "-matrix %s: it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d", path, said,
                 MPM_MATRIX_MOST_STEPS);
+  PetscCall(MpmHookedCertificates(comm, &entries.hooked, tolerance, certificates));
   if (!*steps) *steps = said ? (PetscInt)said : 1;
   if (rank == 0) PetscCall(MpmCsrFromEntries(&entries, &csr));
   PetscCall(MpmEntriesFree(&entries));

@@ -2,7 +2,7 @@
    Matrix Market: a line that says what the file is, comments, sizes, and an entry a line (Boisvert, Pozo and Remington
    1996, NISTIR 5935). Rows and columns count from 1.
 
-   A comment '% steps: 8' says that the matrix covers 8 steps.
+   A comment '% steps: 8' says that the matrix covers 8 steps. For other comments see io/hooked.h.
 */
 #include "io/matrix_file.h"
 #include <stdlib.h>
@@ -46,16 +46,19 @@ static PetscErrorCode ReadBanner(FILE *stream, Banner *b, char why[MPM_WHY_TEXT]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The next line that is no comment and not blank; NULL at the end of the file. */
-static char *NextLine(FILE *stream, PetscInt64 *steps, char line[LINE])
+/* Finds the next line that is no comment and not blank, and takes the comments before it. found: not the file's end. */
+static PetscErrorCode NextLine(FILE *stream, MpmEntries *e, char line[LINE], PetscBool *found)
 {
-  while (fgets(line, LINE, stream)) {
+  PetscFunctionBegin;
+  *found = PETSC_FALSE;
+  while (!*found && fgets(line, LINE, stream)) {
     const char *said = line[0] == '%' ? line + 1 + strspn(line + 1, " ") : "";
 
-    if (!strncmp(said, STEPS, strlen(STEPS))) *steps = strtoll(said + strlen(STEPS), NULL, 10);
-    if (line[0] != '%' && line[strspn(line, " \t\r\n")]) return line;
+    if (!strncmp(said, STEPS, strlen(STEPS))) e->steps = strtoll(said + strlen(STEPS), NULL, 10);
+    if (line[0] == '%') PetscCall(MpmHookedTake(said, &e->hooked));
+    if (line[0] != '%' && line[strspn(line, " \t\r\n")]) *found = PETSC_TRUE;
   }
-  return NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads so many numbers of a line, and nothing else. */
@@ -88,15 +91,17 @@ static void Put(MpmEntries *e, PetscInt row, PetscInt column, PetscReal value)
 static PetscErrorCode ReadEntries(FILE *stream, const Banner *b, PetscInt64 listed, MpmEntries *e,
                                   char why[MPM_WHY_TEXT])
 {
-  PetscInt64 row = b->skew, column = 0, ignored;
+  PetscInt64 row = b->skew, column = 0;
   char       line[LINE];
+  PetscBool  found;
 
   PetscFunctionBegin;
   for (PetscInt64 i = 0; i < listed; i++) {
     PetscReal number[3];
     PetscInt  r, c;
 
-    if (!NextLine(stream, &ignored, line) || !Numbers(line, b->dense ? 1 : 3, number)) {
+    PetscCall(NextLine(stream, e, line, &found));
+    if (!found || !Numbers(line, b->dense ? 1 : 3, number)) {
       PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1,
                               listed, b->dense ? "a line with one number" : "a line with row, column and value"));
       PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,7 +115,8 @@ static PetscErrorCode ReadEntries(FILE *stream, const Banner *b, PetscInt64 list
       row = b->symmetric ? column + b->skew : 0;
     }
   }
-  if (NextLine(stream, &ignored, line))
+  PetscCall(NextLine(stream, e, line, &found));
+  if (found)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "something follows its %" PetscInt64_FMT " entries; allowed: no more",
                             listed));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -120,6 +126,7 @@ PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_T
 {
   Banner     b = {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
   char       line[LINE];
+  PetscBool  found;
   PetscReal  size[3];
   PetscInt64 listed;
   struct {
@@ -129,7 +136,8 @@ PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_T
   PetscFunctionBegin;
   PetscCall(ReadBanner(stream, &b, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!NextLine(stream, &e->steps, line) || !Numbers(line, b.dense ? 2 : 3, size)) {
+  PetscCall(NextLine(stream, e, line, &found));
+  if (!found || !Numbers(line, b.dense ? 2 : 3, size)) {
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "no line with its sizes; allowed: rows and columns%s",
                             b.dense ? "" : ", and the number of entries"));
     PetscFunctionReturn(PETSC_SUCCESS);

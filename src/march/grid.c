@@ -4,29 +4,6 @@
 */
 #include "march/grid.h"
 
-void MpmGridRanks(PetscInt dim, const MpmDirection direction[], PetscMPIInt size, PetscInt least, PetscInt ranks[])
-{
-  PetscReal best = PETSC_MAX_REAL;
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) ranks[a] = 0;
-  for (PetscInt x = 1; x <= size; x++) {
-    for (PetscInt y = 1; size % x == 0 && y <= size / x; y++) {
-      const PetscInt n[MPM_MAX_DIM] = {x, y, size / x / y};
-      PetscReal      surface        = 0; /* of a rank's part, relative to its volume */
-      PetscBool      fits           = size / x % y == 0 ? PETSC_TRUE : PETSC_FALSE;
-
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-        if (a >= dim ? n[a] > 1 : MpmGridSmallestCount(direction[a].cells, (PetscMPIInt)n[a]) < least)
-          fits = PETSC_FALSE;
-        if (a < dim && n[a] > 1) surface += (PetscReal)n[a] / direction[a].cells;
-      }
-      if (!fits || surface >= best) continue;
-      best = surface;
-      for (PetscInt a = 0; a < MPM_MAX_DIM; a++) ranks[a] = n[a];
-    }
-  }
-}
-
 /* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
 static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *rank, PetscInt *index)
 {
@@ -99,11 +76,11 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
 }
 
 /*
-   Gives a rank its share of the cells of a direction, as DMDA does, and sets nodes[r], the nodes of the r-th rank.
-   Between walls the last rank has more nodes than cells.
+   Gives a rank its share of the cells of a direction, and sets nodes[r], the nodes of the r-th rank. Between walls the
+   last rank has more nodes than cells.
 */
-static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, PetscInt at, MpmGridAxis *axis,
-                                PetscInt **nodes)
+static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, const PetscInt starts[], PetscInt at,
+                                MpmGridAxis *axis, PetscInt **nodes)
 {
   PetscFunctionBegin;
   axis->cells    = direction->cells;
@@ -113,7 +90,7 @@ static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, P
   axis->at       = at;
   PetscCall(PetscMalloc1(ranks + 1, &axis->starts));
   PetscCall(PetscMalloc1(ranks, nodes));
-  for (PetscMPIInt r = 0; r <= ranks; r++) axis->starts[r] = MpmGridFirst(axis->cells, (PetscMPIInt)ranks, r);
+  PetscCall(PetscArraycpy(axis->starts, starts, ranks + 1));
   for (PetscMPIInt r = 0; r < ranks; r++) (*nodes)[r] = NodesOf(axis, r);
   axis->first   = axis->starts[at];
   axis->count   = axis->starts[at + 1] - axis->first;
@@ -124,17 +101,19 @@ static PetscErrorCode ShareAxis(const MpmDirection *direction, PetscInt ranks, P
 }
 
 /* DMDA numbers ranks as nodes, x fastest. */
-static PetscErrorCode CreateDMDA(MPI_Comm comm, const MpmDirection direction[], const PetscInt ranks[], MpmGrid *g)
+static PetscErrorCode CreateDMDA(MPI_Comm comm, const MpmDirection direction[], const MpmPartition *partition,
+                                 MpmGrid *g)
 {
-  PetscInt      *nodes[MPM_MAX_DIM], all[MPM_MAX_DIM], stride = 1, at;
-  DMBoundaryType kind[MPM_MAX_DIM];
-  PetscMPIInt    rank;
+  const PetscInt *ranks = partition->ranks;
+  PetscInt       *nodes[MPM_MAX_DIM], all[MPM_MAX_DIM], stride = 1, at;
+  DMBoundaryType  kind[MPM_MAX_DIM];
+  PetscMPIInt     rank;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   at = rank;
   for (PetscInt a = 0; a < g->dim; a++) {
-    PetscCall(ShareAxis(&direction[a], ranks[a], at % ranks[a], &g->axis[a], &nodes[a]));
+    PetscCall(ShareAxis(&direction[a], ranks[a], partition->starts[a], at % ranks[a], &g->axis[a], &nodes[a]));
     at /= ranks[a];
     kind[a]           = g->axis[a].periodic ? DM_BOUNDARY_PERIODIC : DM_BOUNDARY_GHOSTED;
     all[a]            = direction[a].nodes;
@@ -154,20 +133,19 @@ static PetscErrorCode CreateDMDA(MPI_Comm comm, const MpmDirection direction[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const PetscInt ranks[],
+PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const MpmPartition *partition,
                              PetscInt ghost, MpmGrid **grid)
 {
   MpmGrid *g;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++)
-    PetscCheck(ranks[a] > 0 && MpmGridSmallestCount(direction[a].cells, (PetscMPIInt)ranks[a]) >= ghost, comm,
-               PETSC_ERR_PLIB, "ghost layer wider than a rank's part");
+  PetscCheck(partition->smallest > 0 && partition->smallest >= ghost, comm, PETSC_ERR_PLIB,
+             "ghost layer wider than a rank's part");
   PetscCall(PetscNew(grid));
   g        = *grid;
   g->dim   = dim;
   g->ghost = ghost;
-  PetscCall(CreateDMDA(comm, direction, ranks, g));
+  PetscCall(CreateDMDA(comm, direction, partition, g));
   PetscCall(CreateHalo(g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -282,7 +260,7 @@ PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[])
     const MpmGridAxis *axis = &grid->axis[a];
     PetscInt           r;
 
-    /* DMDA gives every rank cells / ranks, and the first ranks one more. So this guess is off by little. */
+    /* Where the ranks have as many cells, this guess is off by one at most. */
     r = (PetscInt)((PetscInt64)cell[a] * axis->ranks / axis->cells);
     while (cell[a] < axis->starts[r]) r--;
     while (cell[a] >= axis->starts[r + 1]) r++;

@@ -1,6 +1,6 @@
 /* Grid: node fields in DMDA vectors, one node a cell, and the sum over ranks of what particles give to shared nodes. */
 #pragma once
-#include <mpmstab/boundary.h>
+#include "march/partition.h"
 #include <petscdmda.h>
 #include <petscsf.h>
 
@@ -40,43 +40,13 @@ typedef struct {
 } MpmGrid;
 
 /*
-   MpmGridRanks - chooses how many ranks there are along each direction, for the least number of ghosts, if every rank
-   is to have at least least cells in each direction.
+   MpmGridCreate - distributes cells over the ranks of comm, with ghost nodes on either side.
 
-   Not collective.
-
-   Output Parameter: ranks - all 0 when there is no way
+   Collective. Every rank must get at least as many cells as ghost in each direction.
 */
-void MpmGridRanks(PetscInt dim, const MpmDirection direction[], PetscMPIInt size, PetscInt least, PetscInt ranks[]);
-
-/*
-   MpmGridCreate - distributes cells over the ranks of comm, with ghost nodes on either side. ranks is as MpmGridRanks
-   finds it.
-
-   Collective. Every rank must get at least as many cells as ghost in each direction (see MpmGridSmallestCount).
-*/
-PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const PetscInt ranks[],
+PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection direction[], const MpmPartition *partition,
                              PetscInt ghost, MpmGrid **grid);
 PetscErrorCode MpmGridDestroy(MpmGrid **grid);
-
-/* Not collective. The smallest number of cells that one of size ranks gets. */
-static inline PetscInt MpmGridSmallestCount(PetscInt cells, PetscMPIInt size)
-{
-  return cells / size;
-}
-
-/*
-   Not collective. The number of cells that a rank of size ranks gets, and the first of them, as DMDA distributes them.
-   The first cells % size ranks get one more than the others.
-*/
-static inline PetscInt MpmGridCount(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
-{
-  return cells / size + (cells % size > rank ? 1 : 0);
-}
-static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
-{
-  return cells / size * rank + PetscMin(rank, cells % size);
-}
 
 /* Not collective. The number of nodes that this rank owns, and of all nodes of the grid. */
 static inline PetscInt MpmGridNodes(const MpmGrid *grid)

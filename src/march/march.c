@@ -17,23 +17,18 @@
 /* The same in more than one dimension, where ghosts are many and all passes go over them. */
 #define SLACK_OF_BOX 4
 
-/* The ranks along each direction if each is to have least cells there, and the cells that the smallest part has. */
-static void ChooseRanks(const MpmLayout *layout, PetscMPIInt size, PetscInt least, PetscInt ranks[], PetscInt *smallest)
-{
-  MpmGridRanks(layout->dim, layout->grid, size, least, ranks);
-  *smallest = PETSC_MAX_INT;
-  for (PetscInt a = 0; a < layout->dim; a++)
-    *smallest = ranks[a] ? PetscMin(*smallest, MpmGridSmallestCount(layout->grid[a].cells, (PetscMPIInt)ranks[a])) : 0;
-}
-
 /* Refuses a grid on which a rank could not have need cells in each direction. */
 static PetscErrorCode CheckCells(const MpmMarch *march, PetscMPIInt size, PetscInt need, PetscBool fits)
 {
   const MpmLayout *layout = march->layout;
-  PetscInt         cells  = layout->grid[0].cells;
+  PetscInt         cells = layout->grid[0].cells, product = 1;
   char             text[64];
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < layout->dim; a++) product *= layout->ranks[a];
+  MpmCheckInput(!product || product == size,
+                "ranks: their product is %" PetscInt_FMT ", on %d ranks; allowed: numbers whose product is %d", product,
+                size, size);
   for (PetscInt a = 1; a < layout->dim; a++) cells = PetscMin(cells, layout->grid[a].cells);
   if (need > cells)
     MpmRefuse("cells %" PetscInt_FMT ": too few; allowed: at least %" PetscInt_FMT " with formulation %s and basis %s",
@@ -57,20 +52,20 @@ static PetscErrorCode CheckCells(const MpmMarch *march, PetscMPIInt size, PetscI
 }
 
 /*
-   Chooses the number of ghosts, and of ranks along each direction. A particle in local cell c has weights at nodes
+   Chooses the number of ghosts, and the cells of each rank. A particle in local cell c has weights at nodes
    c - reach_left to c + reach_right, and node operations need halo ghosts more. When a step's drift fits in the slack
    that is left, particles are summed to the grid where they are, and migrate rarely. If not, they migrate in every step
    before they are summed.
 */
 static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch *march, PetscInt *ghost,
-                                   PetscInt ranks[])
+                                   MpmPartition *partition)
 {
   const MpmLayout *layout = march->layout;
   const MpmBasis  *basis  = march->scheme->basis;
   const MpmTable  *table  = march->scheme->table;
   const PetscBool  drifts = MpmStepDrifts(step);
   const PetscInt   reach  = PetscMax(basis->reach_left, basis->reach_right);
-  PetscInt         need, spare, smallest, stride = 1;
+  PetscInt         need, spare, stride = 1;
   PetscMPIInt      size;
 
   PetscFunctionBegin;
@@ -79,9 +74,9 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
     stride = PetscMax(stride, (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
   PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
   need = reach + march->schedule.halo;
-  ChooseRanks(layout, size, need, ranks, &smallest);
-  PetscCall(CheckCells(march, size, need, smallest >= need ? PETSC_TRUE : PETSC_FALSE));
-  spare        = PetscMin(smallest - need, PetscMax(layout->dim == 1 ? MOST_SLACK : SLACK_OF_BOX, stride));
+  PetscCall(MpmPartitionCreate(layout, size, need, drifts, partition));
+  PetscCall(CheckCells(march, size, need, partition->smallest >= need ? PETSC_TRUE : PETSC_FALSE));
+  spare        = PetscMin(partition->smallest - need, PetscMax(layout->dim == 1 ? MOST_SLACK : SLACK_OF_BOX, stride));
   march->slack = drifts && spare >= stride ? spare : 0;
   if (drifts && !march->slack)
     PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
@@ -141,15 +136,18 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
 static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                             MpmMarch *m)
 {
-  PetscInt ghost, ranks[MPM_MAX_DIM];
+  PetscInt     ghost = 0;
+  MpmPartition partition;
 
   PetscFunctionBegin;
   m->layout     = layout;
   m->scheme     = scheme;
   m->cell_width = 1;
-  PetscCall(ChooseGhosts(comm, step, m, &ghost, ranks));
-  PetscCall(MpmGridCreate(comm, layout->dim, layout->grid, ranks, ghost, &m->grid));
+  PetscCall(ChooseGhosts(comm, step, m, &ghost, &partition));
+  PetscCall(MpmGridCreate(comm, layout->dim, layout->grid, &partition, ghost, &m->grid));
+  PetscCall(MpmPartitionDestroy(&partition));
   PetscCall(MpmParticlesCreate(layout, scheme->table, step->drift, m->grid, &m->particles));
+  m->fullest = m->particles->count;
   if (layout->dim > 1) PetscCall(CompilePlans(m));
   PetscCall(CreateVectors(m));
   PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
@@ -243,12 +241,26 @@ PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
          (PetscReal)MpmLayoutNodes(&scene->layout) * (OF_NODE + OF_NUMBER * scene->scheme.table->nnodes);
 }
 
+PetscErrorCode MpmMarchLoad(const MpmMarch *march, PetscReal *load)
+{
+  MPI_Comm    comm    = PetscObjectComm((PetscObject)march->grid->da);
+  PetscInt    fullest = march->fullest;
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fullest, 1, MPIU_INT, MPI_MAX, comm));
+  *load = (PetscReal)fullest * size / (PetscReal)march->particles->total;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Migrate(MpmMarch *march)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->migrate_event, 0, 0, 0, 0));
   PetscCall(MpmParticlesRebase(march->particles, march->grid));
   PetscCall(PetscLogEventEnd(march->migrate_event, 0, 0, 0, 0));
+  march->fullest = PetscMax(march->fullest, march->particles->count);
   march->migrations++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

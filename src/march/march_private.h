@@ -25,6 +25,7 @@ struct MpmMarch_ {
   MpmSchedule      schedule;
   MpmRowPlan      *plans; /* in more than one dimension: of the passes, and of the start after them */
   PetscInt         nnodes, slack;
+  PetscInt         fullest; /* the largest number of particles that this rank has had */
   Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
   PetscInt64       step, migrations;
@@ -40,6 +41,9 @@ struct MpmMarch_ {
    output it includes those of the run's output.
 */
 PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output);
+
+/* Collective. The largest number of particles that a rank has had, over the mean. */
+PetscErrorCode MpmMarchLoad(const MpmMarch *march, PetscReal *load);
 
 /* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude) and sums them to the nodes. */
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);

@@ -204,12 +204,6 @@ static PetscErrorCode Empty(const MpmRegisters *r, PetscInt rows, Mat *matrix)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The number of sites in the cells before a cell of the last direction. */
-static PetscInt64 SitesBefore(const MpmLayout *layout, PetscInt cell)
-{
-  return layout->dim == 1 ? MpmLayoutSitesBefore(layout, cell) : (PetscInt64)cell * layout->ppc[layout->dim - 1];
-}
-
 PetscErrorCode MpmRegistersSizes(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                  MpmRegisters *r)
 {
@@ -230,10 +224,10 @@ PetscErrorCode MpmRegistersSizes(MPI_Comm comm, const MpmLayout *layout, const M
   }
   r->node0 = r->first * plane_nodes;
   r->nodes = (r->cells + (rank == size - 1 ? layout->grid[last].nodes - layout->grid[last].cells : 0)) * plane_nodes;
-  begin    = PetscMax(SitesBefore(layout, r->first) - layout->first[last], 0);
-  end      = PetscMin(SitesBefore(layout, r->first + r->cells) - layout->first[last], layout->particles / plane);
-  r->begin = (PetscInt)(plane * PetscMin(begin, layout->particles / plane));
-  r->particles = (PetscInt)(plane * PetscMax(end - begin, 0));
+  begin    = MpmLayoutParticlesBefore(layout, last, r->first);
+  end      = MpmLayoutParticlesBefore(layout, last, r->first + r->cells);
+  r->begin = (PetscInt)(plane * begin);
+  r->particles = (PetscInt)(plane * (end - begin));
   r->fields    = r->scheme->table->nstate;
   r->state     = r->particles * r->fields;
   r->columns   = r->state;

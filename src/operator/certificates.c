@@ -38,9 +38,30 @@ const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
                                             "the block of cells is too small for the reach of a step",
                                             "the columns are not those of the whole state"};
 
+PetscBool MpmCertificatesTaken(const MpmCertificates *c)
+{
+  for (int i = 0; i < MPM_CERTIFICATES; i++)
+    if (!isnan(c->value[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
 {
   return isnan(c->value[which]) || c->value[which] <= c->bound[which] ? PETSC_FALSE : PETSC_TRUE;
+}
+
+void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *c)
+{
+  c->tolerance = tolerance;
+  c->cells     = 1;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) {
+    c->value[i] = NAN;
+    c->bound[i] = tolerance;
+    c->most[i]  = MPM_NONE;
+  }
+  c->bound[MPM_CERTIFY_ADDITIVITY] = c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM] = single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_SIZES]       = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
 }
 
 /* Everything at once is perturbed by little, so that products of two perturbations are small. */
@@ -190,15 +211,8 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates 
   const PetscReal size = Small(p);
 
   PetscFunctionBegin;
-  for (int i = 0; i < MPM_CERTIFICATES; i++) {
-    c->value[i] = NAN;
-    c->bound[i] = tolerance;
-    c->most[i]  = MPM_NONE;
-  }
-  c->bound[MPM_CERTIFY_ADDITIVITY] = SWITCHES;
+  MpmCertificatesBegin(p->single, tolerance, c);
   c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = p->single ? KINKS_SINGLE : KINKS;
-  c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = p->single ? AT_REST_SINGLE : AT_REST;
-  c->bound[MPM_CERTIFY_SIZES]                                     = (p->single ? SPREAD_SINGLE : SPREAD) * tolerance;
   PetscCall(Repeat(p, c));
   PetscCall(Additivity(p, size, c));
   PetscCall(OneSided(p, size, c));
@@ -222,6 +236,7 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
   c->value[MPM_CERTIFY_SIZES] = MpmProbeBlocksDistance(one, other);
   c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
+  c->cells                    = p->stepper->particles / l->sites;
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
   PetscCall(PetscFree2(amount, response));
   PetscCall(Share(c));

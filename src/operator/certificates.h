@@ -37,15 +37,22 @@ typedef enum {
 extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *const MpmCertificateTexts[];
 
 /*S
-   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. most[c] is the unknown
-   that shows it most, or MPM_NONE.
+   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
+   the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
+   felt what is felt too far away.
 S*/
 typedef struct {
-  PetscReal  value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES];
-  PetscInt64 most[MPM_CERTIFICATES];
+  PetscReal  value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
+  PetscInt64 most[MPM_CERTIFICATES], cells;
 } MpmCertificates;
 
-/* Not collective. Whether a certificate was taken and does not hold. */
+#define MPM_TOLERANCE_SINGLE 1e-5 /* of a verdict: what single precision can tell */
+
+/* Not collective. Sets the bounds; no certificate is taken. */
+void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *certificates);
+
+/* Not collective. Whether any certificate was taken, and whether one was taken and does not hold. */
+PetscBool MpmCertificatesTaken(const MpmCertificates *certificates);
 PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
 
 /*

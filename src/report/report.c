@@ -1,6 +1,7 @@
 /* Prints the result of a run as a table for people. */
 #include "report/report.h"
 #include "report/results.h"
+#include "march/partition.h"
 #include "symbol/predict.h"
 #include <math.h>
 
@@ -103,6 +104,15 @@ static PetscErrorCode PrintConserved(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode PrintLoad(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  if (run->load <= MPM_BALANCE_BOUND) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmPrint("load: the fullest rank had %.2f times the mean number of particles%s\n", run->load,
+           run->scene->layout.balance == MPM_BALANCE_PARTICLES ? "" : "; see -balance");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Prints a diagnostic of one field; '-' stands where there was nothing to divide by. */
 static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
 {
@@ -175,6 +185,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintGrowth(run));
   PetscCall(PrintErrors(run));
   PetscCall(PrintConserved(run));
+  PetscCall(PrintLoad(run));
   PetscCall(PrintTransfer(run));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);

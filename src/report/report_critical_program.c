@@ -54,7 +54,8 @@ PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalPr
   char beta[96];
 
   PetscFunctionBegin;
-  PetscCall(MpmReportCertificates(p));
+  PetscCall(MpmReportCertificates(&p->certificates));
+  PetscCall(MpmReportApart(p));
   MpmPrint("\nlargest stable %s, in the code's own units\n", c->name);
   for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) PetscCall(PrintLimit(c, kind));
   if (isfinite(c->limit[MPM_LIMIT_INTERIOR]) && c->limit[MPM_LIMIT_INTERIOR] > 0) {

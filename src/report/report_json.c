@@ -78,6 +78,7 @@ static json_t *Run(const MpmRun *run)
   MpmJsonSet(object, "loop_s", run->loop_s);
   if (work > 0) MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
   MpmJsonSet(object, "bytes_per_particle_step", run->bytes);
+  MpmJsonSet(object, "load", run->load);
   if (run->has_errors) json_object_set_new(object, "error", Errors(run));
   if (run->growth.measured) {
     MpmJsonSet(object, "growth_measured", run->growth.per_step);

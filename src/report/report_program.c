@@ -35,7 +35,7 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
 }
 
 /* Names the number of a particle that shows most that a certificate fails, with its place. */
-static PetscErrorCode PrintMost(const MpmStepper *s, PetscInt64 unknown)
+static PetscErrorCode PrintMost(const MpmStepper *s, MpmCertificate c, PetscInt64 unknown)
 {
   const PetscReal *at;
   char             place[96];
@@ -44,7 +44,8 @@ static PetscErrorCode PrintMost(const MpmStepper *s, PetscInt64 unknown)
   PetscFunctionBegin;
   if (unknown == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   while (f + 1 < s->nfields && s->fields[f + 1].first <= unknown % s->width) f++;
-  MpmPrint("  %-12smost at %s of particle %" PetscInt64_FMT, "", s->fields[f].name, unknown / s->width);
+  MpmPrint("%s fails most at %s of particle %" PetscInt64_FMT, MpmCertificateNames[c], s->fields[f].name,
+           unknown / s->width);
   at = MpmStepperPlace(s, unknown / s->width);
   if (at) {
     PetscCall(MpmReportVector(s->dim, at, 6, sizeof place, place));
@@ -55,12 +56,14 @@ static PetscErrorCode PrintMost(const MpmStepper *s, PetscInt64 unknown)
 }
 
 /* Names the numbers of particles that are set apart, field by field. */
-static PetscErrorCode PrintApart(const MpmProgram *p)
+PetscErrorCode MpmReportApart(const MpmProgram *p)
 {
   const MpmStepper *s       = p->stepper;
   const char       *between = "";
 
   PetscFunctionBegin;
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++)
+    if (MpmCertificateFails(&p->certificates, c)) PetscCall(PrintMost(s, c, p->certificates.most[c]));
   if (p->unread.n == s->width) PetscFunctionReturn(PETSC_SUCCESS);
   MpmPrint("set apart, since nothing reads them back (they hold the eigenvalue %.6g): ", (double)p->unread.factor);
   for (PetscInt f = 0; f < s->nfields; f++) {
@@ -76,43 +79,21 @@ static PetscErrorCode PrintApart(const MpmProgram *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCertificates(const MpmProgram *p)
-{
-  const MpmCertificates *of = &p->certificates;
-
-  PetscFunctionBegin;
-  MpmPrint("\ncertificates\n");
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(of->value[c])) continue;
-    MpmPrint("  %-12s%-9.2g %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
-             MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
-    if (!MpmCertificateFails(of, c)) continue;
-    MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
-    PetscCall(PrintMost(p->stepper, of->most[c]));
-  }
-  PetscCall(PrintApart(p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 json_t *MpmJsonProgram(const MpmProgram *p)
 {
   const MpmStepper *s = p->stepper;
-  json_t           *object, *certificates = json_object(), *apart = json_array();
+  json_t           *object, *apart = json_array();
 
   object = json_pack("{s:s, s:s, s:I, s:i, s:i, s:I, s:b, s:f, s:f}", "name", s->name, "probing",
                      MpmProbeNames[p->kind], "particles", (json_int_t)s->particles, "numbers", (int)s->width, "steps",
                      (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
                      p->probe.size, "other_size", p->probe.other);
+  json_object_set_new(object, "certificates", MpmJsonCertificates(&p->certificates));
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(p->certificates.value[c])) continue;
-    json_object_set_new(certificates, MpmCertificateNames[c],
-                        json_pack("{s:f, s:f, s:b}", "value", p->certificates.value[c], "bound",
-                                  p->certificates.bound[c], "holds", !MpmCertificateFails(&p->certificates, c)));
-    if (p->certificates.most[c] != MPM_NONE)
-      json_object_set_new(json_object_get(certificates, MpmCertificateNames[c]), "particle",
-                          json_integer((json_int_t)(p->certificates.most[c] / s->width)));
+    if (isnan(p->certificates.value[c]) || p->certificates.most[c] == MPM_NONE) continue;
+    json_object_set_new(json_object_get(json_object_get(object, "certificates"), MpmCertificateNames[c]), "particle",
+                        json_integer((json_int_t)(p->certificates.most[c] / s->width)));
   }
-  json_object_set_new(object, "certificates", certificates);
   for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
     if (p->unread.apart[i]) json_array_append_new(apart, json_integer(i));
   json_object_set_new(object, "set_apart", apart);

@@ -1,13 +1,13 @@
 /* What the reports of tasks on a code that was probed share. */
 #pragma once
 #include "analysis/critical_program.h"
-#include "report/report.h"
+#include "report/report_certificates.h"
 
 /* Collective. Prints the code, how it is probed and why, and what that costs, before the work. */
 PetscErrorCode MpmReportProgram(const MpmProgram *program, PetscMPIInt ranks);
 
-/* Collective. Prints the certificates, and which unknowns are set apart. */
-PetscErrorCode MpmReportCertificates(const MpmProgram *program);
+/* Collective. Prints which particles show most what fails, and which unknowns are set apart. */
+PetscErrorCode MpmReportApart(const MpmProgram *program);
 
 /* Collective. Print the particles that carry a mode, with their places, and make a JSON list of them. */
 PetscErrorCode MpmReportCarriers(const MpmCarriers *carriers);

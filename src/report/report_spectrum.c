@@ -1,5 +1,5 @@
 /* Prints the table of the task spectrum. */
-#include "report/report.h"
+#include "report/report_certificates.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -131,6 +131,7 @@ PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request
     PetscCall(MpmReportScene(scene, request, ranks));
   else if (!MpmRequestProbes(request)) /* whose heading is printed before it is probed */
     PetscCall(MpmReportFile(request, "the matrix", ranks));
+  if (s && s->certificates) PetscCall(MpmReportCertificates(s->certificates));
   if (s) PetscCall(PrintBulk(s));
   if (all)
     PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));

@@ -1,5 +1,5 @@
 /* Writes the result of the task spectrum as a JSON object. */
-#include "report/report.h"
+#include "report/report_certificates.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -66,6 +66,7 @@ static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
     json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
     json_object_set_new(object, "run", run);
   }
+  if (s->certificates) json_object_set_new(object, "certificates", MpmJsonCertificates(s->certificates));
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -53,6 +53,11 @@ static const char *LayoutWord(PetscInt i)
   return i == 0 ? "uniform" : NULL;
 }
 
+static const char *BalanceWord(PetscInt i)
+{
+  return MpmBalanceNames[i];
+}
+
 static const char *MoveWord(PetscInt i)
 {
   return MpmMoveNames[i];
@@ -150,6 +155,11 @@ static const char *LayoutOf(const MpmScene *scene)
   return scene->layout.name;
 }
 
+static const char *BalanceOf(const MpmScene *scene)
+{
+  return MpmBalanceNames[scene->layout.balance];
+}
+
 static const char *MaterialOf(const MpmScene *scene)
 {
   return scene->law == MPM_LAW_LINEAR ? MpmMaterialNames[scene->layout.material.kind] : MpmLawNames[scene->law];
@@ -224,6 +234,19 @@ static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
   return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
              ? PETSC_TRUE
              : PETSC_FALSE;
+}
+
+/* A checkpoint holds what each rank had, and is read so where the ranks have the same cells. */
+static PetscBool HasBalance(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->layout.balance != MPM_BALANCE_AUTO ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasRanks(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->layout.ranks[0] ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
@@ -448,6 +471,10 @@ const MpmField MpmOptions[] = {
    BETWEEN(-1e6, 1e6), .rival = "drift,velocity"},
   {"steps", MPM_INTEGER, "100", "time steps",
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
+  {"balance", MPM_WORD, "auto", "how ranks share the grid: cells, as many for each; particles, as many for each at the start; auto: particles where they rest and a rank would have 1.25 times the mean",
+   .word = BalanceWord, .tasks = "run", TEXT(BalanceOf), IN(0, 0, 54, 0), .shown = HasBalance},
+  {"ranks", MPM_INTEGER, NULL, "ranks along each direction, such as 4,1 for slabs; their product is the number of ranks (default: the fewest ghosts)",
+   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), .shown = HasRanks},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
@@ -508,7 +535,7 @@ const MpmField MpmOptions[] = {
    BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
   {"matrix", MPM_PATH, NULL, "file with the matrix of anybody's step in place of a scene: Matrix Market, PETSc's binary, HDF5 or scipy's .npz",
    NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
-  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A",
+  {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A; or a matrix that the hook has written, if all cells are alike",
    NO_RANGE, .tasks = "symbol", FILE_IN(matrix_blocks), IN(62, 44, 0, 0), OF_MATRIX},
   {"program", MPM_PATH, NULL, "command of a code in place of a scene: mpmstab starts it, asks it for steps through its standard input and output, and builds its operator from them",
    NO_RANGE, .rival = "plugin", .tasks = "spectrum, symbol, critical", FILE_IN(program), IN(63, 45, 0, 0), OF_MATRIX},

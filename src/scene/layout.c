@@ -24,11 +24,20 @@ void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscI
   *count = c->of[r];
 }
 
+const char *const MpmBalanceNames[] = {"auto", "cells", "particles", NULL};
+
 PetscInt64 MpmLayoutSitesBefore(const MpmLayout *layout, PetscInt cell)
 {
   const MpmCounts *c = &layout->counts;
 
   return cell / c->n * c->before[c->n] + c->before[cell % c->n];
+}
+
+PetscInt64 MpmLayoutParticlesBefore(const MpmLayout *layout, PetscInt a, PetscInt cell)
+{
+  const PetscInt64 sites = layout->dim == 1 ? MpmLayoutSitesBefore(layout, cell) : (PetscInt64)cell * layout->ppc[a];
+
+  return PetscClipInterval(sites - layout->first[a], 0, layout->row[a]);
 }
 
 PetscInt MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell)

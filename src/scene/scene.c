@@ -60,6 +60,8 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadOwnTransfer(settings, scene));
   PetscCall(MpmSettingsWord(settings, "layout", &i));
   scene->layout.name = MpmOptions[MpmOptionIndex("layout")].word(i);
+  PetscCall(MpmSettingsWord(settings, "balance", &i));
+  scene->layout.balance = (MpmBalance)i;
   PetscCall(MpmSettingsWord(settings, "initial", &i));
   scene->initial = (MpmInitial)i;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -83,7 +83,8 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
     PetscCall(MpmReportProgram(p, ranks));
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
   PetscCall(MpmProgramMatrix(p, &A, &B));
-  PetscCall(MpmReportCertificates(p));
+  PetscCall(MpmReportCertificates(&p->certificates));
+  PetscCall(MpmReportApart(p));
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
   PetscCall(OtherGrowth(p, B, &other));
   PetscCall(MpmProgramJudge(p, other, isnan(s->condition) ? 1 : s->condition, &s->finding));

@@ -1,5 +1,6 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
 #include "task/symbol_blocks.h"
+#include "analysis/certified.h"
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
@@ -13,10 +14,12 @@
 /*S
    Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
    other, which are the blocks with another size of perturbations: only of a code that is probed.
+   certificates: of a file.
 S*/
 typedef struct {
   MpmProgram      program;
   MpmBlocks       blocks, other;
+  MpmCertificates certificates;
   MpmSymbol      *symbol;
   PetscReal       beta[MPM_MAX_DIM];
   MpmSourceGrowth worst;
@@ -75,6 +78,10 @@ static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
     PetscCall(MpmBlocksSource(&a->other, MpmRequestSource(request), &source));
     PetscCall(MpmSourceGrowthAt(&source, a->beta, &other));
     PetscCall(MpmProgramJudge(&a->program, other.growth, a->worst.condition, f));
+  } else if (MpmCertificatesTaken(&a->certificates)) {
+    f->tolerance = a->certificates.tolerance;
+    PetscCall(MpmCertifiedVerdict(&a->certificates, a->worst.condition, a->blocks.period, f));
+    PetscCall(MpmCertifiedDispute(&a->certificates, a->worst.condition, f));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,14 +91,16 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
 {
   PetscFunctionBegin;
   if (!MpmRequestProbes(request)) {
-    PetscCall(MpmBlocksRead(PETSC_COMM_WORLD, request->matrix_blocks, request->matrix_steps, &a->blocks));
+    PetscCall(MpmBlocksRead(PETSC_COMM_WORLD, request->matrix_blocks, request->matrix_steps, request->tolerance,
+                            &a->certificates, &a->blocks));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmProgramOpen(request, &a->program));
   PetscCall(MpmProgramPrepare(&a->program));
   PetscCall(MpmReportProgram(&a->program, a->ranks));
   PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
-  PetscCall(MpmReportCertificates(&a->program));
+  PetscCall(MpmReportCertificates(&a->program.certificates));
+  PetscCall(MpmReportApart(&a->program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -119,7 +128,10 @@ static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
   char           beta[96], phases[64], text[256];
 
   PetscFunctionBegin;
-  if (!MpmRequestProbes(request)) PetscCall(MpmReportFile(request, "the blocks", a->ranks));
+  if (!MpmRequestProbes(request)) {
+    PetscCall(MpmReportFile(request, "the blocks", a->ranks));
+    if (MpmCertificatesTaken(&a->certificates)) PetscCall(MpmReportCertificates(&a->certificates));
+  }
   MpmPrint("%" PetscInt_FMT " blocks of %" PetscInt_FMT " unknowns a cell, %" PetscInt_FMT
            " direction%s, of %" PetscInt_FMT " step%s\n\ngrowth per step\n",
            a->blocks.n, a->blocks.size, dim, dim == 1 ? "" : "s", a->blocks.period, a->blocks.period == 1 ? "" : "s");
@@ -148,7 +160,10 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
                      "period_steps", (int)b->period);
   if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
   json_object_set_new(object, "lattice", blocks);
-  if (MpmRequestProbes(request)) json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
+  if (MpmRequestProbes(request))
+    json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
+  else if (MpmCertificatesTaken(&a->certificates))
+    json_object_set_new(object, "certificates", MpmJsonCertificates(&a->certificates));
   json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
   for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
   refined = json_object();

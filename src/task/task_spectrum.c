@@ -1,5 +1,6 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
+#include "analysis/certified.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
@@ -7,16 +8,26 @@
 #include "task/spectrum_program.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
+#include <math.h>
 
 /* The spectrum of the matrix in a file. */
-static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum)
+static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmCertificates *certificates,
+                             MpmSpectrum **spectrum)
 {
-  PetscInt steps = request->matrix_steps;
-  Mat      A;
+  PetscInt     steps = request->matrix_steps;
+  MpmSpectrum *s;
+  Mat          A;
 
   PetscFunctionBegin;
-  PetscCall(MpmMatrixRead(PETSC_COMM_WORLD, request->matrix, &steps, &A));
+  PetscCall(MpmMatrixRead(PETSC_COMM_WORLD, request->matrix, request->tolerance, &steps, certificates, &A));
   PetscCall(MpmSpectrumOfMatrix(request->matrix, A, steps, request, started, spectrum));
+  s = *spectrum;
+  if (MpmCertificatesTaken(certificates)) {
+    s->certificates      = certificates;
+    s->finding.tolerance = certificates->tolerance;
+    PetscCall(MpmCertifiedVerdict(certificates, isnan(s->condition) ? 1 : s->condition, steps, &s->finding));
+    PetscCall(MpmCertifiedDispute(certificates, isnan(s->condition) ? 1 : s->condition, &s->finding));
+  }
   PetscCall(MatDestroy(&A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -52,7 +63,8 @@ static PetscErrorCode Write(const char path[], const MpmOperator *op)
 
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmSpectrum      *bulk  = NULL;
+  MpmSpectrum      *bulk = NULL;
+  MpmCertificates   certificates;
   MpmNeighbourhood  place = {.kind = MPM_IN_BULK};
   MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
 
@@ -63,7 +75,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   }
   PetscCall(CheckWritten(scene, request));
   if (!scene)
-    PetscCall(OfFile(request, started, &bulk));
+    PetscCall(OfFile(request, started, &certificates, &bulk));
   else if (request->neighbourhood[MPM_IN_BULK])
     PetscCall(MpmSpectrumCreate(scene, request, started, &bulk));
   else

@@ -158,6 +158,13 @@ static PetscErrorCode RanksAgree(void)
       "-initial random -steps 20 -courant 0.02",
       "-dim 3 -cells 12 -ppc 1,2,1 -formulation usf -boundary fixed,symmetry,periodic -initial random -steps 10 "
       "-courant 0.2",
+      "-dim 2 -cells 15,14 -formulation usl -basis quadratic -initial random -steps 30 -fill 0,6,0,4 -boundary "
+      "fixed,free "
+      "-courant 0.3",
+      "-dim 2 -cells 15,14 -formulation musl -initial random -steps 60 -fill 5,9,5,14 -drift 1/3,-1/5 -courant 0.1 "
+      "-balance particles",
+      "-dim 3 -cells 9,8,7 -ppc 1 -formulation usl -initial random -steps 10 -fill 0,9,0,3,0,2 -jitter 0.7 -courant "
+      "0.1",
   };
 
   PetscFunctionBegin;

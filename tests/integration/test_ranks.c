@@ -219,6 +219,10 @@ static PetscErrorCode Test(int argc, char **argv)
     PetscCall(Holds(name, "-cells 900 -steps 20 -transfer nullspace -ppc 3", PETSC_FALSE));
   }
   PetscCall(Holds("musl", "-cells 61 -steps 200 -drift 0.3 -courant 0.05 -basis quadratic -transfer apic", PETSC_TRUE));
+  /* ranks of different numbers of cells, some without particles, at rest and where particles move from rank to rank */
+  PetscCall(Holds("usl", "-cells 61 -steps 50 -boundary fixed,free -fill 0,7.5 -courant 0.3", PETSC_FALSE));
+  PetscCall(Holds("gas2", "-cells 60 -steps 50 -fill 8,31 -jitter 0.8 -balance particles", PETSC_FALSE));
+  PetscCall(Holds("musl", "-cells 61 -steps 400 -fill 20,28 -drift -1/3 -courant 0.1 -balance particles", PETSC_TRUE));
   PetscCall(Holds("usf", "-cells 61 -steps 50 -boundary fixed_reaction,free -fill 0,55.5 -transfer blend -courant 0.3",
                   PETSC_FALSE));
   PetscCall(Holds("usl", "-cells 900 -steps 50 -boundary free -basis cubic -transfer apic -jitter 0.5", PETSC_FALSE));

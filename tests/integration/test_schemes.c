@@ -1,6 +1,6 @@
 /*
    For every formulation with every transfer (of those with the same operations one) and basis: A q = march(q), spectrum = symbol, corrected = symbol. The
-   layouts are at rest, jittered, drifting, and between walls, where there is no symbol.
+   layouts are at rest, jittered, drifting, and between walls, where there is no symbol. More ranks try fewer of them.
 */
 #include "check.h"
 #include "linalg/eigen.h"
@@ -94,8 +94,9 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 13 -material graded -density_ratio 20 -stiffness_ratio 0.1 -boundary fixed,free -courant 0.2",
       "-cells 18 -boundary fixed,free -fill 0,13.5 -courant 0.5",
   };
-  char     options[512];
-  PetscInt tried = 0;
+  char      options[512];
+  PetscInt  tried = 0;
+  PetscBool turn  = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
@@ -109,8 +110,8 @@ static PetscErrorCode Test(int argc, char **argv)
           PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s %s",
                                   MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
                                   More(MpmTransfers[t]), rests[r]));
-          PetscCall(Agrees(options));
-          tried++;
+          PetscCall(CheckHasTurn(tried++ + (PetscInt)(t / 2), &turn));
+          if (turn) PetscCall(Agrees(options));
         }
   CHECK(tried > 1000, "only %d schemes", (int)tried);
   PetscCall(SlepcFinalize());

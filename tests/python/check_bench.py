@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks a part of the benchmark on tiny sizes, by what it finds and by its formulas, never by how long it takes.
 
-check_bench.py spectrum|startup|growth|scaling. MPMSTAB names the program. Silent when all is well.
+check_bench.py spectrum|startup|growth|scaling|boxes. MPMSTAB names the program. Silent when all is well.
 """
 import contextlib
 import io
@@ -14,6 +14,7 @@ import tempfile
 import numpy
 
 from checks import check, run_script
+import bench_boxes
 import bench_growth
 import bench_scaling
 import bench_spectrum
@@ -159,6 +160,29 @@ def check_scaling():
     check(0.5 * 0.3 / 64 <= migrations <= 2 * 0.3 / 64 and drifting["counts"]["3"]["migration"]["messages"] > 0, f"drifting: {drifting}")
 
 
+def check_boxes():
+    """Checks the model on made-up numbers, and that the counted bytes of slabs and blocks are those of their ghosts."""
+    network = {"latency": 1e-6, "bandwidth": 1e9}
+    shapes = {"slabs": {"messages": 16, "sums": 8, "reductions": 0}, "blocks": {"messages": 64, "sums": 8, "reductions": 0.5}}
+    model = {"dim": 2, "width": 2, "tp": 1e-9, "t0": 1e-6, "shapes": shapes}
+    cells = 512  # 4e6 / 4 particles on 16 ranks: slabs of 512 x 32, blocks of 128 x 128
+    time = {"slabs": 16e-6 + 8 * 8 * (cells + 4) * 4 / 1e9,
+            "blocks": 64e-6 + 8 * 8 * (132 ** 2 - 128 ** 2) / 1e9 + 0.5 * 4e-6}
+    for shape, sent in time.items():
+        expected = 1e-6 + 1e-9 * 4 * cells ** 2 / 16 + sent
+        found = bench_boxes.step_time(model, shape, 4 * cells ** 2, 16, network)
+        check(near(found, expected), f"boxes: {shape}: {found}, not {expected}")
+    check(bench_boxes.fits(model, "slabs", 4 * 64 ** 2, 32) and not bench_boxes.fits(model, "slabs", 4 * 64 ** 2, 33),
+          "boxes: slabs may be as thin as their ghosts")
+    check(bench_boxes.width_of(2) == 2, "boxes: quadratic splines have ghosts two wide")
+    for along, neighbours in (((1, 3), 2), ((3, 1), 2), ((3, 3), 8)):
+        counts = bench_boxes.counts_of(2, along)
+        part = [(bench_boxes.COUNTED_CELLS[2] / n, n > 1) for n in along]
+        sums = counts["bytes"] / 8 / bench_boxes.ghosts_of_part(part, 2)
+        check(near(sums, 8) and counts["messages"] == 8 * neighbours, f"boxes: {along}: {counts}, {sums} times the ghosts")
+
+
 if __name__ == "__main__":
-    parts = {"spectrum": check_spectrum, "startup": check_startup, "growth": check_growth, "scaling": check_scaling}
+    parts = {"spectrum": check_spectrum, "startup": check_startup, "growth": check_growth, "scaling": check_scaling,
+             "boxes": check_boxes}
     parts[sys.argv[1]]()

@@ -24,7 +24,7 @@ OPTIONS = (f"run -formulation gas2 -cells {CELLS} -ppc {PPC} -steps {STEPS} -cou
 TOP = {"version", "task", "formulation", "basis", "transfer", "boundary", "gradient", "dim", "cells", "ppc", "particles", "courant",
        "drift",
        "ranks", "wall_s", "verdict", "growth", "predicted", "run"}
-RUN = {"steps", "time", "loop_s", "ns_per_particle_step", "bytes_per_particle_step", "error", "growth_measured", "growth_kind", "energy",
+RUN = {"steps", "time", "loop_s", "ns_per_particle_step", "bytes_per_particle_step", "load", "error", "growth_measured", "growth_kind", "energy",
        "mass_change"}
 
 

@@ -296,7 +296,8 @@ def check_refusals():
     ]
     for says, arrays in blocks:
         refuse(says, "symbol", "-matrix_blocks", savez("bad.npz", **arrays))
-    refuse("its format is not known", "symbol", "-matrix_blocks", "a.mtx")
+    refuse("it does not say where its particles are", "symbol", "-matrix_blocks", "a.mtx")
+    refuse("its format is not known", "symbol", "-matrix_blocks", "d.petsc")
     savez("bad.npz", d=[[0], [1]], A=A, steps=2)
     refuse("-matrix_steps 3: bad.npz says that it covers 2", "symbol", "-matrix_blocks", "bad.npz", "-matrix_steps", "3")
     refuse("-phases: 2 numbers", "symbol", "-matrix_blocks", "bad.npz", "-phases", "4,4")

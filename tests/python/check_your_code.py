@@ -8,6 +8,7 @@ import ctypes
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -50,7 +51,28 @@ def certificates(path="A.mtx"):
     """The numbers in the comments of a file."""
     with open(path, encoding="ascii") as file:
         words = [line[1:].split(":") for line in file if line.startswith("% ") and ":" in line]
-    return {name.strip(): float(value) for name, value in words if name.strip() != "fields"}
+    return {name.strip(): float(value) for name, value in words if name.strip() not in ("fields", "period", "at")}
+
+
+def blocks_of(*words):
+    """The blocks that 'symbol' writes, by the distance in cells."""
+    run(MPMSTAB, "symbol", *words, "-write_blocks", "blocks.npz", "-json", "out.json")
+    with numpy.load("blocks.npz") as file:
+        return {int(d): A for d, A in zip(file["d"].ravel(), file["A"])}
+
+
+def check_blocks_of_hook(language):
+    """All cells are alike in the hook's matrix, and its blocks are those of the table."""
+    expected = blocks_of("-formulation", "usl", "-cells", 16, "-courant", 0.5)
+    blocks = blocks_of("-matrix_blocks", "A.mtx")
+    check(set(blocks) == set(expected), f"{language}: blocks {sorted(blocks)}, expected {sorted(expected)}")
+    rest = [1, 2, 4, 5]  # of x, v, stress at two sites
+    for d, block in blocks.items():
+        near(block[numpy.ix_(rest, rest)], expected[d], 1e-9, f"{language}: block {d}")
+    found = checks.loaded("out.json")
+    check(set(found["certificates"]) == {"repeat", "two sizes", "additivity", "one side", "equilibrium"}
+          and all(one["holds"] for one in found["certificates"].values()), f"{language}: {found['certificates']}")
+    check(found["lattice"]["blocks"] == 3 and found["lattice"]["unknowns"] == 6, f"{language}: {found['lattice']}")
 
 
 def check_hook(language, *command):
@@ -61,12 +83,15 @@ def check_hook(language, *command):
     rest = numpy.setdiff1d(numpy.arange(FIELDS * PARTICLES), places)
     near(found[numpy.ix_(rest, rest)], OWN, 1e-9, f"{language}: matrix")
     near(found[:, places], numpy.eye(FIELDS * PARTICLES)[:, places], 1e-9, f"{language}: columns of places at rest")
+    check_blocks_of_hook(language)
     says = certificates()
     check(says["calls"] == 2 + 3 + 12 * 3 * 4 + 2, f"{language}: {says['calls']} calls, expected 12 colours of 3 numbers")
     check(says["moved"] == 0 and says["repeat"] == 0 and says["additivity"] < 1e-8, f"{language}: {says}")
     with_hook, without = run(*command, 0.1), run(*command, 0.1, "no")
     check(with_hook == without and len(set(without.split())) > PARTICLES, f"{language}: the run is not what it is without")
     check(certificates()["moved"] > 1e-3, f"{language}: a bar that moves has moved by {certificates()['moved']}")
+    run(MPMSTAB, "spectrum", "-matrix", "A.mtx", "-json", "out.json", "-expect", "undecided")
+    check("the base state moves" in checks.loaded("out.json")["evidence"], f"{language}: {checks.loaded('out.json')['evidence']}")
 
 
 def shared(name, compiler, *sources, flags=()):
@@ -301,8 +326,55 @@ def check_page():
     run(CC, "-DCOURANT=1.1", INCLUDE, "-o", "hook_too_fast", CODE / "hook.c", "-lm")
     run("./hook_too_fast")
     run(MPMSTAB, "spectrum", "-matrix", "A.mtx", "-json", "out.json", "-expect", "unstable")
+    check_carried("A.mtx")
     growth = checks.loaded("out.json")["spectrum"]["growth"]
+    run(MPMSTAB, "symbol", "-matrix_blocks", "A.mtx", "-json", "out.json", "-expect", "unstable")
+    near(numpy.array(checks.loaded("out.json")["symbol"]["growth"]), numpy.array(growth), 1e-9, "growth by the blocks")
     check(f"{growth:.5f} per step" in checks.text_of(CODE / "README.md"), f"the page does not have the growth {growth:.5f}")
+
+
+def edited(path, *changes):
+    """A file with other words; each of them must be there."""
+    text = checks.text_of(path)
+    for old, new in changes:
+        check(old in text, f"{path} does not have {old}")
+        text = text.replace(old, new, 1)
+    with open("edited.mtx", "w", encoding="ascii") as file:
+        file.write(text)
+    return "edited.mtx"
+
+
+def check_carried(path):
+    """Certificates that fail make the verdict undecided. Growth stays unstable when the fault cannot make it."""
+    says = re.search("% two_sizes: .*\n", checks.text_of(path))[0]
+    repeat = re.search("% repeat: .*\n", checks.text_of(path))[0]
+    for verdict, *changes in (("unstable", (says, "% two_sizes: 1e-4\n")), ("undecided", (says, "% two_sizes: 10\n")),
+                              ("undecided", (repeat, "% repeat: 1e-3\n")), ("unstable", (repeat, "% repeat: 1e-9\n"))):
+        for task, option in (("spectrum", "-matrix"), ("symbol", "-matrix_blocks")):
+            run(MPMSTAB, task, option, edited(path, *changes), "-expect", verdict)
+
+
+def check_blocks_refused(path):
+    """Where cells are not alike, or where it is not known, there are no blocks, and a message says why."""
+    lines = checks.text_of(path).splitlines()
+    places = [line for line in lines if line.startswith("% at:")]
+    last, sizes = lines[-1].split(), next(line for line in lines if line[0] != "%")
+    far = (sizes, f"96 96 {int(sizes.split()[2]) + 1}"), (lines[-1], f"{lines[-1]}\n1 50 1")  # the middle is felt at the edge
+    for says, *changes in (
+            ("it does not say where its particles are", ("% period:", "% no period:")),
+            ("it does not say where its particles are", ("% cell_width: 0.0625", "% cell_width: 0")),
+            ("32 particles with 2 numbers, and order 96", ("% numbers: 3", "% numbers: 2")),
+            ("31 particles with 3 numbers, and order 96", (places[3] + "\n", "")),
+            ("it covers -2 steps", ("% steps: 1", "% steps: -2")),
+            ("other places in them", (places[3], "% at: 0.11")),
+            ("different numbers of particles", (places[3], "% at: 0.13")),
+            ("some cells have none", ("% period: 1", "% period: 3")),
+            ("not finite", (places[3], "% at: inf")),
+            ("its cells differ by", (lines[-1], f"{last[0]} {last[1]} {float(last[2]) + 1e-4}")),
+            ("no cell away from its edges", *far)):
+        done = subprocess.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
+                              check=False)
+        check(done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, f"{says}: {done.stderr}")
 
 
 class Foreign:
@@ -378,6 +450,9 @@ int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(S
 OWN = own()
 for spoken, words in languages().items():
     check_hook(spoken, *words)
+    if spoken == "C":
+        run(*words)
+        check_blocks_refused("A.mtx")
 for spoken, adapter in adapters():
     check_adapter(spoken, adapter)
 shared("./libprobe.so", CC, "-x", "c", ROOT / "include/mpmstab_probe.h", flags=["-DMPMSTAB_PROBE_API="])

@@ -21,6 +21,20 @@ static int check_failures;
   CHECK(fabs((a) - (b)) <= (tolerance), "%.17g and %.17g differ by %.3g, allowed %.3g", (double)(a), (double)(b),      \
         fabs((double)((a) - (b))), (double)(tolerance))
 
+/*
+   Says whether these ranks try the i-th case: on P ranks every P-th. That a scheme is right is shown on one rank, where
+   all are tried; that ranks do not matter is shown by enough of them.
+*/
+static inline PetscErrorCode CheckHasTurn(PetscInt i, PetscBool *turn)
+{
+  PetscMPIInt size;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  *turn = i % size == 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The request that belongs to the scene which CheckScene made last. */
 static MpmRequest check_request;
 

@@ -46,6 +46,8 @@ static const char *const other[][2] = {
     {"polarisation", "-dim 2 -polarisation s"},
     {"amplitude", "-amplitude 2"},
     {"stagger", "-stagger"},
+    {"balance", "-balance cells"},
+    {"ranks", "-ranks 1"},
 };
 
 /* Finds the text of a field in the checkpoint of a scene; it is empty when there is none. */

@@ -56,6 +56,7 @@ def probe(path, cell_width, state, *, place="x", periodic=None, scale=None):
 
     place: the name of the place, or None. periodic: a period or None for each direction. scale: {"v": 20}, what a change
     of order 1 means (without it: the cell width for the place, else the largest absolute value, else 1).
+    mpmstab reads the matrix, and where all cells are alike also its blocks: 'symbol -matrix_blocks A.mtx' looks at all waves.
     To probe again, give another path. include/mpmstab_probe.h says what the comments in the file mean.
     """
     if path not in HOOKS:
@@ -107,6 +108,10 @@ class Bins:
         return mark[tuple(self.at.T)]
 
 
+def numbers_of(values):
+    return " ".join(f"{value:.17g}" for value in values)
+
+
 class NotFinite(Exception):
     """The code's answer is no state."""
 
@@ -120,7 +125,7 @@ class Hook:
         largest = {of: float(numpy.abs(a).max()) or 1.0 for of, a in kinds.items()}
         if place and cell_width > 0:
             largest[place] = cell_width
-        self.path, self.base, self.calls = path, gather(state), 0
+        self.path, self.base, self.calls, self.width, self.where = path, gather(state), 0, cell_width, None
         self.fields = [f" {of} {size}{' place' if of == place else ''}" for of, size in sizes.items()]
         self.float = numpy.concatenate([numpy.full(sizes[of], a.dtype == numpy.float32) for of, a in kinds.items()])
         self.size = 2.0**-5 if self.float.any() else 2.0**-17
@@ -128,7 +133,7 @@ class Hook:
         self.period, self.bins = numpy.full(self.base.shape[1], numpy.inf), None
         if place:
             first = sum(sizes[of] for of in itertools.takewhile(lambda of: of != place, kinds))
-            where = slice(first, first + sizes[place])
+            self.where = where = slice(first, first + sizes[place])
             self.period[where] = [p or numpy.inf for p in periodic or [None] * sizes[place]]
             self.bins = Bins(self.base[:, where], cell_width, self.period[where]) if cell_width > 0 else None
         self.asking = self.steps()
@@ -236,9 +241,15 @@ class Hook:
     def write(self, matrix, certificates):
         """Matrix Market; unknowns particle by particle, fields in the order of the state."""
         says = [f"{name}: {value:.3g}" for name, value in certificates.items()]
+        known = [f"size: {self.size:.3g}", f"single: {int(self.float.any())}", f"numbers: {self.base.shape[1]}",
+                 *(f"scale: {scale:.17g}" for scale in self.scale)]
+        if self.bins:
+            periods = numpy.where(self.bins.periodic, self.period[self.where], 0)
+            known += [f"cell_width: {self.width:.17g}", f"period: {numbers_of(periods)}",
+                      *(f"at: {numbers_of(x)}" for x in self.base[:, self.where])]
         with open(self.path, "w", encoding="ascii") as file:
             file.write(f"%%MatrixMarket matrix coordinate real general\n% steps: 1\n% fields:{''.join(self.fields)}\n")
-            file.writelines(f"% {line}\n" for line in [f"calls: {self.calls}", *says])
+            file.writelines(f"% {line}\n" for line in [f"calls: {self.calls}", *says, *known])
             file.write(f"{self.base.size} {self.base.size} {len(matrix[0])}\n")
             file.writelines(f"{i + 1} {j + 1} {value:.17g}\n" for i, j, value in zip(*matrix))
         print(f"probe: {self.path} has the matrix of your step, of order {self.base.size}, from {self.calls} steps: "
