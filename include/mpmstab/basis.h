@@ -68,6 +68,14 @@ typedef void (*MpmKernel)(const MpmBlock *block, PetscReal a, PetscReal particle
 */
 typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[], PetscReal node[], PetscReal mass[]);
 
+/*
+   MpmWeights - the weights of the NODES nodes of each particle of a block, as they are in the sum of a kernel that goes
+   to nodes: weight[d * stride + p] is that of node first[p] + d.
+
+   Not collective. stride is at least block->n, or 1 for one particle.
+*/
+typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal weight[]);
+
 /*S
    MpmBasis - a family of basis functions, one function a node. The function of node i is centred on the node, which is
    the left end of cell i. With open ends, node i is the i-th function.
@@ -83,6 +91,7 @@ typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[],
    smooth      - the slopes of the functions have slopes at any place of a particle
    kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
    p2g_mass    - P2G with the nodal masses
+   weights     - the weights of the kernels that go to nodes, by kind; NULL for all other kinds
    first_nodes - for n particles at xi in cells cell, the first node that each has a weight at
    hat         - the functions are hats, for which the slides' formulas are
    wide        - the functions depend on the width of the particle
@@ -95,6 +104,7 @@ typedef struct {
   PetscBool     smooth;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;
+  MpmWeights    weights[MPM_OP_KINDS];
   void (*first_nodes)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscInt first[]);
   PetscBool hat;
   PetscBool wide;

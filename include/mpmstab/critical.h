@@ -45,6 +45,8 @@ extern const char *const MpmWaveTypeNames[];
    asked       - growth and verdict at the scene's own Courant number
    assembled   - the result comes from the eigenvalues of the assembled operator; else from the symbol
    order       - the number of unknowns of the assembled operator
+   nodal       - the number of unknowns of the nodes' own operator, of which the eigenvalues were taken; 0 where they are
+                 of the assembled one
    evaluations - the number of times that growth was computed
    seconds     - the time that the search took
 S*/
@@ -52,7 +54,7 @@ typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
   PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, rounding, seconds;
   PetscBool      threshold, assembled, disputed, followed;
-  PetscInt       order, phases;
+  PetscInt       order, nodal, phases;
   MpmWaveType    wave;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
@@ -62,12 +64,14 @@ typedef struct {
 /*S
    MpmCriticalCase - the case whose limit is sought: a scheme on a layout, with the drift of step. The Courant number of
    step matters only where growth at it is asked for besides. Growth per step up to 1 + tolerance counts as none.
+   all_particles: an assembled operator is solved as it is, although the nodes' own may have its eigenvalues.
 S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
   MpmStep          step;
   PetscReal        tolerance;
+  PetscBool        all_particles;
 } MpmCriticalCase;
 
 /* Not collective. The case of a scene. */

@@ -16,6 +16,9 @@ PARTICLES, DRIFTS = (10_000, 1_000_000, 8_000_000), ("0", "0.01", "0.3")
 WORK, MOST_STEPS, LEAST_STEPS = 4e7, 1000, 20  # particles x steps of a run
 MIGRATES = 250  # steps, in which particles move 75 cells and leave the ghost layer of 64 cells
 SAME = 1e-9
+BOX_WORK, SPEED_UP, BOX_BYTES = 1e7, 1.85, 200  # particles x steps; targets in more dimensions
+BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
+              f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
           f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
 
@@ -29,9 +32,11 @@ def arguments():
     parser.add_argument("--all", action="store_true", help="every row: particles and drifts too; half an hour")
     parser.add_argument("--no-memory", action="store_true", help="leave out gas2 with 8e6 particles, for its memory")
     parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
+    parser.add_argument("--boxes", type=listed(("1e6", "4e6")), default=("1e6",), help="particles in 2-D and 3-D")
+    parser.add_argument("--only-boxes", action="store_true", help="leave out one dimension")
     args = parser.parse_args()
     if args.all:
-        args.particles, args.drifts = PARTICLES, DRIFTS
+        args.particles, args.drifts, args.boxes = PARTICLES, DRIFTS, ("1e6", "4e6")
     if min(args.particles) < 1000:
         parser.error("--particles: less than 1000")
     return args
@@ -79,34 +84,73 @@ def show(row, triad):
           f"{row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
 
 
-def measure_box(dim, repeats):
-    """Prints and returns a row for usl on quadratics in more dimensions, at rest, beside a plain C loop of the same."""
-    steps = 20
-    programs = {"plain": lambda: bench_runs.run_plain_box(dim, steps),
-                "1": lambda: bench_runs.run_box(dim, steps, 1), "2": lambda: bench_runs.run_box(dim, steps, 2)}
-    times = {name: [] for name in programs}
+def box_target(row):
+    """The share of plain C's time that a row may take on one rank."""
+    if row["jitter"] != "0":
+        return 0.5
+    return 0.2 if row["dim"] == 3 and row["basis"] == "quadratic" else 0.3
+
+
+def box_rows(args):
+    for dim, size, basis in itertools.product(bench_runs.BOXES, args.boxes, bench_runs.NODES):
+        steps = max(6, int(BOX_WORK // float(size)))
+        row = {"dim": dim, "cells": bench_runs.BOXES[dim][size], "basis": basis, "steps": steps}
+        for drift, jitter in itertools.product(("0", "0.01"), ("0", "0.4")):
+            yield row | {"transfer": "flip", "drift": drift, "jitter": jitter}
+            if basis != "linear" and drift == "0":
+                yield row | {"transfer": "apic", "drift": drift, "jitter": jitter}
+
+
+def measure_box(row, repeats):
+    """Measures a row in more dimensions beside a plain C loop of the same, and prints it."""
+    programs = {"plain": bench_runs.run_plain_box, "1": lambda r: bench_runs.run_box(r, 1),
+                "2": lambda r: bench_runs.run_box(r, 2)}
+    times = {name: [] for name in (*programs, "pair")}
     for _ in range(repeats):
         for name, run in programs.items():
-            ns, energy = run()
+            ns, energy = run(row)
             times[name].append(ns)
             if name == "plain":
                 expected = energy
             elif abs(energy - expected) > SAME * expected:
-                sys.exit(f"bench: {name} does not do what plain C does in {dim} dimensions: {energy} and {expected}")
-    row = {"dim": dim, "cells": bench_runs.BOXES[dim], "best": {name: min(values) for name, values in times.items()},
-           "median": {name: statistics.median(values) for name, values in times.items()}}
-    row["ratio"] = row["best"]["1"] / row["best"]["plain"]
-    cells = " ".join(f"{row['best'][name]:6.1f} ({row['median'][name]:5.1f})" for name in programs)
-    print(f"usl quadratic, dim {dim}, {row['cells']} cells and {bench_runs.PPC} particles in each direction: "
-          f"plain C, 1 rank, 2 ranks {cells}; 1/plain {row['ratio']:.2f}", flush=True)
+                sys.exit(f"bench: {name} does not do what plain C does: {row}: energy {energy} and {expected}")
+        times["pair"].append(bench_runs.run_box_pair(row))
+    best = row["best"] = {name: min(values) for name, values in times.items()}
+    row["ratio"], row["target"] = best["1"] / best["plain"], box_target(row)
+    row["speed_up"], row["speed_up_pair"] = best["1"] / best["2"], best["1"] / best["pair"]
+    fast = bench_runs.met(row["ratio"] <= row["target"])
+    parallel = bench_runs.met(row["speed_up"] >= min(SPEED_UP, row["speed_up_pair"]))
+    print(f"{row['dim']} {row['cells']:5} {row['transfer']:4} {row['basis']:9} {row['drift']:>5} {row['jitter']:>6} "
+          + " ".join(f"{best[name]:7.1f}" for name in ("plain", "1", "2"))
+          + f"  {row['ratio']:5.2f} {row['target']:6.1f} {fast:7} {row['speed_up']:8.2f} {row['speed_up_pair']:5.2f} "
+          f"{parallel}", flush=True)
     return row
+
+
+def measure_boxes(args):
+    print(f"usl, {bench_runs.PPC} particles a cell in each direction, nu 0.3; apic has the gradients of MLS-MPM.\n"
+          f"ns per particle and step, best of {args.repeats}; ratio of 1 rank to plain C; speed-up of 2 ranks, target "
+          f"{SPEED_UP} or that of a pair of programs\n")
+    print(BOX_COLUMNS)
+    return [measure_box(row, args.repeats) for row in box_rows(args)]
+
+
+def box_memory():
+    """Measures the bytes that a particle takes in three dimensions: of 4e6 beyond those of a few."""
+    row = {"dim": 3, "basis": "quadratic", "transfer": "flip", "drift": "0", "jitter": "0.4", "steps": 2}
+    many, few = (bench_runs.BOXES[3]["4e6"], 8)
+    peaks = [bench_runs.peak_bytes(bench_runs.box_options(row | {"cells": cells}), 1) for cells in (many, few)]
+    found = (peaks[0] - peaks[1]) / (bench_runs.PPC * many) ** 3
+    print(f"memory: usl quadratic, jittered, {(bench_runs.PPC * many) ** 3} particles in three dimensions: {found:.0f} "
+          f"bytes a particle; target {BOX_BYTES}: {bench_runs.met(found <= BOX_BYTES)}", flush=True)
+    return found
 
 
 def memory(ranks):
     """Measures bytes per particle, in all and beyond a march of few particles. Both marches migrate."""
     many, few = ({"scheme": "gas2", "basis": "linear", "particles": n, "drift": "0.3", "steps": MIGRATES}
                  for n in (8_000_000, 1000))
-    peak, least = bench_runs.peak_bytes(many, ranks), bench_runs.peak_bytes(few, ranks)
+    peak, least = (bench_runs.peak_bytes(bench_runs.options(row), ranks) for row in (many, few))
     entry = {"ranks": ranks, "bytes": peak / many["particles"], "without_program": (peak - least) / many["particles"]}
     print(f"memory: gas2, 8000000 particles, ranks {ranks}: {entry['bytes']:.1f} bytes a particle at its largest, "
           f"{entry['without_program']:.1f} without what the program itself takes", flush=True)
@@ -127,14 +171,17 @@ def main():
           "two cores here do without a message; bytes that a step moves per particle, their rate on 1 rank over triad's"
           "\n")
     print(COLUMNS)
-    for particles, scheme, basis, drift in itertools.product(args.particles, args.schemes, args.bases, args.drifts):
+    lines = () if args.only_boxes else itertools.product(args.particles, args.schemes, args.bases, args.drifts)
+    for particles, scheme, basis, drift in lines:
         row = {"scheme": scheme, "basis": basis, "particles": particles, "drift": drift, "steps": steps_for(particles)}
         measure(row, args.repeats, python)
         show(row, result["triad_gb_per_s"][0])
         result["rows"].append(row)
     print()
-    result["boxes"] = [measure_box(dim, args.repeats) for dim in bench_runs.BOXES]
+    result["boxes"] = measure_boxes(args)
     if not args.no_memory:
+        result["box_memory"] = box_memory()
+    if not args.no_memory and not args.only_boxes:
         result["memory"] = [memory(ranks) for ranks in (1, 2)]
     bench_runs.keep(result, args)
 

@@ -19,7 +19,8 @@ SOURCES = os.path.join(program.ROOT, "scripts", "bench")
 FLAGS = ["-O3", "-march=native"]
 SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl"), ("linear", "quadratic")
 PPC = 2
-BOXES = {2: 200, 3: 24}  # cells along each direction, by dimension
+NODES = {"linear": 2, "quadratic": 3, "cubic": 4}  # of a particle along a direction
+BOXES = {2: {"1e6": 500, "4e6": 1000}, 3: {"1e6": 50, "4e6": 80}}  # cells along each direction, by dimension and size
 HISTORY = os.path.join(SOURCES, "history.jsonl")
 
 
@@ -128,7 +129,10 @@ def compile_all():
             defines = ["-DQUADRATIC"] if basis == "quadratic" else []
             compile_one(f"{scheme}-{basis}", ["plain.c", f"plain_{scheme}.c"], defines)
     for dim in BOXES:
-        compile_one(f"usl-{dim}d", ["plain_nd.c"], [f"-DDIM={dim}"])
+        for nodes in NODES.values():
+            compile_one(f"flip-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}"])
+            if nodes > 2:
+                compile_one(f"apic-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}", "-DAFFINE"])
 
 
 def numba_python():
@@ -152,16 +156,31 @@ def options(row):
             "cells": cells, "mode": cells // 32, "steps": row["steps"], "drift": row["drift"]}
 
 
-def run_box(dim, steps, ranks):
-    """Returns ns per particle and step, and the energy at the end, of usl on quadratics in dim dimensions."""
-    box = {"dim": dim, "cells": BOXES[dim], "formulation": "usl", "basis": "quadratic", "poisson": 0.3, "ppc": PPC,
-           "offset": 0.51, "courant": 0.01, "mode": 1, "steps": steps}
-    run = result_of_run("run", box, ranks)["run"]
+def box_options(row):
+    """Returns the options of usl in a box: with flip, or with apic and the gradients of MLS-MPM."""
+    affine = {"transfer": "apic", "gradient": "mls"} if row["transfer"] == "apic" else {}
+    return {"dim": row["dim"], "cells": row["cells"], "formulation": "usl", "basis": row["basis"], "poisson": 0.3,
+            "ppc": PPC, "offset": 0.51, "courant": 0.01, "mode": 1, "steps": row["steps"], "drift": row["drift"],
+            "jitter": row["jitter"], **affine}
+
+
+def run_box(row, ranks):
+    """Returns ns per particle and step, and the energy at the end."""
+    run = result_of_run("run", box_options(row), ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"]
 
 
-def run_plain_box(dim, steps):
-    out = json.loads(said([os.path.join(FOLDER, f"usl-{dim}d"), str(BOXES[dim]), str(steps)]))
+def run_box_pair(row):
+    """Returns ns per particle and step of two independent programs side by side, each with half the cells along x."""
+    half = row | {"cells": ",".join([str(row["cells"] // 2)] + [str(row["cells"])] * (row["dim"] - 1))}
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        return max(found[0] for found in threads.map(run_box, (half, half), (1, 1))) / 2
+
+
+def run_plain_box(row):
+    name = f"{row['transfer']}-{row['dim']}d-{NODES[row['basis']]}"
+    out = json.loads(said([os.path.join(FOLDER, name),
+                           *[str(row[key]) for key in ("cells", "steps", "drift", "jitter")]]))
     return out["ns_per_particle_step"], out["energy"]
 
 
@@ -200,9 +219,9 @@ def triad(processes):
     return sum(float(one.communicate()[0].split()[0]) for one in running)
 
 
-def peak_bytes(row, ranks):
-    """Returns the largest resident sizes of the ranks, added up."""
-    words = [word for name, value in options(row).items() for word in (f"-{name}", str(value))]
+def peak_bytes(chosen, ranks):
+    """Returns the largest resident sizes of the ranks of a run with options, added up."""
+    words = [word for name, value in chosen.items() for word in (f"-{name}", str(value))]
     with tempfile.TemporaryDirectory() as folder:
         said(["mpirun", "-q", "-n", str(ranks), sys.executable, os.path.join(SOURCES, "peak.py"), folder,
               program.PROGRAM, "run", *words])

@@ -22,7 +22,14 @@ OF_UNKNOWN = 2400               # bytes of memory for eigenvalues near a target
 DENSE_ORDER = 4096               # up to this order mpmstab takes all eigenvalues
 BESIDE = 1e-10                   # how far a shift is from the eigenvalue, relatively, as in mpmstab
 SAME, SAME_GROWTH = 1e-8, 1e-6   # a defective pair at 1 splits by 1e-8 or more
-TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 30
+TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 10
+TIMES_ALL_PARTICLES = 5          # of the ensemble by the nodes' own operators, beside the particles'
+BAR = {"formulation": "usl", "courant": 0.5, "cells": 1000, "ppc": 4, "jitter": 0.9, "measure": "false"}
+ENSEMBLE = {"formulation": "usl", "courant": 0.7, "cells": 100, "ppc": 4, "jitter": 0.9}
+PLANE = {"formulation": "usl", "courant": 0.5, "dim": 2, "cells": "256,256", "ppc": 2, "measure": "false"}
+SPACE = {"formulation": "usl", "courant": 0.5, "dim": 3, "cells": "24,24,24", "ppc": 2, "measure": "false"}
+NODAL = (("all eigenvalues of a jittered bar", BAR, 1, 5),
+         ("2-D 256 x 256 cells", PLANE, 2, 60), ("3-D 24 x 24 x 24 cells", SPACE, 2, 120))
 SCHEMES, BASES, DRIFTS = ("gas2", "usl", "musl"), ("linear", "quadratic"), ("0", "1/8")
 
 
@@ -33,10 +40,12 @@ def arguments():
     parser.add_argument("--restarts", type=at_least(1), default=100, help="of ARPACK without shift-invert (100)")
     parser.add_argument("--symbol", type=at_least(2), default=1_000_000, metavar="CELLS", help="(1000000)")
     parser.add_argument("--map", type=at_least(2), default=64, metavar="POINTS", help="of a map, along each axis (64)")
-    parser.add_argument("--all", action="store_true", help="orders 4e5 and 4e6, all of 2000 and 4000, the map of 256")
+    parser.add_argument("--layouts", type=at_least(2), default=20, help="of the ensembles (20)")
+    parser.add_argument("--all", action="store_true", 
+                        help="orders 4e5 and 4e6, all of 2000 and 4000, the map of 256, 200 layouts")
     args = parser.parse_args()
     if args.all:
-        args.orders, args.dense, args.map = (400_000, 4_000_000), (2000, 4000), 256
+        args.orders, args.dense, args.map, args.layouts = (400_000, 4_000_000), (2000, 4000), 256, 200
     if min(args.orders) <= DENSE_ORDER or any(order % 4 for order in args.orders + args.dense):
         parser.error(f"--orders: no multiples of 4 beyond {DENSE_ORDER}; or --dense: no multiples of 4")
     if not 8 <= min(args.dense) <= max(args.dense) <= DENSE_ORDER:
@@ -162,6 +171,39 @@ def show_all(row):
           "eigvals")
 
 
+def nodal_rows():
+    """Measures what the nodes' own operator makes possible, once each, and prints each row at once."""
+    for name, options, ranks, target in NODAL:
+        found = bench_runs.result_of_run("spectrum", options, ranks)
+        row = {"what": name, "ranks": ranks, "seconds": found["wall_s"], "verdict": found["verdict"],
+               "unknowns": found["spectrum"]["unknowns"], "nodal_unknowns": found["spectrum"].get("nodal_unknowns"),
+               "listed": found["spectrum"]["listed"], "memory_bytes": found["spectrum"]["memory_bytes"]}
+        nodal = f", of the nodes {row['nodal_unknowns']}" if row["nodal_unknowns"] else ""
+        print(f"{name}, order {row['unknowns']}{nodal}, {ranks} rank{'s'[:ranks > 1]}: {row['listed']} found, "
+              f"{row['verdict']}, {row['seconds']:.3g} s in all, {row['memory_bytes'] / 1e6:.4g} MB; "
+              f"target {target} s: {met(row['seconds'] <= target)}", flush=True)
+        yield row
+
+
+def compare_ensembles(args):
+    """Measures ensembles by the nodes' own operators and by the particles', in turn."""
+    options = ENSEMBLE | {"layouts": args.layouts}
+    times, grown = {"true": [], "false": []}, {"true": set(), "false": set()}
+    for _ in range(args.repeats):
+        for nodal in times:
+            found = bench_runs.result_of_run("ensemble", options | {"nodal": nodal})["ensemble"]
+            times[nodal].append(found["seconds"])
+            grown[nodal].add((found["unstable"], found["undecided"]))
+    row = {"layouts": args.layouts, "nodal": best_and_median(times["true"]),
+           "particles": best_and_median(times["false"]), "same": grown["true"] == grown["false"]}
+    row["ratio"] = row["particles"]["best"] / row["nodal"]["best"]
+    print(f"ensemble of {args.layouts} layouts, {ENSEMBLE['cells']} cells, ppc {ENSEMBLE['ppc']}: "
+          f"{told(row['nodal'])}; with -nodal false {told(row['particles'])}: " +
+          (f"{row['ratio']:.3g} times as fast; target {TIMES_ALL_PARTICLES}: {met(row['ratio'] >= TIMES_ALL_PARTICLES)}"
+           if row["same"] else "other verdicts, not compared"), flush=True)
+    return row
+
+
 def time_task(task, options, repeats, ranks=1):
     """Returns the seconds that the task says it took."""
     return best_and_median([bench_runs.result_of_run(task, options, ranks)[task]["seconds"] for _ in range(repeats)])
@@ -208,9 +250,10 @@ def main():
         for order in args.dense:
             result["all"].append(compare_all(order, args, folder))
             show_all(result["all"][-1])
+    result["nodal"], result["ensemble"] = list(nodal_rows()), compare_ensembles(args)
     result["tasks"] = list(small_tasks(args))
     bench_runs.keep(result, args)
-    if not all(row.get("same", True) for row in result["near"] + result["all"]):
+    if not all(row.get("same", True) for row in result["near"] + result["all"] + [result["ensemble"]]):
         program.say("not the same eigenvalues, see above")
         sys.exit(1)
 

@@ -1,46 +1,61 @@
 /*
-   Update stress last in two or three dimensions (DIM), in plain C: usl with flip, nu = 0.3, on quadratic B-splines.
+   Update stress last in two or three dimensions (DIM), in plain C: usl with flip, nu = 0.3, on splines with weights at
+   NODES nodes in each direction: 2 for hats, 3 for quadratic and 4 for cubic splines.
 
-     PROGRAM CELLS STEPS      prints ns per particle and step, and the energy, so that nothing is left out
+     PROGRAM CELLS STEPS DRIFT JITTER      prints ns per particle and step, and the energy, so that nothing is left out
 
-   There are CELLS cells and two particles in each direction of a periodic grid of length 1. An array of structs for
-   particles and one for nodes, two sweeps over the particles a step, and the weights anew in each: as one writes it.
+   There are CELLS cells and two particles in each direction of a periodic grid of length 1. They move by DRIFT cells a
+   step in every direction, and rest within JITTER spacings of regular places. An array of structs for particles and one
+   for nodes, two sweeps over the particles a step, and the weights anew in each: as one writes it.
+
+   With AFFINE it is apic with the weights of MLS-MPM in place of slopes, in that method's own form: stress and affine
+   velocity are one matrix, and each sweep knows one vector a node. It needs NODES > 2, where D does not depend on the place.
 */
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #define PPC 2
 #define COURANT 0.01
 #define NU 0.3
 #define STRESSES (DIM * (DIM + 1) / 2)
+#define INVERSE_D (NODES == 3 ? 4.0 : 3.0) /* of sum_i phi_ip (x_i - x_p)^2, in cells */
 
 typedef struct {
   double x[DIM], v[DIM], s[STRESSES]; /* the place in cells; stresses in the order 00 01 02 11 12 22 */
+#ifdef AFFINE
+  double c[DIM][DIM];
+#endif
 } Particle;
 
 typedef struct {
-  double v[DIM], a[DIM];
+  double v[DIM];
+#ifndef AFFINE
+  double a[DIM];
+#endif
 } Node;
 
 /* Nodes have indices -1 to cells + 1 in each direction; stride is the distance along each. */
 static long      cells, across, nodes, particles, stride[DIM];
+static double    drift;
 static Particle *particle;
 static Node     *node;
-static double   *inverse; /* of the masses, which stay as they are */
+static double   *mass; /* and, when a step needs it, its inverse */
 
 #if DIM == 2
 static const int component[DIM][DIM] = {{0, 1}, {1, 2}};
 #define FOR_NODES(i)                                                                                                   \
-  for (int i[3] = {0, 0, 0}; i[1] < 3; i[1]++)                                                                         \
-    for (i[0] = 0; i[0] < 3; i[0]++)
+  for (int i[3] = {0, 0, 0}; i[1] < NODES; i[1]++)                                                                     \
+    for (i[0] = 0; i[0] < NODES; i[0]++)
 #else
 static const int component[DIM][DIM] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 #define FOR_NODES(i)                                                                                                   \
-  for (int i[3] = {0, 0, 0}; i[2] < 3; i[2]++)                                                                         \
-    for (i[1] = 0; i[1] < 3; i[1]++)                                                                                   \
-      for (i[0] = 0; i[0] < 3; i[0]++)
+  for (int i[3] = {0, 0, 0}; i[2] < NODES; i[2]++)                                                                     \
+    for (i[1] = 0; i[1] < NODES; i[1]++)                                                                               \
+      for (i[0] = 0; i[0] < NODES; i[0]++)
 #endif
 
 static double Now(void)
@@ -51,42 +66,86 @@ static double Now(void)
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The first node that a particle sees, and the weights and slopes along each direction. */
-static inline Node *Weights(const double x[], double phi[][3], double slope[][3])
+/* The weights and slopes along a direction; returns the first node. */
+static inline long Along(double x, double phi[NODES], double slope[NODES])
 {
-  Node *first = node;
+#if NODES == 2
+  const long i = (long)x;
+
+  phi[0]   = 1 - (x - (double)i);
+  phi[1]   = x - (double)i;
+  slope[0] = -1;
+  slope[1] = 1;
+  return i;
+#elif NODES == 3
+  const long   i = (long)(x + 0.5); /* the nearest node */
+  const double d = x - (double)i;
+
+  phi[0]   = 0.5 * (0.5 - d) * (0.5 - d);
+  phi[1]   = 0.75 - d * d;
+  phi[2]   = 0.5 * (0.5 + d) * (0.5 + d);
+  slope[0] = d - 0.5;
+  slope[1] = -2 * d;
+  slope[2] = d + 0.5;
+  return i - 1;
+#else
+  const long   i = (long)x;
+  const double d = x - (double)i, e = 1 - d;
+
+  phi[0]   = e * e * e / 6;
+  phi[1]   = 2.0 / 3 - d * d + d * d * d / 2;
+  phi[2]   = 2.0 / 3 - e * e + e * e * e / 2;
+  phi[3]   = d * d * d / 6;
+  slope[0] = -e * e / 2;
+  slope[1] = -2 * d + 1.5 * d * d;
+  slope[2] = 2 * e - 1.5 * e * e;
+  slope[3] = d * d / 2;
+  return i - 1;
+#endif
+}
+
+/* The index of the first node that a particle sees, and the weights; with them slopes, or places from the particle. */
+static inline long Weights(const double x[], double phi[][NODES], double slope[][NODES])
+{
+  long first = 0;
 
   for (int a = 0; a < DIM; a++) {
-    const long   i = (long)(x[a] + 0.5); /* the nearest node */
-    const double d = x[a] - (double)i;
+    const long i = Along(x[a], phi[a], slope[a]);
 
-    phi[a][0]   = 0.5 * (0.5 - d) * (0.5 - d);
-    phi[a][1]   = 0.75 - d * d;
-    phi[a][2]   = 0.5 * (0.5 + d) * (0.5 + d);
-    slope[a][0] = d - 0.5;
-    slope[a][1] = -2 * d;
-    slope[a][2] = d + 0.5;
-    first += i * stride[a]; /* node 0 is at 1 */
+#ifdef AFFINE
+    for (int d = 0; d < NODES; d++) slope[a][d] = (double)(i + d) - x[a];
+#endif
+    first += (i + 1) * stride[a]; /* node 0 is at 1 */
   }
   return first;
 }
 
-/* The weight of one node, and its gradient. */
-static inline double At(const int i[], double phi[][3], double slope[][3], double g[])
+/* The weight of one node. */
+static inline double At(const int i[], double phi[][NODES])
 {
 #if DIM == 2
-  g[0] = slope[0][i[0]] * phi[1][i[1]];
-  g[1] = phi[0][i[0]] * slope[1][i[1]];
   return phi[0][i[0]] * phi[1][i[1]];
 #else
-  g[0] = slope[0][i[0]] * phi[1][i[1]] * phi[2][i[2]];
-  g[1] = phi[0][i[0]] * slope[1][i[1]] * phi[2][i[2]];
-  g[2] = phi[0][i[0]] * phi[1][i[1]] * slope[2][i[2]];
   return phi[0][i[0]] * phi[1][i[1]] * phi[2][i[2]];
 #endif
 }
 
-static inline Node *Of(Node *first, const int i[])
+/* Its gradient, or weight times its place from the particle. */
+static inline void Gradient(const int i[], double phi[][NODES], double slope[][NODES], double g[])
+{
+#ifdef AFFINE
+  for (int a = 0; a < DIM; a++) g[a] = At(i, phi) * slope[a][i[a]];
+#elif DIM == 2
+  g[0] = slope[0][i[0]] * phi[1][i[1]];
+  g[1] = phi[0][i[0]] * slope[1][i[1]];
+#else
+  g[0] = slope[0][i[0]] * phi[1][i[1]] * phi[2][i[2]];
+  g[1] = phi[0][i[0]] * slope[1][i[1]] * phi[2][i[2]];
+  g[2] = phi[0][i[0]] * phi[1][i[1]] * slope[2][i[2]];
+#endif
+}
+
+static inline long Of(long first, const int i[])
 {
 #if DIM == 2
   return first + i[0] + i[1] * stride[1];
@@ -95,77 +154,103 @@ static inline Node *Of(Node *first, const int i[])
 #endif
 }
 
-static void Add(Node *to, const Node *from)
-{
-  for (int a = 0; a < DIM; a++) {
-    to->v[a] += from->v[a];
-    to->a[a] += from->a[a];
-  }
-}
-
 /* Adds up what is one node of a periodic grid (fold), or gives all of them its value: one direction after another. */
-static void Ends(int fold)
+static void Ends(int fold, double *values, long length)
 {
   for (int a = 0; a < DIM; a++) {
     for (long n = 0; n < nodes; n++) {
-      const long i   = n / stride[a] % across;
-      Node      *own = node + n + (i == 0 ? cells : -cells) * stride[a];
+      const long i    = n / stride[a] % across;
+      double    *here = values + n * length, *own = here + (i == 0 ? cells : -cells) * stride[a] * length;
 
       if (i != 0 && i <= cells) continue; /* 1 to cells are its own */
-      if (fold)
-        Add(own, node + n);
-      else
-        node[n] = *own;
+      for (long c = 0; c < length; c++) {
+        if (fold)
+          own[c] += here[c];
+        else
+          here[c] = own[c];
+      }
     }
   }
 }
 
-static void Masses(void)
-{
-  for (long p = 0; p < particles; p++) {
-    double phi[DIM][3], slope[DIM][3], g[DIM];
-    Node  *first = Weights(particle[p].x, phi, slope);
+#define ENDS(fold) Ends(fold, (double *)node, sizeof(Node) / sizeof(double))
 
-    FOR_NODES(i) Of(first, i)->v[0] += At(i, phi, slope, g);
-  }
-  Ends(1);
-  Ends(0);
-  for (long n = 0; n < nodes; n++) inverse[n] = 1 / node[n].v[0];
+static void InvertMasses(void)
+{
+  Ends(1, mass, 1);
+  Ends(0, mass, 1);
+  for (long n = 0; n < nodes; n++) mass[n] = mass[n] > 0 ? 1 / mass[n] : 0;
 }
 
-static void ToNodes(void)
+/* With masses it sums the masses too: of particles that have moved. */
+static inline __attribute__((always_inline)) void SumToNodes(const int masses)
 {
-  for (long n = 0; n < nodes; n++)
-    for (int a = 0; a < DIM; a++) node[n].v[a] = node[n].a[a] = 0;
+  memset(node, 0, (size_t)nodes * sizeof *node);
+  if (masses) memset(mass, 0, (size_t)nodes * sizeof *mass);
   for (long p = 0; p < particles; p++) {
     const Particle *q = &particle[p];
-    double          phi[DIM][3], slope[DIM][3], g[DIM];
-    Node           *first = Weights(q->x, phi, slope);
+    double          phi[DIM][NODES], slope[DIM][NODES], g[DIM];
+    const long      first = Weights(q->x, phi, slope);
+#ifdef AFFINE
+    double affine[DIM][DIM];
+
+    for (int a = 0; a < DIM; a++)
+      for (int b = 0; b < DIM; b++) affine[a][b] = q->c[a][b] - COURANT * INVERSE_D * q->s[component[a][b]];
+#endif
 
     FOR_NODES(i)
     {
-      const double w = At(i, phi, slope, g);
-      Node        *n = Of(first, i);
+      const double w = At(i, phi);
+      const long   k = Of(first, i);
+      Node        *n = node + k;
 
+      Gradient(i, phi, slope, g);
       for (int a = 0; a < DIM; a++) {
+#ifdef AFFINE
+        double momentum = w * q->v[a];
+
+        for (int b = 0; b < DIM; b++) momentum += g[b] * affine[a][b];
+        n->v[a] += momentum;
+#else
         double force = 0;
 
         for (int b = 0; b < DIM; b++) force += g[b] * q->s[component[a][b]];
         n->v[a] += w * q->v[a];
         n->a[a] -= COURANT * force;
+#endif
       }
+      if (masses) mass[k] += w;
     }
   }
+}
+
+static void ToNodes(int masses)
+{
+  if (masses)
+    SumToNodes(1);
+  else
+    SumToNodes(0);
 }
 
 static void OnNodes(void)
 {
   for (long n = 0; n < nodes; n++) {
     for (int a = 0; a < DIM; a++) {
-      node[n].v[a] *= inverse[n];
-      node[n].a[a] *= inverse[n];
+      node[n].v[a] *= mass[n];
+#ifndef AFFINE
+      node[n].a[a] *= mass[n];
       node[n].v[a] += node[n].a[a];
+#endif
     }
+  }
+}
+
+/* Where a particle is a step on, in the periodic grid. */
+static inline void Move(double x[])
+{
+  for (int a = 0; a < DIM; a++) {
+    x[a] += drift;
+    if (x[a] >= (double)cells) x[a] -= (double)cells;
   }
 }
 
@@ -174,26 +259,38 @@ static void ToParticles(void)
   const double lambda = NU / (1 - NU), mu = (1 - 2 * NU) / (2 * (1 - NU));
 
   for (long p = 0; p < particles; p++) {
-    Particle *q = &particle[p];
-    double    phi[DIM][3], slope[DIM][3], g[DIM], acceleration[DIM] = {0}, gradient[DIM][DIM] = {{0}}, trace = 0;
-    Node     *first = Weights(q->x, phi, slope);
+    Particle  *q = &particle[p];
+    double     phi[DIM][NODES], slope[DIM][NODES], g[DIM], value[DIM] = {0}, gradient[DIM][DIM] = {{0}}, trace = 0;
+    const long first = Weights(q->x, phi, slope);
 
     FOR_NODES(i)
     {
-      const double w = At(i, phi, slope, g);
-      const Node  *n = Of(first, i);
+      const double w = At(i, phi);
+      const Node  *n = node + Of(first, i);
 
+      Gradient(i, phi, slope, g);
       for (int a = 0; a < DIM; a++) {
-        acceleration[a] += w * n->a[a];
+#ifdef AFFINE
+        value[a] += w * n->v[a];
+#else
+        value[a] += w * n->a[a];
+#endif
         for (int b = 0; b < DIM; b++) gradient[a][b] += g[b] * n->v[a];
       }
     }
-    for (int a = 0; a < DIM; a++) trace += gradient[a][a];
     for (int a = 0; a < DIM; a++) {
-      q->v[a] += acceleration[a];
+#ifdef AFFINE
+      q->v[a] = value[a];
+      for (int b = 0; b < DIM; b++) q->c[a][b] = gradient[a][b] *= INVERSE_D;
+#else
+      q->v[a] += value[a];
+#endif
+    }
+    for (int a = 0; a < DIM; a++) trace += gradient[a][a];
+    for (int a = 0; a < DIM; a++)
       for (int b = a; b < DIM; b++)
         q->s[component[a][b]] += COURANT * (mu * (gradient[a][b] + gradient[b][a]) + (a == b ? lambda * trace : 0));
-    }
+    if (drift != 0) Move(q->x);
   }
 }
 
@@ -216,33 +313,54 @@ static double Energy(void)
   return sum / (double)(2 * particles);
 }
 
+/* Random numbers in [0, 1): those of THEORY.md, section 1, so that jittered particles are where mpmstab has them. */
+static double Hash(uint64_t seed, uint64_t id)
+{
+  uint64_t z = seed + (id + 1) * 0x9E3779B97F4A7C15u;
+
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
 /* One wave along the first direction, in the order of cells. */
-static void Begin(void)
+static void Begin(double jitter)
 {
   const double turn    = 2 * acos(-1) / (double)cells;
   const int    of_cell = DIM == 2 ? PPC * PPC : PPC * PPC * PPC;
+  uint64_t     seed[3] = {1};
 
+  for (int a = 1; a < DIM; a++) seed[a] = (uint64_t)(0x1p52 * Hash(2, (uint64_t)(-66 - a)));
   for (long p = 0; p < particles; p++) {
-    long cell = p / of_cell, site = p % of_cell;
+    long cell = p / of_cell, site = p % of_cell, number = 0, row = 1;
 
-    for (int a = 0; a < DIM; a++) {
-      particle[p].x[a] = (double)(cell % cells) + ((double)(site % PPC) + 0.51) / PPC;
-      cell /= cells;
-      site /= PPC;
+    for (int a = 0; a < DIM; a++, row *= cells * PPC, cell /= cells, site /= PPC)
+      number += row * (cell % cells * PPC + site % PPC);
+    cell = p / of_cell;
+    site = p % of_cell;
+    for (int a = 0; a < DIM; a++, cell /= cells, site /= PPC) {
+      const double shift = jitter * (Hash(seed[a], (uint64_t)number) - 0.5);
+
+      particle[p].x[a] =
+          fmod((double)(cell % cells + cells) + ((double)(site % PPC) + 0.51 + shift) / PPC, (double)cells);
     }
     particle[p].v[0] = sin(turn * particle[p].x[0]);
+#ifdef AFFINE
+    particle[p].c[0][0] = turn * cos(turn * particle[p].x[0]);
+#endif
   }
 }
 
 int main(int argc, char **argv)
 {
-  if (argc != 3) {
-    fprintf(stderr, "usage: %s CELLS STEPS\n", argv[0]);
+  if (argc != 5) {
+    fprintf(stderr, "usage: %s CELLS STEPS DRIFT JITTER\n", argv[0]);
     return 2;
   }
   const long steps = atol(argv[2]);
 
   cells     = atol(argv[1]);
+  drift     = atof(argv[3]);
   across    = cells + 3;
   nodes     = 1;
   particles = 1;
@@ -253,19 +371,21 @@ int main(int argc, char **argv)
   }
   particle = calloc((size_t)particles, sizeof *particle);
   node     = calloc((size_t)nodes, sizeof *node);
-  inverse  = calloc((size_t)nodes, sizeof *inverse);
-  if (!particle || !node || !inverse) {
+  mass     = calloc((size_t)nodes, sizeof *mass);
+  if (!particle || !node || !mass) {
     fprintf(stderr, "no memory for %ld particles\n", particles);
     return 1;
   }
-  Begin();
-  Masses();
+  Begin(atof(argv[4]));
+  ToNodes(1);
+  InvertMasses();
   const double start = Now();
   for (long step = 0; step < steps; step++) {
-    ToNodes();
-    Ends(1);
+    ToNodes(drift != 0);
+    if (drift != 0) InvertMasses();
+    ENDS(1);
     OnNodes();
-    Ends(0);
+    ENDS(0);
     ToParticles();
   }
   const double seconds = Now() - start;

@@ -7,7 +7,8 @@
 #include "analysis/modes.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
-#include <mpmstab/operator.h>
+#include "linalg/eigen.h"
+#include "operator/nodal_matrix.h"
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
 #include <math.h>
@@ -22,21 +23,50 @@
 typedef struct {
   const MpmCriticalCase *of;
   MpmProgress            progress;
+  PetscBool              nodal;    /* the nodes' own operator has the eigenvalues */
   PetscReal              rounding; /* growth per step that rounding may make of a defective pair */
   PetscInt64             evaluations;
 } Probe;
 
-static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
+/* Counts an evaluation and gives the step of a Courant number. */
+static PetscErrorCode Begin(Probe *p, PetscReal courant, MpmStep *step)
 {
-  MpmStep step = p->of->step;
-  char    note[128];
+  char note[128];
 
   PetscFunctionBegin;
   p->evaluations++;
-  step.courant = courant;
+  *step         = p->of->step;
+  step->courant = courant;
   PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
+{
+  MpmStep step;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(p, courant, &step));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode NodalGrowth(Probe *p, PetscReal courant, PetscReal *growth)
+{
+  MpmStep     step;
+  MpmReduced *nodal;
+  PetscReal   value[2], norm;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(p, courant, &step));
+  PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
+  PetscCall(MatNorm(nodal->M, NORM_INFINITY, &norm));
+  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), 0, 1);
+  PetscCall(MpmReducedLargest(nodal, value));
+  PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
+  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, 1);
+  PetscCall(MpmReducedDestroy(&nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -47,12 +77,32 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
   PetscReal    value[2], norm;
 
   PetscFunctionBegin;
+  if (p->nodal) {
+    PetscCall(NodalGrowth(p, courant, growth));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(Assemble(p, courant, &op));
   PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
   p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), op->exponent, op->period);
   PetscCall(MpmDenseLargest(op->balanced, value));
   PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
   *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the nodes' own operator may take the place of the particles', which are compared at one Courant number. */
+static PetscErrorCode TryNodal(Probe *p, PetscReal courant)
+{
+  MpmOperator *op;
+  MpmReduced  *nodal;
+
+  PetscFunctionBegin;
+  PetscCall(Assemble(p, courant, &op));
+  PetscCall(MpmNodalMatrixOf(op, &nodal));
+  p->nodal = nodal ? PETSC_TRUE : PETSC_FALSE;
+  p->evaluations--; /* no eigenvalues were taken */
+  PetscCall(MpmReducedDestroy(&nodal));
   PetscCall(MpmOperatorDestroy(&op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -64,13 +114,18 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
 static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 {
   MpmOperator *op;
+  MpmReduced  *nodal = NULL;
   MpmEigen    *eigen;
   MpmModes     modes;
   PetscReal    found[MPM_MAX_DIM + 1];
 
   PetscFunctionBegin;
   PetscCall(Assemble(p, c->unstable_at, &op));
-  PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+  if (p->nodal) PetscCall(MpmNodalMatrixOf(op, &nodal));
+  if (nodal)
+    PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+  else
+    PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
   PetscCall(MpmModesCreateLeading(op, eigen, PetscMin(eigen->n, 1), &modes));
   for (PetscInt a = 0; a <= MPM_MAX_DIM; a++) found[a] = NAN;
   if (modes.n) { /* the solver may find no vector even if it finds the growth */
@@ -83,6 +138,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   if (!isnan(found[MPM_MAX_DIM])) c->wave = MpmCriticalWaveOf(found[MPM_MAX_DIM], found[MPM_MAX_DIM]);
   PetscCall(MpmModesDestroy(&modes));
   PetscCall(MpmEigenDestroy(&eigen));
+  PetscCall(MpmReducedDestroy(&nodal));
   PetscCall(MpmOperatorDestroy(&op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -154,23 +210,28 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
 
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
 {
-  const PetscInt64 unknowns = of->scheme->table->nstate * of->layout->particles;
-  Probe            probe    = {.of = of};
+  const PetscInt64 order = of->scheme->table->nstate * of->layout->particles;
+  PetscInt64       nodal = 0, unknowns;
+  Probe            probe = {.of = of};
   MpmMarch        *march;
   char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  if (!of->all_particles) PetscCall(MpmNodalMatrixUnknowns(of->layout, of->scheme, &of->step, &nodal));
+  unknowns = nodal ? nodal : order;
   PetscCall(MpmLayoutSizeText(of->layout, sizeof size, size));
   c->assembled = PETSC_TRUE;
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "%s (%s): the limit is sought among all eigenvalues of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells",
                 size, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
-  c->order = (PetscInt)unknowns;
+  c->order = (PetscInt)order;
   PetscCall(MpmMarchCreateRandom(PETSC_COMM_SELF, of->layout, of->scheme, &of->step, 1,
                                  &march)); /* refuses a grid that no run could have */
   PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmProgressBegin("", &probe.progress));
+  if (nodal) PetscCall(TryNodal(&probe, of->step.courant));
+  c->nodal = probe.nodal ? (PetscInt)nodal : 0;
   PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {

@@ -36,7 +36,7 @@ typedef struct {
 } Place;
 
 /*
-   Computes the amplification factors of a period along a line: over Courant numbers at a fixed phase, or over phases at
+   Computes the amplification factors of a turn along a line: over Courant numbers at a fixed phase, or over phases at
    a fixed Courant number.
 */
 typedef struct {
@@ -57,7 +57,7 @@ static PetscErrorCode FactorsAt(void *context, PetscReal x, double complex value
   PetscInt        exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&p->bloch, p->over_phases ? p->fixed : x, &beta, PETSC_FALSE, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochTurn(&p->bloch, p->over_phases ? p->fixed : x, &beta, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) value[i] = p->eigen.value[i] * scalbn(1, (int)exponent);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -75,7 +75,7 @@ static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
   p->least         = (Limit){INFINITY, INFINITY, NAN};
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
   PetscCall(MpmSmallEigenCreate(p->bloch.size, &p->eigen));
-  PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.period, of->tolerance, FactorsAt, p, &p->follow));
+  PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.turn, of->tolerance, FactorsAt, p, &p->follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,7 +99,7 @@ static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal 
   PetscCall(FactorsAt(p, courant, p->follow.beside));
   p->follow.evaluations++;
   for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->follow.beside[i]));
-  *growth = MpmGrowthPerStep(largest, 0, p->bloch.period);
+  *growth = MpmGrowthPerStep(largest, 0, p->bloch.turn);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,9 +6,8 @@
    bound of the limit of all. Oblique waves are sampled below it.
 */
 #include "analysis/critical_parts.h"
-#include "linalg/small_eigen.h"
 #include "scene/layout.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_growth.h"
 #include "analysis/zoom.h"
 #include <mpmstab/symbol.h>
 #include <math.h>
@@ -80,15 +79,9 @@ PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme)
 
 static PetscErrorCode GrowthAt(Samples *s, const PetscReal beta[], PetscReal *growth)
 {
-  PetscInt  exponent;
-  PetscReal largest = 0;
-
   PetscFunctionBegin;
   s->evaluations++;
-  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
-  for (PetscInt i = 0; i < s->eigen.n; i++) largest = fmax(largest, cabs(s->eigen.value[i]));
-  *growth = MpmGrowthPerStep(largest, exponent, s->bloch.period);
+  PetscCall(MpmBlochGrowth(&s->bloch, &s->eigen, s->courant, beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,9 +2,8 @@
    The largest stable Courant number of particles at rest, through the symbol. For moving particles see
    critical_drift.c.
 */
-#include "symbol/bloch.h"
 #include "analysis/critical_parts.h"
-#include "linalg/small_eigen.h"
+#include "symbol/bloch_growth.h"
 #include "base/progress.h"
 #include <math.h>
 
@@ -25,15 +24,9 @@ typedef struct {
 
 static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, const PetscReal beta[], PetscReal *growth)
 {
-  PetscInt  exponent;
-  PetscReal largest = 0;
-
   PetscFunctionBegin;
   p->evaluations++;
-  PetscCall(MpmBlochMatrix(&p->bloch, courant, beta, PETSC_FALSE, p->eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
-  for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->eigen.value[i]));
-  *growth = MpmGrowthPerStep(largest, exponent, p->bloch.period);
+  PetscCall(MpmBlochGrowth(&p->bloch, &p->eigen, courant, beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,7 @@
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
-#include <mpmstab/operator.h>
+#include "operator/nodal_matrix.h"
 #include "analysis/ensemble.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
@@ -26,14 +26,18 @@ void MpmWilson(PetscInt hits, PetscInt trials, PetscReal interval[2])
    Refuses what could be refused for any layout. It depends on the scene and not on the seed, so all ranks refuse
    together.
 */
-static PetscErrorCode Check(const MpmScene *scene, PetscInt layouts)
+static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request, PetscInt *nodal)
 {
-  const PetscInt64 unknowns = scene->scheme.table->nstate * scene->layout.particles;
-  MpmOperator     *op;
-  MpmMarch        *march;
-  char             size[MPM_SIZE_TEXT];
+  const PetscInt layouts  = request->layouts;
+  PetscInt64     unknowns = 0;
+  MpmOperator   *op;
+  MpmMarch      *march;
+  char           size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &unknowns));
+  *nodal = (PetscInt)PetscMin(unknowns, PETSC_MAX_INT);
+  if (!unknowns) unknowns = scene->scheme.table->nstate * scene->layout.particles;
   PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
   MpmCheckInput(scene->layout.jitter > 0,
                 "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
@@ -73,7 +77,8 @@ static PetscErrorCode Mismatch(const MpmOperator *op, PetscReal *mismatch)
    Computes the uncertainty from the vectors of one eigenvalue, found with a shift next to it. That takes a fraction of
    the work of all vectors.
 */
-static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2], PetscReal mismatch, MpmFinding *f)
+static PetscErrorCode Uncertainty(const MpmOperator *op, const MpmReduced *nodal, const PetscReal value[2],
+                                  PetscReal mismatch, MpmFinding *f)
 {
   const PetscReal target[2] = {value[0] * (1 + BESIDE), value[1] * (1 + BESIDE)};
   PetscReal       nearest   = INFINITY, condition, error;
@@ -82,7 +87,10 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
 
   PetscFunctionBegin;
   f->uncertainty = INFINITY;
-  PetscCall(MpmEigenSolve(op->balanced, "layout_", MPM_EIGEN_TARGET, target, &eigen));
+  if (nodal)
+    PetscCall(MpmEigenSolveReduced(op->balanced, nodal, "layout_", MPM_EIGEN_TARGET, target, &eigen));
+  else
+    PetscCall(MpmEigenSolve(op->balanced, "layout_", MPM_EIGEN_TARGET, target, &eigen));
   for (PetscInt j = 0; j < eigen->n; j++) {
     const PetscReal distance = hypot(eigen->re[j] - value[0], fabs(eigen->im[j]) - fabs(value[1]));
 
@@ -98,22 +106,29 @@ static PetscErrorCode Uncertainty(const MpmOperator *op, const PetscReal value[2
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Judge(const MpmScene *scene, const MpmLayout *layout, PetscReal tolerance, MpmFinding *f)
+static PetscErrorCode Judge(const MpmEnsemble *e, const MpmLayout *layout, MpmFinding *f)
 {
-  MpmOperator *op;
-  PetscReal    value[2], norm, mismatch;
+  const MpmScene *scene = e->scene;
+  MpmOperator    *op;
+  MpmReduced     *nodal = NULL;
+  PetscReal       value[2], norm, mismatch;
 
   PetscFunctionBegin;
-  *f = (MpmFinding){.tolerance = tolerance};
+  *f = (MpmFinding){.tolerance = e->request->tolerance};
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, layout, &scene->scheme, &scene->step, &op));
   PetscCall(Mismatch(op, &mismatch));
-  PetscCall(MpmDenseLargest(op->balanced, value));
+  if (e->nodal) PetscCall(MpmNodalMatrixOf(op, &nodal));
+  if (nodal)
+    PetscCall(MpmReducedLargest(nodal, value));
+  else
+    PetscCall(MpmDenseLargest(op->balanced, value));
   f->growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
   PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
   f->defective_error = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, mismatch, 0), op->exponent, op->period);
   if (!(mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
-  if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, value, mismatch, f));
+  if (f->growth > 1 + f->tolerance && isfinite(f->growth)) PetscCall(Uncertainty(op, nodal, value, mismatch, f));
   f->verdict = MpmVerdictOf(f);
+  PetscCall(MpmReducedDestroy(&nodal));
   PetscCall(MpmOperatorDestroy(&op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,7 +141,7 @@ static PetscErrorCode JudgeSeed(void *context, PetscInt i)
 
   PetscFunctionBegin;
   layout.seed += i;
-  PetscCall(Judge(e->scene, &layout, e->request->tolerance, &f));
+  PetscCall(Judge(e, &layout, &f));
   e->growth[i]      = f.growth;
   e->uncertainty[i] = f.uncertainty;
   e->verdict[i]     = f.verdict;
@@ -188,21 +203,24 @@ static PetscErrorCode Sum(MpmEnsemble *e)
   f->growth    = e->growth_max;
   f->verdict   = e->unstable ? MPM_UNSTABLE : e->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
-                          "all eigenvalues of %" PetscInt_FMT " random layouts, order %" PetscInt_FMT, e->n, e->order));
+                          "all eigenvalues of %" PetscInt_FMT " random layouts, order %" PetscInt_FMT "%s", e->n,
+                          e->nodal ? e->nodal : e->order, e->nodal ? ", of the nodes' own operators" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmEnsembleCreate(const MpmScene *scene, const MpmRequest *request, MpmEnsemble **ensemble)
 {
   const PetscReal begin = MPI_Wtime();
+  PetscInt        nodal = 0;
   MpmEnsemble    *e;
 
   PetscFunctionBegin;
-  PetscCall(Check(scene, request->layouts));
+  PetscCall(Check(scene, request, &nodal));
   PetscCall(PetscNew(ensemble));
   e          = *ensemble;
   e->scene   = scene;
   e->request = request;
+  e->nodal   = nodal;
   e->n       = request->layouts;
   e->order   = (PetscInt)(scene->scheme.table->nstate * scene->layout.particles);
   PetscCall(PetscCalloc3(e->n, &e->growth, e->n, &e->uncertainty, e->n, &e->verdict));

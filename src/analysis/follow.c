@@ -14,6 +14,7 @@
    abs is at most 1 + sqrt(Q / S^2).
 */
 #include "analysis/follow.h"
+#include "linalg/complex_inline.h"
 #include <math.h>
 
 #define TURN 0.3      /* largest distance that an eigenvalue moves in a step */
@@ -100,7 +101,7 @@ static void MoveTogether(const MpmFollow *f, MpmSample *s)
     PetscInt       count = 0;
 
     for (PetscInt j = 0; j < f->n; j++) {
-      if (cabs(s->value[j] - s->value[i]) > COINCIDE) continue;
+      if (MpmAbs(s->value[j] - s->value[i]) > COINCIDE) continue;
       sum += s->slope[j];
       count++;
     }
@@ -123,7 +124,7 @@ static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
     PetscInt nearest = i;
 
     for (PetscInt j = i + 1; j < f->n; j++)
-      if (cabs(f->beside[j] - s->value[i]) < cabs(f->beside[nearest] - s->value[i])) nearest = j;
+      if (MpmAbs(f->beside[j] - s->value[i]) < MpmAbs(f->beside[nearest] - s->value[i])) nearest = j;
     s->slope[i]        = (f->beside[nearest] - s->value[i]) / d;
     f->beside[nearest] = f->beside[i];
   }
@@ -133,7 +134,7 @@ static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
 
 static PetscBool Counts(const MpmSample *s, PetscInt i)
 {
-  return cabs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
+  return MpmAbs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
@@ -141,7 +142,7 @@ static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
   PetscReal speed = 0;
 
   for (PetscInt i = 0; i < f->n; i++)
-    if (Counts(s, i)) speed = fmax(speed, cabs(s->slope[i]));
+    if (Counts(s, i)) speed = fmax(speed, MpmAbs(s->slope[i]));
   return speed;
 }
 
@@ -168,7 +169,7 @@ static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, Pets
 
   for (PetscInt j = 0; j < f->n; j++)
     if (j != i && f->cost[j] > allowed &&
-        (nearest < 0 || cabs(a->value[j] - a->value[i]) < cabs(a->value[nearest] - a->value[i])))
+        (nearest < 0 || MpmAbs(a->value[j] - a->value[i]) < MpmAbs(a->value[nearest] - a->value[i])))
       nearest = j;
   return nearest;
 }
@@ -179,8 +180,8 @@ static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, P
   const Pair      p = PairOf(a, i, j), q = PairOf(b, i, j);
   const PetscReal h = b->x - a->x;
 
-  return cabs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
-                 cabs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (cabs(p.Q) + cabs(q.Q)) + allowed * allowed
+  return MpmAbs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
+                 MpmAbs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (MpmAbs(p.Q) + MpmAbs(q.Q)) + allowed * allowed
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -204,7 +205,7 @@ static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
     PetscReal            least = INFINITY;
 
     for (PetscInt j = i; j < f->n; j++) {
-      const PetscReal cost = cabs(b->value[j] - h / 2 * b->slope[j] - middle);
+      const PetscReal cost = MpmAbs(b->value[j] - h / 2 * b->slope[j] - middle);
 
       if (cost >= least) continue;
       best  = j;
@@ -239,7 +240,7 @@ static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double
 {
   *S = Cubic(m[0].x, m[1].x, m[0].S, m[0].dS, m[1].S, m[1].dS, x);
   *Q = Cubic(m[0].x, m[1].x, m[0].Q, m[0].dQ, m[1].Q, m[1].dQ, x);
-  return creal(*Q / (*S * *S));
+  return creal(MpmOver(*Q, MpmTimes(*S, *S)));
 }
 
 typedef PetscReal (*OfModel)(const Pair m[2], PetscReal x);
@@ -255,10 +256,11 @@ static PetscReal RatioAt(const Pair m[2], PetscReal x)
 /* The logarithm of the larger abs. */
 static PetscReal LogAbsAt(const Pair m[2], PetscReal x)
 {
-  double complex S, Q;
+  double complex S, Q, root;
 
   ModelAt(m, x, &S, &Q);
-  return log(fmax(cabs(S + csqrt(Q)), cabs(S - csqrt(Q))));
+  root = MpmRoot(Q);
+  return log(fmax(MpmSquare(S + root), MpmSquare(S - root))) / 2;
 }
 
 /* The place in [lo, hi] where a function of the model is largest. */
@@ -314,12 +316,12 @@ static Pair Find(const MpmFollow *f, const MpmSample *s, double complex S, doubl
   for (PetscInt i = 0; i < f->n; i++) {
     for (PetscInt j = 0; j < i; j++) {
       const double complex sum = (s->value[i] + s->value[j]) / 2, half = (s->value[i] - s->value[j]) / 2;
-      const PetscReal      off = cabs(sum - S) + sqrt(cabs(half * half - Q));
+      const PetscReal      off = MpmAbs(sum - S) + sqrt(MpmAbs(half * half - Q));
 
       if (off >= least) continue;
       least  = off;
       found  = PairOf(s, i, j);
-      *error = cabs(half * half - Q);
+      *error = MpmAbs(half * half - Q);
     }
   }
   return found;
@@ -353,7 +355,7 @@ static PetscReal Bound(const MpmFollow *f, const Pair end[2], PetscReal x, Petsc
   off   = SAFE * error / creal(conj(S) * S);
   if (creal(ratio) < -off && fabs(cimag(ratio)) <= CIRCLE * off && fabs(abs) <= fmax(CIRCLE * off, f->most))
     return -INFINITY;
-  return abs + (cabs(ratio) > off ? off / (2 * sqrt(cabs(ratio))) : sqrt(2 * off));
+  return abs + (MpmAbs(ratio) > off ? off / (2 * sqrt(MpmAbs(ratio))) : sqrt(2 * off));
 }
 
 /* The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet. */
@@ -443,19 +445,19 @@ static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, Pet
   const double complex sa = a->slope[i] - a->slope[j], sb = b->slope[i] - b->slope[j];
   PetscReal            least = INFINITY;
 
-  if ((cabs(da) <= COINCIDE) != (cabs(db) <= COINCIDE)) return PETSC_TRUE;
-  if (cabs(da) <= COINCIDE) return PETSC_FALSE;
+  if ((MpmAbs(da) <= COINCIDE) != (MpmAbs(db) <= COINCIDE)) return PETSC_TRUE;
+  if (MpmAbs(da) <= COINCIDE) return PETSC_FALSE;
   if (creal(conj(da) * db) > 0 && (creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0)) return PETSC_FALSE;
   for (int t = 0; t <= GRID; t++)
-    least = fmin(least, cabs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
-  return least <= NEAR * fmax(cabs(db - da), (b->x - a->x) * fmax(cabs(sa), cabs(sb))) ? PETSC_TRUE : PETSC_FALSE;
+    least = fmin(least, MpmAbs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
+  return least <= NEAR * fmax(MpmAbs(db - da), (b->x - a->x) * fmax(MpmAbs(sa), MpmAbs(sb))) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Looks at an eigenvalue whose abs has a maximum between a and b, by Hermite's cubic of its logarithm. */
 static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i)
 {
-  const PetscReal at[2]    = {log(cabs(a->value[i])), log(cabs(b->value[i]))};
-  const PetscReal slope[2] = {creal(a->slope[i] / a->value[i]), creal(b->slope[i] / b->value[i])};
+  const PetscReal at[2]    = {log(MpmAbs(a->value[i])), log(MpmAbs(b->value[i]))};
+  const PetscReal slope[2] = {creal(MpmOver(a->slope[i], a->value[i])), creal(MpmOver(b->slope[i], b->value[i]))};
   PetscReal       best = -INFINITY, x = 0, largest;
 
   PetscFunctionBegin;
@@ -506,7 +508,7 @@ static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
 static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
 {
   for (PetscInt i = 0; i < f->n; i++)
-    if (f->cost[i] > NOISE && cabs(a->value[i]) > HARMLESS) return PETSC_TRUE;
+    if (f->cost[i] > NOISE && MpmAbs(a->value[i]) > HARMLESS) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

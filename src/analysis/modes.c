@@ -1,10 +1,11 @@
 /* Computes wavenumber, polarisation and null-space share of eigenvectors. */
 #include "operator/assemble.h"
 #include "analysis/modes.h"
+#include "linalg/dense.h"
 #include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
 #include <fftw3.h>
 #include <math.h>
-#include <slepcsvd.h>
+#include <petscksp.h>
 
 #define SEEN 1e-8  /* relative to the mode; a nodal trace below it is rounding */
 #define RANK 1e-10 /* singular values below this, relative to the largest, count as 0 */
@@ -252,30 +253,6 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nullity of a map is its number of columns minus its rank. */
-static PetscErrorCode Nullity(Mat map, PetscInt *nullity)
-{
-  PetscInt  found, rank    = 0, columns;
-  PetscReal sigma, largest = 0;
-  SVD       svd;
-
-  PetscFunctionBegin;
-  PetscCall(MatGetSize(map, NULL, &columns));
-  PetscCall(SVDCreate(PetscObjectComm((PetscObject)map), &svd));
-  PetscCall(SVDSetOperators(svd, map, NULL));
-  PetscCall(SVDSetType(svd, SVDLAPACK));
-  PetscCall(SVDSolve(svd));
-  PetscCall(SVDGetConverged(svd, &found));
-  for (PetscInt i = 0; i < found; i++) {
-    PetscCall(SVDGetSingularTriplet(svd, i, &sigma, NULL, NULL));
-    largest = PetscMax(largest, sigma);
-    if (sigma > RANK * largest) rank++;
-  }
-  PetscCall(SVDDestroy(&svd));
-  *nullity = columns - rank;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register. */
 static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscInt n, Mat *map)
 {
@@ -325,7 +302,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
       continue;
     }
     PetscCall(MapOfField(&registers, f, n, &map));
-    PetscCall(Nullity(map, &unseen));
+    PetscCall(MpmDenseNullity(map, RANK, &unseen));
     PetscCall(MatDestroy(&map));
     *nullity += unseen;
   }

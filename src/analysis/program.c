@@ -152,7 +152,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
     PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
-    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], &p->certificates));
+    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], p->unread.apart, &p->certificates));
     PetscCall(Reduce(p, &probed[1], other));
     PetscCall(MpmProbeBlocksDestroy(&probed[1]));
   }
@@ -171,8 +171,8 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
     PetscCall(MpmProbeMatrix(&p->probe, p->probe.other, &p->colours, &B));
-    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, B, &p->certificates));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
+    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, &p->certificates));
     PetscCall(MatDestroy(&B));
   }
   PetscCall(MatDestroy(&A));

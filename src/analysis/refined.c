@@ -1,8 +1,7 @@
 /* Finds the largest growth over all phases, on finer and finer grids of phases. */
 #include "analysis/refined.h"
 #include "analysis/critical_parts.h"
-#include "linalg/small_eigen.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_growth.h"
 #include <math.h>
 
 #define WITHIN 10       /* the search goes on from growths - 1 of at least this part of the largest */
@@ -25,16 +24,12 @@ typedef struct {
 /* The zoom looks for the least of a positive number. */
 static PetscErrorCode Inverse(void *context, const PetscReal beta[], PetscReal *value)
 {
-  Search   *s       = (Search *)context;
-  PetscReal largest = 0, growth;
-  PetscInt  exponent;
+  Search   *s = (Search *)context;
+  PetscReal growth;
 
   PetscFunctionBegin;
   s->evaluations++;
-  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
-  for (PetscInt i = 0; i < s->eigen.n; i++) largest = fmax(largest, cabs(s->eigen.value[i]));
-  growth     = MpmGrowthPerStep(largest, exponent, s->bloch.period);
+  PetscCall(MpmBlochGrowth(&s->bloch, &s->eigen, s->courant, beta, &growth));
   s->largest = PetscMax(s->largest, growth);
   *value     = growth - 1 > NONE ? 1 / (growth - 1) : INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,6 +4,7 @@
 */
 #include "scene/layout.h"
 #include "base/progress.h"
+#include "operator/nodal_matrix.h"
 #include "analysis/bloch_modes.h"
 #include "analysis/spectrum.h"
 #include <math.h>
@@ -73,25 +74,57 @@ static PetscErrorCode SolveBloch(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   The method that the operator allows. On a layout with a symbol all eigenvalues are those of its small blocks, and some
+   of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none) allows it.
+   assembled: the particles' operator is a matrix, which has room for eigenvalues near a target.
+*/
+static MpmEigenMethod MethodOf(PetscInt order, PetscInt n, PetscBool symbol, PetscBool assembled)
+{
+  return MpmEigenChoose(n && !symbol ? n : order, symbol && assembled ? PETSC_TRUE : PETSC_FALSE);
+}
+
+/* Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. */
+static PetscErrorCode SolveMatrix(MpmSpectrum *s, MpmEigenMethod method)
+{
+  PetscFunctionBegin;
+  if (s->nodal) {
+    PetscCall(MpmEigenSolveReduced(s->op->balanced, s->nodal, NULL, method, s->target, &s->eigen));
+    if (s->eigen->n && (method != MPM_EIGEN_DENSE || s->eigen->complete)) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmEigenDestroy(&s->eigen));
+    PetscCall(MpmReducedDestroy(&s->nodal));
+    method = MethodOf(s->op->order, 0, s->symbol ? PETSC_TRUE : PETSC_FALSE, s->op->assembled);
+  }
+  PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Solves with the method that the operator allows. Options that ask for a solver are followed. */
 static PetscErrorCode SolveBest(MpmSpectrum *s)
 {
   const PetscBool assembled = s->op->assembled, symbol = s->symbol ? PETSC_TRUE : PETSC_FALSE;
-  PetscBool       asked;
-  MpmEigenMethod  method = MpmEigenChoose(s->op->order, assembled && symbol ? PETSC_TRUE : PETSC_FALSE);
+  const PetscReal begin = MPI_Wtime();
+  PetscBool       asked, bloch;
+  PetscInt        n = 0;
+  MpmEigenMethod  method;
   MpmProgress     progress;
   char            note[128];
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-eps_type", &asked));
+  bloch = !assembled && symbol && !asked ? PETSC_TRUE : PETSC_FALSE;
+  if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
+  if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
+  method = MethodOf(s->op->order, n, symbol, assembled);
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
-                          method == MPM_EIGEN_DENSE ? "all" : "leading", s->op->order));
+                          method == MPM_EIGEN_DENSE ? "all" : "leading", n ? n : s->op->order));
   PetscCall(MpmProgressBegin("", &progress));
   PetscCall(MpmProgressNote(&progress, note));
-  if (!assembled && symbol && !asked)
+  if (bloch)
     PetscCall(SolveBloch(s));
   else
-    PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
+    PetscCall(SolveMatrix(s, method));
+  s->eigen->solve_s = MPI_Wtime() - begin; /* with the nodes' operator, which the solution needs */
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,10 +299,12 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
 }
 
 /* Refuses options of the solvers, and too many unknowns, before the work. SLEPc reads its options when it solves. */
-static PetscErrorCode TryOptions(const char what[], PetscInt64 order, PetscBool has_symbol, const MpmRequest *request)
+static PetscErrorCode TryOptions(const char what[], PetscInt64 order, PetscInt64 nodal, PetscBool has_symbol,
+                                 const MpmRequest *request)
 {
   PetscFunctionBegin;
-  PetscCall(MpmEigenTryOptions(MpmEigenChoose((PetscInt)PetscMin(order, PETSC_MAX_INT), has_symbol)));
+  PetscCall(
+      MpmEigenTryOptions(MethodOf((PetscInt)PetscMin(order, PETSC_MAX_INT), (PetscInt)nodal, has_symbol, PETSC_TRUE)));
   if (request->pseudospectrum) PetscCall(MpmPseudospectrumCheck(what, order));
   if (request->powers) PetscCall(MpmTransientTryOptions());
   PetscCall(MpmEigenRefuseUnread());
@@ -331,12 +366,14 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 {
   const MPI_Comm   comm  = PETSC_COMM_WORLD;
   const PetscInt64 order = scene->scheme.table->nstate * scene->layout.particles;
+  PetscInt64       nodal = 0;
   char             size[MPM_SIZE_TEXT];
   MpmSpectrum     *s;
 
   PetscFunctionBegin;
   PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
-  PetscCall(TryOptions(size, order, MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE, request));
+  if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &nodal));
+  PetscCall(TryOptions(size, order, nodal, MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE, request));
   PetscCall(Begin(request, spectrum));
   s        = *spectrum;
   s->scene = scene;
@@ -353,7 +390,7 @@ PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, co
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(A, &order, NULL));
-  PetscCall(TryOptions(what, order, PETSC_FALSE, request));
+  PetscCall(TryOptions(what, order, 0, PETSC_FALSE, request));
   MpmCheckInput(!request->powers || request->powers >= period,
                 "-powers %" PetscInt_FMT ": %s covers %" PetscInt_FMT " steps, and its powers whole multiples of them; "
                 "allowed: at least %" PetscInt_FMT,
@@ -375,6 +412,7 @@ PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum)
   PetscCall(MpmPseudospectrumDestroy(&s->pseudospectrum));
   PetscCall(MpmModesDestroy(&s->leading));
   PetscCall(MpmEigenDestroy(&s->eigen));
+  PetscCall(MpmReducedDestroy(&s->nodal));
   PetscCall(MpmOperatorDestroy(&s->op));
   if (s->symbol) PetscCall(MpmSymbolDestroy(&s->symbol));
   PetscCall(PetscFree(*spectrum));

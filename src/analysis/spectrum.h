@@ -22,6 +22,7 @@
    are MPM_UNCOUNTED unless all eigenvalues are listed, and nullity also under drift. condition: that of the eigenvalue
    on which the verdict rests; NaN when the verdict is stable. memory: bytes that the task took at its peak, on all
    ranks, beyond those that it had before.
+   nodal: the operator of the nodes, which the eigenvalues were sought of; NULL where they are of the particles'.
    run: a march of random data; NULL when it was not asked for or would take too long. transient, pseudospectrum:
    NULL when not asked for, or when the operator's numbers leave the range of doubles. leading: the modes of the first
    listed eigenvalues, in two and three dimensions; none in one.
@@ -33,6 +34,7 @@ typedef struct {
   MpmCertificates   *certificates;
   PetscMPIInt        ranks;
   MpmOperator       *op;
+  MpmReduced        *nodal;
   MpmEigen          *eigen;
   MpmSymbol         *symbol;
   MpmRun            *run;

@@ -448,6 +448,7 @@ PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *
     PetscCall(MpmParticlesComparePlaces(march->particles));
   else
     PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmRowsFind(march));
   PetscCall(MpmParticlesWeigh(march->particles));
   if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);

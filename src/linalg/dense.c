@@ -3,6 +3,8 @@
 #include <petscblaslapack.h>
 #include <math.h>
 
+#define DOUBTFUL 1e-11 /* eigenvalues of a product with the transpose below this, relatively, may be 0 */
+
 PetscErrorCode MpmDenseCopy(Mat matrix, PetscReal values[])
 {
   PetscInt rows, columns;
@@ -82,5 +84,102 @@ PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2])
   PetscCall(PetscFree3(a, re, im));
   /* ranks whose LAPACK differs in the last digit must not decide differently */
   PetscCallMPI(MPI_Bcast(value, 2, MPIU_REAL, 0, PetscObjectComm((PetscObject)matrix)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Eigenvalues, ascending, and vectors of a symmetric matrix, by columns, which they take the place of. */
+static PetscErrorCode Symmetric(PetscInt n, PetscReal a[], PetscReal value[])
+{
+  PetscBLASInt order, info, room = -1;
+  PetscReal   *work, query;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "U", &order, a, &order, value, &query, &room, &info));
+  room = (PetscBLASInt)query;
+  PetscCall(PetscMalloc1(room, &work));
+  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "U", &order, a, &order, value, work, &room, &info));
+  PetscCall(PetscFree(work));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyev failed: %d", (int)info);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Counts the singular values of a dense matrix with at least as many rows as columns that are not above least. */
+static PetscErrorCode CountSmall(Mat dense, PetscReal least, PetscInt *count)
+{
+  PetscInt     rows, columns;
+  PetscBLASInt m, n, one = 1, room, info;
+  PetscReal   *a, *value, *work;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(dense, &rows, &columns));
+  PetscCall(PetscBLASIntCast(rows, &m));
+  PetscCall(PetscBLASIntCast(columns, &n));
+  PetscCall(PetscBLASIntCast(5 * (rows + columns), &room));
+  PetscCall(PetscMalloc2(columns, &value, room, &work));
+  PetscCall(MatDenseGetArray(dense, &a));
+  PetscCallBLAS("LAPACKgesvd",
+                LAPACKgesvd_("N", "N", &m, &n, a, &m, value, NULL, &one, NULL, &one, work, &room, &info));
+  PetscCall(MatDenseRestoreArray(dense, &a));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgesvd failed: %d", (int)info);
+  *count = 0;
+  for (PetscInt i = 0; i < columns; i++) *count += value[i] <= least;
+  PetscCall(PetscFree2(value, work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How much the rank of a sequential matrix with at least as many rows as columns is below its columns. */
+static PetscErrorCode Deficiency(Mat tall, PetscReal tolerance, PetscInt *missing)
+{
+  PetscInt   n, doubtful = 0;
+  PetscReal *gram, *value;
+  Mat        wide, product, vectors, images;
+
+  PetscFunctionBegin;
+  *missing = 0;
+  PetscCall(MatGetSize(tall, NULL, &n));
+  PetscCall(MatTranspose(tall, MAT_INITIAL_MATRIX, &wide));
+  PetscCall(MatMatMult(wide, tall, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
+  PetscCall(PetscMalloc2((size_t)n * n, &gram, n, &value));
+  PetscCall(MpmDenseCopy(product, gram));
+  PetscCall(Symmetric(n, gram, value));
+  while (doubtful < n && value[doubtful] <= DOUBTFUL * value[n - 1]) doubtful++;
+  if (doubtful) {
+    PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, n, doubtful, gram, &vectors));
+    PetscCall(MatMatMult(tall, vectors, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &images));
+    PetscCall(CountSmall(images, tolerance * sqrt(value[n - 1]), missing));
+    PetscCall(MatDestroy(&images));
+    PetscCall(MatDestroy(&vectors));
+  }
+  PetscCall(PetscFree2(gram, value));
+  PetscCall(MatDestroy(&product));
+  PetscCall(MatDestroy(&wide));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullity)
+{
+  PetscInt rows, columns, missing;
+  Mat     *whole, tall;
+  IS       all_rows, all_columns;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(matrix, &rows, &columns));
+  PetscCall(ISCreateStride(PETSC_COMM_SELF, rows, 0, 1, &all_rows));
+  PetscCall(ISCreateStride(PETSC_COMM_SELF, columns, 0, 1, &all_columns));
+  PetscCall(MatCreateSubMatrices(matrix, 1, &all_rows, &all_columns, MAT_INITIAL_MATRIX, &whole));
+  if (rows < columns)
+    PetscCall(MatTranspose(whole[0], MAT_INITIAL_MATRIX, &tall));
+  else {
+    tall = whole[0];
+    PetscCall(PetscObjectReference((PetscObject)tall));
+  }
+  PetscCall(Deficiency(tall, tolerance, &missing));
+  *nullity = PetscMax(0, columns - rows) + missing;
+  PetscCallMPI(MPI_Bcast(nullity, 1, MPIU_INT, 0, PetscObjectComm((PetscObject)matrix)));
+  PetscCall(MatDestroy(&tall));
+  PetscCall(MatDestroySubMatrices(1, &whole));
+  PetscCall(ISDestroy(&all_rows));
+  PetscCall(ISDestroy(&all_columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,3 +25,12 @@ PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2]);
 */
 PetscErrorCode MpmDenseEigen(PetscInt n, PetscReal a[], PetscReal re[], PetscReal im[], PetscReal vectors[],
                              int *failed);
+
+/*
+   MpmDenseNullity - the number of columns of a matrix minus its rank. Singular values below tolerance, relative to the
+   largest, count as 0; a tolerance of 1e-12 is the least that makes sense.
+
+   Collective. All singular values come from eigenvalues of the smaller of the products with the transpose, and those that
+   such a product cannot tell from 0 from the singular values of the matrix on the space of their vectors.
+*/
+PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullity);

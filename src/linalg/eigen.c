@@ -4,15 +4,15 @@
 */
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
+#include "linalg/eigen_reduced.h"
 #include "linalg/eigen_target.h"
 #include "base/errors_private.h"
 #include "linalg/ritz.h"
 #include <math.h>
 
 #define DENSE_ORDER 4096
-#define ACCEPTED 1e-7 /* largest residual of a listed pair */
-#define LARGEST 2     /* eigenvalues sought of largest magnitude */
-#define BASIS 64      /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
+#define LARGEST 2 /* eigenvalues sought of largest magnitude */
+#define BASIS 64  /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
 #define RESTARTS 200
 #define WORK 8e7         /* order x restarts: about five minutes */
 #define LEFT_BESIDE 1e-7 /* relative distance of the shift for a left vector from its eigenvalue */
@@ -163,8 +163,7 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The residual norm(A x - lambda x) / (norm(A) norm(x)) of x = x[0] + i x[1]. r is work space. */
-static PetscErrorCode Residual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
+PetscErrorCode MpmEigenResidual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
 {
   PetscReal norm[2], rest[2];
 
@@ -184,7 +183,9 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscReal norm[2];
 
   PetscFunctionBegin;
-  if (e->ritz) {
+  if (e->reduced) {
+    PetscCall(MpmEigenReducedVector(e, j, re, im));
+  } else if (e->ritz) {
     PetscInt n;
 
     PetscCall(BVGetActiveColumns(e->ritz, NULL, &n));
@@ -201,11 +202,7 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The angle enters
-   the key with a small weight, so that rounding of the abs does not decide the order.
-*/
-static PetscErrorCode Sort(MpmEigen *e)
+PetscErrorCode MpmEigenSort(MpmEigen *e)
 {
   PetscReal *key, *old;
   PetscInt  *order;
@@ -247,15 +244,15 @@ static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[
 
     e->place[e->n] = i;
     PetscCall(MpmEigenVector(e, e->n, x[0], x[1]));
-    PetscCall(Residual(e, re[i], im[i], x, r, residual));
-    if (!(*residual <= ACCEPTED)) continue;
+    PetscCall(MpmEigenResidual(e, re[i], im[i], x, r, residual));
+    if (!(*residual <= MPM_EIGEN_ACCEPTED)) continue;
     e->re[e->n]   = re[i];
     e->im[e->n++] = im[i];
   }
   PetscCall(VecDestroy(&x[0]));
   PetscCall(VecDestroy(&x[1]));
   PetscCall(VecDestroy(&r));
-  PetscCall(Sort(e));
+  PetscCall(MpmEigenSort(e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -354,8 +351,7 @@ static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The infinity norm; that of a transposed operator without a matrix is not known, and a lower bound of its own is. */
-static PetscErrorCode NormOf(Mat A, PetscReal *norm)
+PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm)
 {
   PetscBool virtual;
   Mat of = A;
@@ -381,7 +377,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   e    = *eigen;
   e->A = A;
   PetscCall(MatGetSize(A, &e->order, NULL));
-  PetscCall(NormOf(A, &e->norm));
+  PetscCall(MpmEigenNorm(A, &e->norm));
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
   PetscCall(CreateSolver(T, prefix, method, &e->eps));
   if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
@@ -427,26 +423,31 @@ PetscErrorCode MpmEigenDestroy(MpmEigen **eigen)
   PetscCall(PetscFree((*eigen)->coefficients));
   PetscCall(PetscFree2((*eigen)->dense_re, (*eigen)->dense_im));
   PetscCall(PetscFree((*eigen)->dense));
+  PetscCall(MpmEigenDestroy(&(*eigen)->small));
   PetscCall(BVDestroy(&(*eigen)->ritz));
   PetscCall(EPSDestroy(&(*eigen)->eps));
   PetscCall(PetscFree(*eigen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The left vector is an eigenvector of A transposed, sought next to the eigenvalue. */
-PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
+/*
+   Seeks an eigenvector of the matrix transposed next to a listed eigenvalue, y = y[0] + i y[1]. found: whether there is
+   one. The left vector of a smaller matrix is lifted by Z^T.
+*/
+static PetscErrorCode LeftVector(const MpmEigen *e, PetscInt j, Vec y[2], PetscBool *found)
 {
   const PetscReal target[2] = {e->re[j] * (1 + LEFT_BESIDE), e->im[j] * (1 + LEFT_BESIDE)};
-  PetscReal       nearest   = PETSC_MAX_REAL, dot[4];
+  const Mat       A         = e->reduced ? e->reduced->M : e->A;
+  PetscReal       nearest   = PETSC_MAX_REAL;
   PetscInt        match     = 0;
   PetscBool       shell;
   Mat             transposed;
   MpmEigen       *left;
-  Vec             x[2], y[2];
+  Vec             z[2];
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectTypeCompare((PetscObject)e->A, MATSHELL, &shell));
-  PetscCall(shell ? MatCreateTranspose(e->A, &transposed) : MatTranspose(e->A, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &shell));
+  PetscCall(shell ? MatCreateTranspose(A, &transposed) : MatTranspose(A, MAT_INITIAL_MATRIX, &transposed));
   PetscCall(MpmEigenSolve(transposed, "left_", shell ? MPM_EIGEN_LARGEST : MPM_EIGEN_TARGET, target, &left));
   for (PetscInt i = 0; i < left->n; i++) {
     const PetscReal distance = hypot(left->re[i] - e->re[j], left->im[i] + e->im[j]); /* A^T y = conj(lambda) y */
@@ -454,21 +455,43 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condi
     if (distance < nearest) match = i;
     nearest = PetscMin(nearest, distance);
   }
-  *condition = INFINITY;
-  if (nearest <= LEFT_FOUND * e->norm) {
-    PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
-    PetscCall(MatCreateVecs(e->A, &y[0], &y[1]));
-    PetscCall(MpmEigenVector(e, j, x[0], x[1]));
-    PetscCall(MpmEigenVector(left, match, y[0], y[1]));
-    for (int a = 0; a < 2; a++)
-      for (int b = 0; b < 2; b++) PetscCall(VecDot(x[a], y[b], &dot[2 * a + b]));
-    *condition = 1 / hypot(dot[0] + dot[3], dot[2] - dot[1]);
-    for (int part = 0; part < 2; part++) {
-      PetscCall(VecDestroy(&x[part]));
-      PetscCall(VecDestroy(&y[part]));
-    }
+  *found = nearest <= LEFT_FOUND * e->norm ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(MatCreateVecs(A, &z[0], &z[1]));
+  if (*found) PetscCall(MpmEigenVector(left, match, z[0], z[1]));
+  for (int part = 0; part < 2; part++) {
+    if (e->reduced)
+      PetscCall(MatMultTranspose(e->reduced->Z, z[part], y[part]));
+    else
+      PetscCall(VecCopy(z[part], y[part]));
+    PetscCall(VecDestroy(&z[part]));
   }
   PetscCall(MpmEigenDestroy(&left));
   PetscCall(MatDestroy(&transposed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condition)
+{
+  PetscReal dot[4], norm[2];
+  PetscBool found = PETSC_FALSE;
+  Vec       x[2], y[2];
+
+  PetscFunctionBegin;
+  *condition = INFINITY;
+  if (e->place[j] < 0) PetscFunctionReturn(PETSC_SUCCESS); /* a number that A keeps may be defective */
+  PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
+  PetscCall(MatCreateVecs(e->A, &y[0], &y[1]));
+  PetscCall(LeftVector(e, j, y, &found));
+  if (found) {
+    PetscCall(MpmEigenVector(e, j, x[0], x[1]));
+    for (int part = 0; part < 2; part++) PetscCall(VecNorm(y[part], NORM_2, &norm[part]));
+    for (int a = 0; a < 2; a++)
+      for (int b = 0; b < 2; b++) PetscCall(VecDot(x[a], y[b], &dot[2 * a + b]));
+    *condition = hypot(norm[0], norm[1]) / hypot(dot[0] + dot[3], dot[2] - dot[1]);
+  }
+  for (int part = 0; part < 2; part++) {
+    PetscCall(VecDestroy(&x[part]));
+    PetscCall(VecDestroy(&y[part]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /* Eigenvalues of an operator, by SLEPc. */
 #pragma once
-#include <mpmstab/compat.h>
+#include "linalg/reduced.h"
 #include <slepcbv.h>
 #include <slepceps.h>
 
@@ -28,20 +28,24 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
 
    complete: all eigenvalues are listed. converged: as many were found as were asked for. largest: the solver has
    converged, it sought the largest abs of all eigenvalues, and no result was rejected. failed: the solver gave up,
-   since a factorization broke down or A is not finite.
+   since a factorization broke down or A is not finite. small: of a solve by a smaller matrix (reduced), its eigenvalues;
+   else NULL.
 S*/
-typedef struct {
-  Mat        A;
-  PetscInt   order, n;
-  PetscReal *re, *im, *residual, norm, solve_s;
-  PetscBool  complete, converged, largest, failed;
-  char       solver[160];
+typedef struct MpmEigen MpmEigen;
+struct MpmEigen {
+  Mat               A;
+  PetscInt          order, n;
+  PetscReal        *re, *im, *residual, norm, solve_s;
+  PetscBool         complete, converged, largest, failed;
+  char              solver[160];
+  MpmEigen         *small;
+  const MpmReduced *reduced;
   /* where the eigenvectors are kept */
   EPS        eps;
   BV         ritz;
   PetscInt  *place;                                      /* of the listed pair in eps or dense, or of its Ritz vector */
   PetscReal *coefficients, *dense_re, *dense_im, *dense; /* dense: as MpmEigenDenseSolve sets it */
-} MpmEigen;
+};
 
 /*
    MpmEigenSolve - solves with SLEPc. The options -eps_*, -st_*, -bv_* and -ds_* override what the method sets. LAPACK
@@ -58,6 +62,16 @@ typedef struct {
 */
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen);
+
+/*
+   MpmEigenSolveReduced - the same of a matrix that has a smaller one, which must outlive the result. Eigenvalues are sought
+   of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are listed beside all
+   eigenvalues, and beside those of largest abs where they belong to them; vectors for these are random.
+
+   Collective.
+*/
+PetscErrorCode MpmEigenSolveReduced(Mat A, const MpmReduced *reduced, const char prefix[], MpmEigenMethod method,
+                                    const PetscReal target[2], MpmEigen **eigen);
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
 /*

@@ -1,6 +1,7 @@
-/* All eigenvalues of a small complex matrix, by LAPACK's zgeev. */
+/* All eigenvalues of a small complex matrix. LAPACK's zgeev is asked for vectors and for what QR steps leave open. */
 #include "linalg/complex_lapack.h"
 #include "linalg/small_eigen.h"
+#include "linalg/small_qr.h"
 #include <math.h>
 
 #define ZGEEV MPM_LAPACK(zgeev, ZGEEV)
@@ -43,8 +44,17 @@ PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSmallEigenLapack(MpmSmallEigen *s)
+{
+  PetscFunctionBegin;
+  PetscCall(Call(s, PETSC_FALSE, (PetscBLASInt)s->lwork, s->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *s, PetscBool vectors)
 {
+  PetscBool ok;
+
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->n * s->n; i++) {
     if (isfinite(creal(s->matrix[i])) && isfinite(cimag(s->matrix[i]))) continue;
@@ -52,6 +62,12 @@ PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *s, PetscBool vectors)
     PetscCall(PetscArrayzero(s->right, s->n * s->n));
     PetscCall(PetscArrayzero(s->left, s->n * s->n));
     PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!vectors && s->n <= MPM_SMALL_QR_MOST) {
+    PetscCall(PetscArraycpy(s->left, s->matrix, s->n * s->n));
+    MpmSmallQr(s->n, s->matrix, s->value, &ok);
+    if (ok) PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(PetscArraycpy(s->matrix, s->left, s->n * s->n));
   }
   PetscCall(Call(s, vectors, (PetscBLASInt)s->lwork, s->work));
   PetscFunctionReturn(PETSC_SUCCESS);

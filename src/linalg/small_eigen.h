@@ -1,4 +1,4 @@
-/* Small dense complex matrices: their eigenvalues and vectors, by LAPACK. */
+/* Small dense complex matrices: their eigenvalues, by QR steps of our own, and their vectors, by LAPACK. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>
@@ -21,8 +21,12 @@ PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *small);
    overwritten.
 
    With vectors it also fills the columns of small->right and small->left with right and left eigenvectors of norm 1.
-   When the matrix is not finite, all eigenvalues are infinite and all vectors are 0.
+   When the matrix is not finite, all eigenvalues are infinite and all vectors are 0. Without vectors, left serves as
+   work space.
 
    Not collective.
 */
 PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *small, PetscBool vectors);
+
+/* Not collective. The eigenvalues by LAPACK alone, with which those of MpmSmallEigenSolve are compared. */
+PetscErrorCode MpmSmallEigenLapack(MpmSmallEigen *small);

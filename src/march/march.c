@@ -2,7 +2,7 @@
    The march: sets up grid, particles and vectors, and takes steps pass by pass. Particles migrate to another rank
    before they would leave the ghost layer.
 */
-#include "march/rows.h"
+#include "march/clouds.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -97,6 +97,22 @@ static PetscErrorCode CompilePlans(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same for particles that share no coordinate. Jitter is in all directions. */
+static PetscErrorCode CompileClouds(MpmMarch *march)
+{
+  PetscInt size = 0;
+
+  PetscFunctionBegin;
+  if (march->layout->jitter == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
+  for (PetscInt p = 0; p <= march->schedule.npasses; p++) {
+    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, &march->clouds[p]);
+    size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
+  }
+  PetscCall(PetscMalloc1(size, &march->bundles));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CreateVectors(MpmMarch *march)
 {
   PetscFunctionBegin;
@@ -148,7 +164,11 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscCall(MpmPartitionDestroy(&partition));
   PetscCall(MpmParticlesCreate(layout, scheme->table, step->drift, m->grid, &m->particles));
   m->fullest = m->particles->count;
-  if (layout->dim > 1) PetscCall(CompilePlans(m));
+  if (layout->dim > 1) {
+    PetscCall(CompilePlans(m));
+    PetscCall(CompileClouds(m));
+  }
+  PetscCall(MpmRowsFind(m));
   PetscCall(CreateVectors(m));
   PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
   PetscCall(RegisterEvents(m));
@@ -205,6 +225,9 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   PetscCall(VecDestroy(&(*march)->inverse_mass));
   PetscCall(PetscFree((*march)->scratch));
   PetscCall(PetscFree((*march)->plans));
+  PetscCall(PetscFree((*march)->row));
+  PetscCall(PetscFree((*march)->clouds));
+  PetscCall(PetscFree((*march)->bundles));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
@@ -259,6 +282,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->migrate_event, 0, 0, 0, 0));
   PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscCall(MpmRowsFind(march));
   PetscCall(PetscLogEventEnd(march->migrate_event, 0, 0, 0, 0));
   march->fullest = PetscMax(march->fullest, march->particles->count);
   march->migrations++;

@@ -123,9 +123,9 @@ static PetscErrorCode SeenSquares(const MpmMarch *march, PetscInt field, PetscRe
 
 /*
    The energy of a stress s with the components 00 01 02 11 12 22, twice: s : C^-1 s = s : s / (2 mu) -
-   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu.
+   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu. Here of particles that differ.
 */
-static PetscErrorCode StressSquares(const MpmMarch *march, PetscInt first, PetscReal *sum)
+static PetscErrorCode WeighedStressSquares(const MpmMarch *march, PetscInt first, PetscReal *sum)
 {
   const PetscInt   dim = march->layout->dim, n = dim * (dim + 1) / 2;
   const PetscReal  nu = march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
@@ -157,6 +157,38 @@ static PetscErrorCode StressSquares(const MpmMarch *march, PetscInt first, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same of particles that are alike. The squares of the components are known: only those of the trace are to sum. */
+static PetscErrorCode StressSquares(const MpmMarch *march, PetscInt first, PetscReal *sum)
+{
+  const PetscInt  dim = march->layout->dim, count = march->particles->count;
+  const PetscReal nu = march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
+  PetscReal       trace[MPM_BLOCK], *s[MPM_MAX_DIM], squares, of_trace = 0;
+  PetscInt        field[MPM_MAX_DIM]; /* of the diagonal's components */
+
+  PetscFunctionBegin;
+  *sum = 0;
+  for (PetscInt a = 0, c = first; a < dim; a++) {
+    field[a] = c;
+    for (PetscInt b = a; b < dim; b++, c++) {
+      PetscCall(ParticleSquares(march, c, NULL, &squares));
+      *sum += (a == b ? 1 : 2) * squares / (2 * mu);
+    }
+  }
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[field[a]], &s[a]));
+  for (PetscInt p = 0; p < count; p += MPM_BLOCK) {
+    const PetscInt n = PetscMin(count - p, MPM_BLOCK);
+
+    MpmNodeCopy(0, n, 1, s[0] + p, trace);
+    for (PetscInt a = 1; a < dim; a++) MpmNodeAdd(0, n, 1, s[a] + p, trace);
+    of_trace += MpmSumSquares(n, trace);
+  }
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[field[a]], &s[a]));
+  *sum -= lambda / (2 * mu * (dim * lambda + 2 * mu)) * of_trace;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The sum of squares of a particle field over its components, as in a term of the energy. */
 static PetscErrorCode TermSquares(const MpmMarch *march, const MpmEnergyTerm *term, PetscReal *sum)
 {
@@ -168,7 +200,10 @@ static PetscErrorCode TermSquares(const MpmMarch *march, const MpmEnergyTerm *te
   while (first + n < table->nstate && table->field[first + n] == term->field) n++;
   *sum = 0;
   if (term->stress && n > 1) {
-    PetscCall(StressSquares(march, first, sum));
+    if (Differ(march->layout) || march->layout->varies[MPM_VOLUME])
+      PetscCall(WeighedStressSquares(march, first, sum));
+    else
+      PetscCall(StressSquares(march, first, sum));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt r = first; r < first + n; r++) {

@@ -7,7 +7,17 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
-typedef struct MpmRowPlan_ MpmRowPlan; /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmRowPlan_   MpmRowPlan;   /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
+
+/*
+   A row: the particles from begin on, up to where the next row begins, lie on a line along x. alike: they rest as those
+   of the row before do, but for whole cells along x.
+*/
+typedef struct {
+  PetscInt  begin;
+  PetscBool alike;
+} MpmRow;
 
 /*S
    MpmMarch_ - the state of a run.
@@ -23,8 +33,11 @@ struct MpmMarch_ {
   MpmGrid         *grid;
   MpmParticles    *particles;
   MpmSchedule      schedule;
-  MpmRowPlan      *plans; /* in more than one dimension: of the passes, and of the start after them */
-  PetscInt         nnodes, slack;
+  MpmRowPlan      *plans;  /* in more than one dimension: of the passes, and of the start after them */
+  MpmRow          *row;    /* the rows of the particles, and where the last one ends; nrows are there */
+  MpmCloudPlan    *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
+  PetscReal       *bundles;
+  PetscInt         nnodes, slack, nrows;
   PetscInt         fullest; /* the largest number of particles that this rank has had */
   Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
@@ -89,6 +102,9 @@ typedef struct {
 PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample);
 PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
                                    const MpmPass passes[], PetscBool sample);
+
+/* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
+PetscErrorCode MpmRowsFind(MpmMarch *march);
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);

@@ -53,6 +53,7 @@ static MpmRowMap MapOf(const Group *g, const Entry *entry)
   const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
 
   return (MpmRowMap){.kernel   = g->basis->kernel[entry->along],
+                     .weights  = MpmLineKind(g->basis, entry->op->map),
                      .a        = masses ? 1 : entry->op->a,
                      .particle = masses ? MPM_NONE : entry->op->particle,
                      .weight   = entry->op->weight};
@@ -79,8 +80,8 @@ static void Close(Group *g)
     if (i == 0 || !SameLine(e, &g->entry[i - 1]))
       plan->line[plan->nlines++] =
           (MpmRowLine){.node = e->node, .axis = e->axis, .across = e->across, .begin = plan->nmaps};
-    NeedKind(plan, e->across);
-    plan->map[plan->nmaps++]         = MapOf(g, e);
+    plan->map[plan->nmaps++] = MapOf(g, e);
+    NeedKind(plan, plan->map[plan->nmaps - 1].weights);
     plan->line[plan->nlines - 1].end = plan->nmaps;
     while (last > plan->line[plan->nlines - 1].begin && plan->map[last - 1].kernel == plan->map[plan->nmaps - 1].kernel)
       plan->map[--last].shared++;

@@ -12,11 +12,14 @@
    begin, n - the particles that the block is of
    lo, hi   - the nodes of the line that have weights
    rows     - the number of rows of nodes; node[0] of a row is at offset[r] of a local array
+   alike    - the runs of the row are alike, with the weights run[kind] along x
    weight   - weight[a][kind]: of the rows, with kind along axis a and phi_ip along the others; of axis 0: phi_ip alone
 */
 typedef struct {
   MpmBlock  block;
   PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
+  PetscBool alike;
+  PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_NODES];
   PetscReal xi[MPM_BLOCK], weight[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_ROWS];
 } Placed;
 
@@ -26,40 +29,7 @@ typedef struct {
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
-/* The number of particles from begin on that are on one line, in cells that a line of nodes has room for. */
-static PetscInt RowLength(const MpmRowArrays *a, PetscInt begin)
-{
-  const PetscInt dim = a->march->layout->dim, most = PetscMin(a->march->particles->count - begin, MPM_BLOCK);
-  PetscInt       n = 1;
-
-  for (; n < most; n++) {
-    const PetscInt on = a->cell[0][begin + n] - a->cell[0][begin];
-
-    if (on < 0 || on >= MPM_BLOCK) return n;
-    for (PetscInt d = 1; d < dim; d++)
-      if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
-  }
-  return n;
-}
-
-/* Whether the particles of a row rest at the same places along x as those that placed is of, but for whole cells. */
-static PetscBool IsAlike(const MpmRowArrays *a, PetscInt begin, PetscInt n, const Placed *placed)
-{
-  const PetscInt  *cell = a->cell[0] + begin, *of = a->cell[0] + placed->begin;
-  const PetscReal *xi = a->xi[0] + begin, *of_xi = a->xi[0] + placed->begin;
-  PetscInt         differ = 0;
-
-  if (placed->n != n) return PETSC_FALSE;
-  if (MpmBasisIsAltered(a->march->scheme->basis) && cell[0] != of[0]) return PETSC_FALSE;
-  for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of[p] - of[0]) | (xi[p] != of_xi[p]);
-  return differ ? PETSC_FALSE : PETSC_TRUE;
-}
-
-/*
-   Moves n particles from their resting places along an axis on to those of the pass, before DRIFT or after it. Along an
-   axis without drift they stay exactly where they are, also those just left of a wall.
-*/
-static void Move(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
+void MpmRowsMove(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
                  PetscInt after, PetscInt cell[], PetscReal xi[])
 {
   if (a->march->particles->drift[axis].value != 0) {
@@ -73,21 +43,25 @@ static void Move(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscIn
 }
 
 /* Finds the places of a row along x. */
-static void PlaceAlong(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
 {
-  const MpmMarch *march  = a->march;
+  const MpmMarch *march = a->march;
+  const PetscInt  begin = row->begin, n = row[1].begin - begin;
   const PetscInt  origin = a->cell[0][begin] + a->whole[after][0];
   PetscInt        cell[MPM_BLOCK], moved[MPM_BLOCK], wall[2];
 
-  if (IsAlike(a, begin, n, placed)) {
+  if (row->alike) {
     placed->begin = begin;
     return;
   }
   moved[0] = 0; /* a row is never empty, but the compiler cannot know it */
   for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
-  Move(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
+  MpmRowsMove(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + origin, wall);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], wall, &placed->block);
+  placed->alike = MpmRunsFind(march->scheme->basis, &placed->block);
+  for (const MpmOpKind *k = a->plan->kind; placed->alike && k < a->plan->kind + a->plan->nkinds; k++)
+    MpmRunsWeights(march->scheme->basis, *k, &placed->block, placed->run[*k]);
   placed->begin = begin;
   placed->n     = n;
   placed->lo = placed->hi = placed->block.first[0];
@@ -113,7 +87,7 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
     PetscInt  cell, wall[2];
     PetscReal xi;
 
-    Move(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
+    MpmRowsMove(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
     MpmDirectionWalls(&march->layout->grid[d], grid->axis[d].first + cell, wall);
     for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
       first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], wall, along[d][*k]);
@@ -132,18 +106,31 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, P
   }
 }
 
-static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
 {
-  PlaceAlong(a, begin, n, after, placed);
-  PlaceAcross(a, begin, after, placed);
+  PlaceAlong(a, row, after, placed);
+  PlaceAcross(a, row->begin, after, placed);
 }
 
-/* A particle field of a row. Scratch fields live for one row. */
-static PetscReal *FieldOf(const MpmRowArrays *a, PetscInt field, PetscInt begin)
+PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
 {
   const PetscInt nstate = a->march->scheme->table->nstate;
 
   return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
+}
+
+/* Runs the kernel of a map, from a line to particles or back. weights: those of the map along x. */
+static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, MpmOpKind weights, PetscBool to_nodes,
+                      const Placed *placed, PetscReal factor, PetscReal q[], PetscReal line[])
+{
+  const PetscInt nodes = a->march->scheme->basis->nodes;
+
+  if (!placed->alike)
+    map->kernel(&placed->block, factor, q, line);
+  else if (to_nodes)
+    MpmRunsSpread(&placed->block, nodes, placed->run[weights], factor, q, line);
+  else
+    MpmRunsGather(&placed->block, nodes, placed->run[weights], factor, q, line);
 }
 
 /* The nodes [lo, hi) of a line to particles. Maps that share a kernel differ in their particle fields and factors. */
@@ -160,16 +147,17 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
       const MpmRowMap *last = m + m->shared;
 
       if (m == last && !m->weight) {
-        m->kernel(&placed->block, m->a, FieldOf(a, m->particle, placed->begin), line);
+        RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, m->a,
+                  MpmRowsField(a, m->particle, placed->begin), line);
         m++;
         continue;
       }
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
-      m->kernel(&placed->block, 1, w->weighed, line);
+      RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, 1, w->weighed, line);
       for (; m <= last; m++) {
         const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
         const PetscReal *restrict from   = w->weighed;
-        PetscReal *restrict q            = FieldOf(a, m->particle, placed->begin);
+        PetscReal *restrict q            = MpmRowsField(a, m->particle, placed->begin);
 
         for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
       }
@@ -182,14 +170,14 @@ static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *p
 {
   for (PetscInt i = placed->lo; i < placed->hi; i++) line[i] = 0;
   for (const MpmRowMap *m = a->plan->map + l->begin; m < a->plan->map + l->end; m++) {
-    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : FieldOf(a, m->particle, placed->begin);
+    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, placed->begin);
     const PetscReal *weight = m->weight ? a->weight[m->weight] + placed->begin : NULL;
 
     if (weight) {
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = weight[p] * q[p];
       q = w->weighed;
     }
-    m->kernel(&placed->block, m->a, q, line);
+    RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_TRUE, placed, m->a, q, line);
   }
 }
 
@@ -213,37 +201,34 @@ static void RunSpread(const MpmRowArrays *a, const MpmRowStep *step, const Place
   }
 }
 
-static void RunRow(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
+static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
 {
-  const Placed *placed = &w->placed[0];
+  const PetscInt begin = row->begin, n = row[1].begin - begin;
+  const Placed  *placed = &w->placed[0];
 
-  Place(a, begin, n, 0, &w->placed[0]);
+  Place(a, row, 0, &w->placed[0]);
   for (const MpmRowStep *step = a->plan->step; step < a->plan->step + a->plan->nsteps; step++) {
     if (step->kind == MPM_ROW_GATHER)
       RunGather(a, step, placed, w);
     else if (step->kind == MPM_ROW_SPREAD)
       RunSpread(a, step, placed, w);
     else if (step->kind == MPM_ROW_SCALE)
-      MpmScale(n, step->a, FieldOf(a, step->particle, begin));
+      MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_ADD)
-      MpmNodeAdd(0, n, step->a, FieldOf(a, step->other, begin), FieldOf(a, step->particle, begin));
+      MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
-      Place(a, begin, n, 1, &w->placed[1]);
+      Place(a, row, 1, &w->placed[1]);
       placed = &w->placed[1];
     } else if (a->sample)
-      a->squares[step->particle] += MpmSumSquares(n, FieldOf(a, step->particle, begin));
+      a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
   }
 }
 
 void MpmRowsRun(const MpmRowArrays *arrays)
 {
-  const PetscInt count = arrays->march->particles->count;
-  Work           work;
+  const MpmMarch *march = arrays->march;
+  Work            work;
 
-  work.placed[0].n = work.placed[1].n = 0;
   for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
-  for (PetscInt begin = 0, n; begin < count; begin += n) {
-    n = RowLength(arrays, begin);
-    RunRow(arrays, begin, n, &work);
-  }
+  for (PetscInt r = 0; r < march->nrows; r++) RunRow(arrays, &march->row[r], &work);
 }

@@ -1,5 +1,5 @@
 /* One pass in more than one dimension: particles, the sum over ranks, and the node operations that follow. */
-#include "march/rows.h"
+#include "march/clouds.h"
 
 static PetscErrorCode GetArrays(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 step, const MpmPass *pass,
                                 MpmRowArrays *a)
@@ -119,36 +119,48 @@ static PetscErrorCode SumNodes(const MpmMarch *march, const MpmNodeVectors *node
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The plan of a pass of the march's schedule, or NULL. */
-static const MpmRowPlan *PlanOf(const MpmMarch *march, const MpmPass *pass)
+/* The number of the plan of a pass of the march's schedule, or MPM_NONE. */
+static PetscInt PlanOf(const MpmMarch *march, const MpmPass *pass)
 {
   const MpmSchedule *schedule = &march->schedule;
 
-  if (pass == &schedule->start) return &march->plans[schedule->npasses];
+  if (pass == &schedule->start) return schedule->npasses;
   for (PetscInt p = 0; p < schedule->npasses; p++)
-    if (pass == &schedule->pass[p]) return &march->plans[p];
-  return NULL;
+    if (pass == &schedule->pass[p]) return p;
+  return MPM_NONE;
+}
+
+static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const MpmRowArrays *arrays,
+                                   const MpmCloudPlan *clouds)
+{
+  PetscFunctionBegin;
+  if (clouds) {
+    PetscCall(MpmCloudsRun(arrays, clouds, march->bundles));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(Zero(march->grid, arrays->sum[pass->sum[s]]));
+  if (pass->sums_mass) PetscCall(Zero(march->grid, arrays->sum[MPM_MASSES]));
+  MpmRowsRun(arrays);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
                                PetscBool sample)
 {
-  MpmRowArrays arrays = {.march = march, .sample = sample, .squares = march->squares};
-  MpmRowPlan  *own    = NULL; /* of a pass that is none of the schedule's */
-  PetscReal   *after[MPM_MAX_FIELDS];
+  const PetscInt number = PlanOf(march, pass);
+  MpmRowArrays   arrays = {.march = march, .sample = sample, .squares = march->squares};
+  MpmRowPlan    *own    = NULL; /* of a pass that is none of the schedule's */
+  PetscReal     *after[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
-  arrays.plan = PlanOf(march, pass);
-  if (!arrays.plan) {
+  if (number == MPM_NONE) {
     PetscCall(PetscNew(&own));
     MpmRowPlanCompile(pass, march->scheme->basis, own);
-    arrays.plan = own;
   }
+  arrays.plan = own ? own : &march->plans[number];
   PetscCall(GetArrays(march, nodes, *step, pass, &arrays));
-  for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(Zero(march->grid, arrays.sum[pass->sum[s]]));
-  if (pass->sums_mass) PetscCall(Zero(march->grid, arrays.sum[MPM_MASSES]));
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
-  MpmRowsRun(&arrays);
+  PetscCall(RunParticles(march, pass, &arrays, march->clouds && !own ? &march->clouds[number] : NULL));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
   if (pass->drifts) ++*step;
   PetscCall(PetscLogEventBegin(march->sum_event, 0, 0, 0, 0));

@@ -10,10 +10,12 @@
 
 /*
    A map between particles and a line. Maps of one kernel from one line share its result; shared counts those that
-   follow and use it too. particle is MPM_NONE for the nodal masses.
+   follow and use it too. particle is MPM_NONE for the nodal masses. weights: the kind of operation to nodes that has the
+   map's weights.
 */
 typedef struct {
   MpmKernel   kernel;
+  MpmOpKind   weights;
   PetscReal   a;
   PetscInt    particle, shared;
   MpmProperty weight;
@@ -79,6 +81,16 @@ typedef struct {
 
 /* Not collective. Takes all particles through the pass. */
 void MpmRowsRun(const MpmRowArrays *arrays);
+
+/*
+   Not collective. Moves n particles from their resting places along an axis on to those of the pass, before DRIFT or
+   after it. Along an axis without drift they stay exactly where they are, also those just left of a wall.
+*/
+void MpmRowsMove(const MpmRowArrays *arrays, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
+                 PetscInt after, PetscInt cell[], PetscReal xi[]);
+
+/* Not collective. A particle field from particle begin on. Scratch fields live for one row, or for one cloud. */
+PetscReal *MpmRowsField(const MpmRowArrays *arrays, PetscInt field, PetscInt begin);
 
 /* Collective. The node operations after a pass, in more than one dimension. step is that of the particles' places. */
 PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,

@@ -472,65 +472,80 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *r, PetscInt64 step)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the numbers of each row of A, in the columns of this rank (own) and in those of others (far). */
-static PetscErrorCode CountRows(const MpmRegisters *r, PetscInt begin, PetscInt end, PetscInt own[], PetscInt far[])
+/* Counts the numbers of each row, in the columns of this rank (own) and in those of others (far). */
+static PetscErrorCode CountRows(PetscInt parts, const Mat part[], PetscInt rows, PetscBool diagonal, PetscInt own[],
+                                PetscInt far[])
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < r->fields; f++) {
-    PetscInt first;
+  for (PetscInt row = 0; row < parts * rows; row++) {
+    own[row] = diagonal;
+    far[row] = 0;
+  }
+  for (PetscInt f = 0; f < parts; f++) {
+    PetscInt first, begin, end;
 
-    PetscCall(MatGetOwnershipRange(r->particle[f], &first, NULL));
-    for (PetscInt p = 0; p < r->particles; p++) {
-      const PetscInt  row = r->fields * p + f;
+    if (!part[f]) continue;
+    PetscCall(MatGetOwnershipRange(part[f], &first, NULL));
+    PetscCall(MatGetOwnershipRangeColumn(part[f], &begin, &end));
+    for (PetscInt p = 0; p < rows; p++) {
       const PetscInt *columns;
       PetscInt        n;
 
-      PetscCall(MatGetRow(r->particle[f], first + p, &n, &columns, NULL));
-      own[row] = far[row] = 0;
+      PetscCall(MatGetRow(part[f], first + p, &n, &columns, NULL));
       for (PetscInt c = 0; c < n; c++)
         if (columns[c] >= begin && columns[c] < end)
-          own[row]++;
+          own[parts * p + f]++;
         else
-          far[row]++;
-      PetscCall(MatRestoreRow(r->particle[f], first + p, &n, &columns, NULL));
+          far[parts * p + f]++;
+      PetscCall(MatRestoreRow(part[f], first + p, &n, &columns, NULL));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CopyRows(const MpmRegisters *r, Mat A)
+static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < r->fields; f++) {
+  for (PetscInt f = 0; f < parts; f++) {
     PetscInt begin, end;
 
-    PetscCall(MatGetOwnershipRange(r->particle[f], &begin, &end));
+    if (!part[f]) continue;
+    PetscCall(MatGetOwnershipRange(part[f], &begin, &end));
     for (PetscInt p = begin; p < end; p++) {
-      const PetscInt     row = r->fields * p + f;
+      const PetscInt     row = parts * p + f;
       const PetscInt    *columns;
       const PetscScalar *values;
       PetscInt           n;
 
-      PetscCall(MatGetRow(r->particle[f], p, &n, &columns, &values));
+      PetscCall(MatGetRow(part[f], p, &n, &columns, &values));
       PetscCall(MatSetValues(A, 1, &row, n, columns, values, INSERT_VALUES));
-      PetscCall(MatRestoreRow(r->particle[f], p, &n, &columns, &values));
+      PetscCall(MatRestoreRow(part[f], p, &n, &columns, &values));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
+                             PetscBool diagonal, Mat *A)
+{
+  PetscInt *own, *far, begin, end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(parts * rows, &own, parts * rows, &far));
+  PetscCall(CountRows(parts, part, rows, diagonal, own, far));
+  PetscCall(MatCreateAIJ(comm, parts * rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
+  PetscCall(PetscFree2(own, far));
+  PetscCall(MatGetOwnershipRange(*A, &begin, &end));
+  for (PetscInt row = begin; diagonal && row < end; row++) PetscCall(MatSetValue(*A, row, row, 0, INSERT_VALUES));
+  PetscCall(CopyRows(parts, part, *A));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRegistersGather(const MpmRegisters *r, Mat *A)
 {
-  PetscInt *own, *far, begin, end;
-
   PetscFunctionBegin;
-  PetscCall(MatGetOwnershipRangeColumn(r->particle[0], &begin, &end));
-  PetscCall(PetscMalloc2(r->state, &own, r->state, &far));
-  PetscCall(CountRows(r, begin, end, own, far));
-  PetscCall(MatCreateAIJ(r->comm, r->state, r->state, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
-  PetscCall(PetscFree2(own, far));
-  PetscCall(CopyRows(r, *A));
-  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MpmInterleave(r->comm, r->fields, r->particle, r->particles, r->columns, PETSC_FALSE, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

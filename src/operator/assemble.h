@@ -95,3 +95,12 @@ PetscErrorCode MpmRegistersStep(MpmRegisters *registers, PetscInt64 step);
 
 /* Collective. Gathers the particle registers in one matrix, whose rows are numbered like the state. */
 PetscErrorCode MpmRegistersGather(const MpmRegisters *registers, Mat *A);
+
+/*
+   MpmInterleave - one matrix of so many parts: row i of part f becomes row parts x i + f.
+
+   Collective. part: NULL where it is 0. rows, columns: how many this rank has of each part. diagonal: the result has every
+   entry of its diagonal, if only as 0, so that it can be shifted.
+*/
+PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
+                             PetscBool diagonal, Mat *A);

@@ -224,7 +224,7 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates 
 }
 
 PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, MpmCertificates *c)
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ;
@@ -234,7 +234,7 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   PetscCall(PetscMalloc2(n, &amount, n, &response));
   PetscCall(RespondToAll(p, amount, response));
   PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
-  c->value[MPM_CERTIFY_SIZES] = MpmProbeBlocksDistance(one, other);
+  PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
   c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
   c->cells                    = p->stepper->particles / l->sites;
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
@@ -267,7 +267,8 @@ static PetscErrorCode Norm2(Mat E, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat other, MpmCertificates *c)
+PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
+                                MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ, largest = 0;
@@ -295,7 +296,7 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
   PetscCall(VecDestroy(&x));
   PetscCall(VecDestroy(&y));
   PetscCall(PetscFree2(amount, response));
-  PetscCall(MatDuplicate(one, MAT_COPY_VALUES, &E));
+  PetscCall(MatDuplicate(kept, MAT_COPY_VALUES, &E));
   PetscCall(MatAXPY(E, -1, other, DIFFERENT_NONZERO_PATTERN));
   PetscCall(Norm2(E, &c->value[MPM_CERTIFY_SIZES]));
   PetscCall(MatDestroy(&E));

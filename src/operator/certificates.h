@@ -60,10 +60,13 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
    MpmCertifyBlocks - adds two sizes, reach and columns, of blocks that were probed with the two sizes of probe.
    MpmCertifyMatrix - does the same for a matrix.
 
+   What is set apart does not count for two sizes, because no eigenvalue that is judged feels its error: apart[c] says
+   whether number c of a particle is; kept and other are without it, one is with it.
+
    Collective. tolerance: the error of the operator that does not matter.
 */
 PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, MpmCertificates *certificates);
 PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, MpmCertificates *certificates);
-PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat other,
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *certificates);
+PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 MpmCertificates *certificates);

@@ -5,11 +5,8 @@
 #include "operator/nodal.h"
 #include <mpmstab/errors.h>
 
-/* A term of a particle register: factor k^power W y, y in a slot. */
-typedef struct {
-  MpmOp    op; /* W */
-  PetscInt slot;
-} Term;
+/* A term of a particle register: factor k^power W y, y in a slot. op is W. */
+typedef MpmNodalSent Term;
 
 /* A sum over particles that is being read into a slot: images by c of their registers, and products by slot. */
 typedef struct {
@@ -364,6 +361,21 @@ static PetscErrorCode Apply(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What the registers of the state have been sent. */
+static PetscErrorCode Sent(const Builder *b)
+{
+  MpmNodalPlan *plan = b->plan;
+
+  PetscFunctionBegin;
+  plan->nlines_sent = plan->nlines;
+  for (PetscInt r = 0; r < plan->nstate; r++) plan->nsent += b->nterms[r];
+  PetscCall(PetscMalloc1(plan->nsent, &plan->sent));
+  plan->nsent = 0;
+  for (PetscInt r = 0; r < plan->nstate; r++)
+    for (PetscInt i = 0; i < b->nterms[r]; i++) plan->sent[plan->nsent++] = b->terms[r][i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* z' = c z + sum of (P W) y. Its lines need slots of their own. */
 static PetscErrorCode Next(Builder *b)
 {
@@ -459,6 +471,21 @@ const char *MpmNodalWhyNot(const MpmTable *table)
   return NULL;
 }
 
+/* There is at most one image for each sum and each power of the Courant number in it. */
+PetscBool MpmNodalHasRoom(const MpmTable *table)
+{
+  PetscInt images = 0;
+
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp      *op     = &table->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) continue;
+    if (!op->accumulates || op->coefficient != op[-1].coefficient) images++;
+  }
+  return images <= MPM_MAX_IMAGES ? PETSC_TRUE : PETSC_FALSE;
+}
+
 PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **out)
 {
   MpmNodalPlan *plan;
@@ -478,6 +505,7 @@ PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **out)
   for (PetscInt n = 0; n < table->nnodes; n++) PetscCall(NewSlot(&b, &b.slot[n]));
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(Apply(&b, &table->ops[o]));
   PetscCall(EndSums(&b));
+  PetscCall(Sent(&b));
   PetscCall(Next(&b));
   PetscCall(Powers(plan));
   Weigh(plan);
@@ -494,6 +522,7 @@ PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan)
   PetscCall(PetscFree((*plan)->map));
   PetscCall(PetscFree((*plan)->line));
   PetscCall(PetscFree((*plan)->powers));
+  PetscCall(PetscFree((*plan)->sent));
   PetscCall(PetscFree(*plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

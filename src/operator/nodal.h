@@ -76,12 +76,23 @@ typedef struct {
 } MpmNodalLine;
 
 /*S
+   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, and the slot that
+   it reads.
+S*/
+typedef struct {
+  MpmOp    op;
+  PetscInt slot;
+} MpmNodalSent;
+
+/*S
    MpmNodalPlan - the nodal operator of a table. A slot has a number at each node. Slot g starts as image g, for g <
    nimages, and all others as 0.
 
    nimages, image - the unknowns
    nslots, nmaps, nlines, line, map - the slots, the maps and the lines, in order
    next    - next[g]: the slot that holds image g after the step
+   nsent, sent, nlines_sent - what a step adds to the registers of the state; the first nlines_sent lines make the slots
+             that it reads
    kept    - kept[r]: the number c of state register r
    powers  - powers[s x nimages + g]: bit j is set where slot s may have a part k^j times image g
    weight, stride, degree - the operator on k^weight[g] z_g, which has the same eigenvalues, is a polynomial of this
@@ -95,6 +106,8 @@ typedef struct {
   PetscInt      next[MPM_MAX_IMAGES], weight[MPM_MAX_IMAGES], stride, degree;
   PetscReal     kept[MPM_MAX_FIELDS];
   PetscInt64   *powers;
+  PetscInt      nsent, nlines_sent;
+  MpmNodalSent *sent;
 } MpmNodalPlan;
 
 /*
@@ -104,6 +117,9 @@ typedef struct {
    Not collective.
 */
 const char *MpmNodalWhyNot(const MpmTable *table);
+
+/* Not collective. Whether a plan has room: a table that reads many sums has more than MPM_MAX_IMAGES images. */
+PetscBool MpmNodalHasRoom(const MpmTable *table);
 
 /*
    MpmNodalPlanCreate - derives the plan of a table, for particles at rest.

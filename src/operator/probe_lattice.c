@@ -308,42 +308,47 @@ PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *b)
 
 /* ---- what blocks give ---- */
 
-/* The square of the Frobenius norm of the difference at a phase: of sum over d of (A_d - B_d) e^(-i beta.d). */
-static PetscReal SquareAt(const MpmProbeBlocks *one, const MpmProbeBlocks *other, const PetscReal beta[])
+/* Adds weight e^(-i beta.d) A_d of all blocks to a matrix, real and imaginary parts one after another. */
+static void AddAt(const MpmProbeBlocks *b, PetscReal weight, const PetscReal beta[], PetscReal sum[])
 {
-  const PetscInt square = one->order * one->order;
-  PetscReal      sum    = 0;
+  const PetscInt square = b->order * b->order;
 
-  for (PetscInt e = 0; e < square; e++) {
-    PetscReal part[2] = {0, 0};
+  for (PetscInt k = 0; k < b->n; k++) {
+    const PetscInt  *d     = &b->d[k * MPM_MAX_DIM];
+    const PetscReal  angle = beta[0] * d[0] + beta[1] * d[1] + beta[2] * d[2];
+    const PetscReal  re = weight * cos(angle), im = -weight * sin(angle);
+    const PetscReal *A = b->A + (size_t)k * square;
 
-    for (int of = 0; of < 2; of++) {
-      const MpmProbeBlocks *b = of ? other : one;
-
-      for (PetscInt k = 0; k < b->n; k++) {
-        const PetscInt *d     = &b->d[k * MPM_MAX_DIM];
-        const PetscReal angle = beta[0] * d[0] + beta[1] * d[1] + beta[2] * d[2], value = b->A[(size_t)k * square + e];
-
-        part[0] += (of ? -value : value) * cos(angle);
-        part[1] += (of ? -value : value) * sin(angle);
-      }
+    for (PetscInt e = 0; e < square; e++) {
+      sum[e] += re * A[e];
+      sum[square + e] += im * A[e];
     }
-    sum += PetscSqr(part[0]) + PetscSqr(part[1]);
   }
-  return sum;
 }
 
-PetscReal MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other)
+PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
+                                      const PetscBool apart[], PetscReal *distance)
 {
-  PetscReal largest = 0;
+  const PetscInt order = one->order, square = order * order;
+  PetscReal     *differ, largest            = 0;
 
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(2 * square, &differ));
   for (PetscInt i = 0; i < PHASES; i++) {
-    PetscReal beta[MPM_MAX_DIM];
+    PetscReal beta[MPM_MAX_DIM], sum = 0;
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(3, i * MPM_MAX_DIM + a);
-    largest = PetscMax(largest, SquareAt(one, other, beta));
+    PetscCall(PetscArrayzero(differ, 2 * square));
+    AddAt(one, 1, beta, differ);
+    AddAt(other, -1, beta, differ);
+    for (PetscInt e = 0; e < square; e++)
+      if (!apart[e % order % width] && !apart[e / order % width])
+        sum += PetscSqr(differ[e]) + PetscSqr(differ[square + e]);
+    largest = PetscMax(largest, sum);
   }
-  return sqrt(largest);
+  *distance = sqrt(largest);
+  PetscCall(PetscFree(differ));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The cell from which block k reaches a cell, or MPM_NONE beyond an edge. */

@@ -57,8 +57,12 @@ PetscErrorCode MpmProbeBlocksCreate(MpmProbe *probe, const MpmProbeLattice *latt
                                     MpmProbeBlocks *blocks);
 PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *blocks);
 
-/* Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases. */
-PetscReal MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other);
+/*
+   Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases.
+   apart[c]: whether number c of a particle's width numbers is left out.
+*/
+PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
+                                      const PetscBool apart[], PetscReal *distance);
 
 /*
    MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.

@@ -205,8 +205,8 @@ static PetscErrorCode PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
   PetscFunctionBegin;
   if (c->assembled)
-    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns at %" PetscInt64_FMT " Courant numbers\n",
-             c->order, c->evaluations);
+    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers\n",
+             c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations);
   else if (c->phases)
     MpmPrint("searched: %s%" PetscInt_FMT " phases in (0, pi] of each direction and uphill from the largest growths, "
              "%" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",

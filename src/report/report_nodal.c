@@ -3,21 +3,6 @@
 #include "report/report.h"
 #include <string.h>
 
-/* Whether a plan has room: there is at most one image for each sum and each power of the Courant number in it. */
-static PetscBool HasRoom(const MpmTable *table)
-{
-  PetscInt images = 0;
-
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOp      *op     = &table->ops[o];
-    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-
-    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) continue;
-    if (!op->accumulates || op->coefficient != op[-1].coefficient) images++;
-  }
-  return images <= MPM_MAX_IMAGES ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* The images by their maps and fields, in one dimension. */
 static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, size_t room, char text[])
 {
@@ -44,7 +29,7 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
     MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, MpmNodalWhyNot(table));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!HasRoom(table)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmNodalHasRoom(table)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(table, &plan));
   PetscCall(NameImages(table, plan, sizeof images, images));
   MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,

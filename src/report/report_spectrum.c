@@ -81,6 +81,11 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
     MpmPrint("; it differs from the march by %.1e\n", s->step_mismatch);
   else
     MpmPrint("; not compared: the march leaves the range of doubles\n");
+  if (s->eigen->small)
+    MpmPrint("nodes' own operator: order %" PetscInt_FMT
+             ", whose eigenvalues these are, and those that particles keep by "
+             "themselves; it agrees with the particles' to %.1e\n",
+             s->eigen->small->order, s->nodal->mismatch);
   if (isfinite(s->eigen->norm)) MpmPrint("solver: %s\n", s->eigen->solver);
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),

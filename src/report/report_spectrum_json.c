@@ -13,6 +13,10 @@ static json_t *Operator(const MpmSpectrum *s)
   if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);
   json_object_set_new(object, "solver", json_string(s->eigen->solver));
+  if (s->eigen->small) {
+    json_object_set_new(object, "nodal_unknowns", json_integer(s->eigen->small->order));
+    MpmJsonSet(object, "nodal_mismatch", s->nodal->mismatch);
+  }
   json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
   json_object_set_new(object, "listed", json_integer(s->eigen->n));
   MpmJsonSet(object, "spectral_radius", s->radius);

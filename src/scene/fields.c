@@ -529,6 +529,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, modes), OF_MATRIX},
   {"measure", MPM_SWITCH, "true", "also march random data and measure growth",
    .tasks = "spectrum", ASKED(AS_SWITCH, measure)},
+  {"nodal", MPM_SWITCH, "true", "at rest, take eigenvalues from the nodes' smaller operator and not from the particles'",
+   .tasks = "spectrum, critical, ensemble", ASKED(AS_SWITCH, nodal)},
   {"powers", MPM_INTEGER, NULL, "steps n up to which norm(A^n) is taken",
    BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers), OF_MATRIX},
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",

@@ -63,6 +63,7 @@ extern const char *const MpmProbeNames[];
    phases            - at which symbol and map take the symbol, in each direction
    refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
+   nodal             - whether eigenvalues are sought of the nodes' operator, where there is one
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    survey            - whether critical goes through all schemes
@@ -86,7 +87,7 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance, voids;
-  PetscBool       weights, source_term, ringing, measure, survey, refine, damping, verbose;
+  PetscBool       weights, source_term, ringing, measure, nodal, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];

@@ -5,20 +5,16 @@ PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, Pet
                         const PetscInt wall[2], PetscReal weight[])
 {
   const PetscInt cell = 0;
-  PetscReal      one  = 1;
   MpmBlock       block;
-  PetscInt       first;
 
-  block.n = block.begin = block.end = 1;
-  block.length                      = 0;
-  block.xi                          = &xi;
-  block.half_width                  = half_width;
-  block.first[0]                    = 0;
-  basis->first_nodes(1, &cell, &xi, &first);
-  for (int end = 0; end < 2; end++) block.wall[end] = wall[end] - first;
-  for (PetscInt d = 0; d < basis->nodes; d++) weight[d] = 0;
-  basis->kernel[kind](&block, 1, &one, weight);
-  return first;
+  block.n          = 1;
+  block.xi         = &xi;
+  block.half_width = half_width;
+  block.wall[0]    = wall[0];
+  block.wall[1]    = wall[1];
+  basis->first_nodes(1, &cell, &xi, block.first);
+  basis->weights[kind](&block, 1, weight);
+  return block.first[0];
 }
 
 MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind)

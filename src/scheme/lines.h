@@ -29,6 +29,22 @@ MpmOpKind MpmLineKind(const MpmBasis *basis, MpmOpKind kind);
 MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind);
 
 /*
+   Runs that are alike: the particles of each run of a block have the same places in their cells as those of the next one.
+   So a row has few different weights: weight[d * block->length + i] is that of node d of the i-th particle of a run.
+
+   Not collective. MpmRunsFind says whether the runs of a block are alike, those at its ends too, which may be parts of
+   runs. MpmRunsWeights finds the weights of a kind of operation that goes to nodes. MpmRunsGather and MpmRunsSpread are
+   the kernels that have these weights: MpmKernel says what they add.
+*/
+#define MPM_LONGEST_RUN 4
+PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *block);
+void      MpmRunsWeights(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *block, PetscReal weight[]);
+void MpmRunsGather(const MpmBlock *block, PetscInt nodes, const PetscReal weight[], PetscReal a, PetscReal particle[],
+                   const PetscReal node[]);
+void MpmRunsSpread(const MpmBlock *block, PetscInt nodes, const PetscReal weight[], PetscReal a,
+                   const PetscReal particle[], PetscReal node[]);
+
+/*
    Rows of n nodes begin at node + offset[r]. MpmLinesGather sets line[i] = sum_r weight[r] row_r[i]. MpmLinesSpread adds
    the sum over lines l of weight[l][r] line[l][i] to row_r[i].
 

@@ -2,33 +2,43 @@
 #pragma once
 #include "symbol/ties.h"
 
+typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
+
 /*S
    MpmBloch - memory for the matrices, and the weights of all maps for one cell's particles at every step of a period.
 
    A register is a dense matrix. Its rows are a cell's particles, or its one node. Its columns are the states that the
-   steps start from: for the matrix of a phase each number of the cell's state, particle by particle as in MpmOperator. Particle j of a cell has the places j_a along the directions,
-   j = j_0 + ppc_0 (j_1 + ppc_1 j_2).
+   steps start from: for the matrix of a phase each number of the cell's state, particle by particle as in MpmOperator.
+   Particle j of a cell has the places j_a along the directions, j = j_0 + ppc_0 (j_1 + ppc_1 j_2). A row has the real
+   parts of its numbers first, then the imaginary parts.
 
    fields, ppc, size - the number of fields of the state, of particles in a cell, and size = fields x ppc
-   columns      - of the registers in the present step, at most size
+   width        - of a row in the present step: the number of columns, filled up with zeros
    period       - the number of steps in a period
+   turn         - after so many steps the particles have changed places with one another: particle j has the place that
+                  place[j] had, beyond[j] cells farther. A period is a whole number of turns. A turn is shorter where
+                  ppc and the denominator of the drift have a common divisor.
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
+   beta, known  - the present phase, and the number of steps for which tie is set
    wave         - the phase factors of the nodes along each direction, at the present phase (MpmTiesWave)
-   tie          - tie[axis][kind x ppc + j]: the symbol of a map along an axis at the particles that are j-th there, at
-                  the present phase and step
+   tie          - tie[axis][(step x kinds + kind) x ppc + j]: the symbol of a map along an axis at the particles that
+                  are j-th there, at the present phase; now[axis]: those of the present step
    mass         - of a node, at the present step
+   nodal        - the nodal operator; NULL where it does not apply
    traits, values - of the table's operations; values are those at the Courant number of the last matrix
 S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  PetscInt         fields, ppc, size, columns, period;
+  PetscInt         fields, ppc, size, width, period, turn, *place, (*beyond)[MPM_MAX_DIM];
   PetscBool        used[MPM_OP_KINDS];
   MpmTies          ties[MPM_MAX_DIM];
-  double complex  *particle, *nodes, wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM];
-  PetscReal        mass;
+  double complex   wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM], *now[MPM_MAX_DIM];
+  PetscInt         known[MPM_MAX_DIM];
+  PetscReal       *particle, *nodes, beta[MPM_MAX_DIM], mass;
+  MpmBlochNodal   *nodal;
   MpmOpTraits     *traits;
   PetscReal       *values;
 } MpmBloch;
@@ -53,6 +63,29 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 */
 PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscBool noisy,
                               double complex G[], PetscInt *exponent);
+
+/*
+   MpmBlochTurn - the matrix of a turn, as MpmBlochMatrix. With R, which gives what was a particle's to the one whose
+   place it has taken, every turn is the same step of R q. So the matrix of a period is e^(i beta.m) times a power of this
+   one, m the cells that particles move in a period, and growth per step is the same. With two particles a cell and a
+   drift of 1/8 a turn takes four steps, and a period eight.
+
+   Not collective.
+*/
+PetscErrorCode MpmBlochTurn(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], double complex G[],
+                            PetscInt *exponent);
+
+/*
+   MpmBlochSetPhase - makes ready for MpmBlochTie and MpmBlochOfNodes at a phase, before the first step
+   MpmBlochTie     - the symbol of a map along an axis at particle j of a cell: the map's own along the axis, and phi's
+                     along the others
+   MpmBlochOfNodes - the symbol of an operation from nodes to nodes, without its factor
+
+   Not collective.
+*/
+void           MpmBlochSetPhase(MpmBloch *bloch, const PetscReal beta[]);
+double complex MpmBlochTie(const MpmBloch *bloch, MpmOpKind kind, PetscInt axis, PetscInt j);
+double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const PetscReal beta[]);
 
 /*
    MpmBlochStep - applies one step of the period to a state of a cell, in place: size numbers, with particle j's numbers

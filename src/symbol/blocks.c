@@ -41,8 +41,15 @@ static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool no
 
     for (PetscInt a = 0; a < b->dim; a++) angle -= beta[a] * b->d[b->dim * k + a];
     wave = cexp(I * angle);
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++) G[n * j + i] += A[n * i + j] * wave;
+    for (PetscInt e = 0; e < n * n; e++) G[e] += A[e] * wave;
+  }
+  for (PetscInt i = 0; i < n; i++) { /* the blocks are by rows, G is by columns */
+    for (PetscInt j = 0; j < i; j++) {
+      const double complex other = G[n * j + i];
+
+      G[n * j + i] = G[n * i + j];
+      G[n * i + j] = other;
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

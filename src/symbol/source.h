@@ -15,12 +15,22 @@
 typedef PetscErrorCode (*MpmSourceMatrix)(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
                                           PetscInt *exponent);
 
+/*
+   Computes the growth per step of a phase, and that without the null space of P2G where the source knows of it, by a
+   shorter way than the eigenvalues of its matrix. The two have the same growth.
+
+   Not collective.
+*/
+typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[], PetscReal *growth,
+                                           PetscReal *without_null);
+
 /*S
    MpmSource - where the matrices of a symbol come from.
 
    dim, size    - the number of directions, and the order of a matrix
    period       - the number of steps that a matrix covers
    matrix, context - gives the matrix of a phase; the matrices of beta and -beta are conjugates of each other
+   growths      - NULL where there is no shorter way
    has_noise    - whether matrix knows how rounding goes through the steps of a period
    reflects, alike - the symmetries, as MpmSymbol has them; alike[a] is at most a
    null_rest, null_all, null_factor - the amplification factors of the null space of P2G, which is particle data that no
@@ -29,13 +39,14 @@ typedef PetscErrorCode (*MpmSourceMatrix)(void *context, const PetscReal beta[],
    name         - of what determines the size, for messages
 S*/
 typedef struct {
-  PetscInt        dim, size, period;
-  MpmSourceMatrix matrix;
-  void           *context;
-  PetscBool       has_noise, reflects[MPM_MAX_DIM];
-  PetscInt        alike[MPM_MAX_DIM], null_rest, null_all;
-  PetscReal       null_factor;
-  char            name[1100];
+  PetscInt         dim, size, period;
+  MpmSourceMatrix  matrix;
+  MpmSourceGrowths growths;
+  void            *context;
+  PetscBool        has_noise, reflects[MPM_MAX_DIM];
+  PetscInt         alike[MPM_MAX_DIM], null_rest, null_all;
+  PetscReal        null_factor;
+  char             name[1100];
 } MpmSource;
 
 /*

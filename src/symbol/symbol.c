@@ -121,6 +121,37 @@ static void BetaOf(const MpmSymbol *s, PetscInt i, PetscReal beta[])
   MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, s->first + i), beta);
 }
 
+/*
+   The growth of a phase of this rank, and its amplification factors where they are kept. Whether they are changes no digit
+   of growth.
+*/
+static PetscErrorCode VisitPhase(Reader *r, PetscInt i, const PetscReal beta[], MpmSymbol *s)
+{
+  const PetscBool shorter = r->source->growths ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       without_null;
+  PetscInt        largest, exponent;
+
+  PetscFunctionBegin;
+  if (shorter) {
+    PetscCall(r->source->growths(r->source->context, beta, &s->per_phase[i], &without_null));
+    if (s->without_null) s->without_null[i] = without_null;
+    if (!s->factors) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Matrix(r, beta, &exponent));
+  PetscCall(Factors(r, PETSC_FALSE, &largest));
+  if (s->factors) {
+    s->exponents[i] = exponent;
+    for (PetscInt j = 0; j < s->size; j++) {
+      s->factors[2 * (s->size * i + j)]     = creal(r->eigen.value[j]);
+      s->factors[2 * (s->size * i + j) + 1] = cimag(r->eigen.value[j]);
+    }
+  }
+  if (shorter) PetscFunctionReturn(PETSC_SUCCESS);
+  s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
+  if (s->without_null) s->without_null[i] = LargestWithoutNull(r, exponent);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
 {
   MpmProgress progress;
@@ -129,20 +160,10 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
   PetscCall(MpmProgressBegin("phase", &progress));
   for (PetscInt i = 0; i < s->count; i++) {
     PetscReal beta[MPM_MAX_DIM];
-    PetscInt  largest, exponent;
 
     PetscCall(MpmProgressUpdate(&progress, i, s->count));
     BetaOf(s, i, beta);
-    PetscCall(Matrix(r, beta, &exponent));
-    PetscCall(Factors(r, PETSC_FALSE, &largest));
-    s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
-    if (s->without_null) s->without_null[i] = LargestWithoutNull(r, exponent);
-    if (!s->factors) continue;
-    s->exponents[i] = exponent;
-    for (PetscInt j = 0; j < s->size; j++) {
-      s->factors[2 * (s->size * i + j)]     = creal(r->eigen.value[j]);
-      s->factors[2 * (s->size * i + j) + 1] = cimag(r->eigen.value[j]);
-    }
+    PetscCall(VisitPhase(r, i, beta, s));
   }
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -3,7 +3,8 @@
    of amplification matrices.
 */
 #include "scene/layout.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_growth.h"
+#include "symbol/bloch_nodal.h"
 #include "symbol/blocks.h"
 #include "symbol/phases.h"
 #include <mpmstab/errors.h>
@@ -60,33 +61,10 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Counts the amplification factors of the null space of P2G, the particle data that no node feels: those of fields without
-   filter (rest), and of all. Nodes have one number of a number, and a vector of a vector or of a stress. The affine part
-   of a vector adds to the vector's own numbers. Displacements are sums of what else is in the state, so that each has a
-   factor of 1 of its own; all of them are left out.
-*/
-static void CountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all)
-{
-  const MpmTable *t          = b->scheme->table;
-  PetscInt        numbers[2] = {0, 0}; /* without and with filter */
-
-  for (PetscInt r = 0; r < t->nstate; r++) {
-    PetscInt components = 0, seen;
-
-    numbers[t->filtered[r]] += b->ppc;
-    if (t->field[r] < 0 || t->component[r] > 0) continue;
-    for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
-    seen = b->scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
-    numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
-  }
-  *rest = numbers[0];
-  *all  = numbers[0] + numbers[1];
-}
-
 typedef struct {
-  MpmBloch  bloch;
-  PetscReal courant;
+  MpmBloch      bloch;
+  MpmSmallEigen eigen;
+  PetscReal     courant;
 } TableMatrix;
 
 static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
@@ -96,6 +74,15 @@ static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool no
 
   PetscFunctionBegin;
   PetscCall(MpmBlochMatrix(&t->bloch, t->courant, beta, noisy, G, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal *growth, PetscReal *without_null)
+{
+  TableMatrix *t = context;
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochGrowths(&t->bloch, &t->eigen, t->courant, beta, growth, without_null));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,13 +105,13 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
 {
   const MpmBloch  *b      = &t->bloch;
   const MpmLayout *layout = b->layout;
-  const MpmScheme *scheme = b->scheme;
 
   PetscFunctionBegin;
   *source = (MpmSource){.dim       = layout->dim,
                         .size      = b->size,
                         .period    = b->period,
                         .matrix    = Matrix,
+                        .growths   = b->turn < b->period || b->nodal ? Growths : NULL,
                         .context   = t,
                         .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
                         .null_all  = MPM_NONE};
@@ -134,10 +121,7 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
     for (PetscInt other = a - 1; other >= 0; other--)
       if (Alike(layout, step, a, other)) source->alike[a] = other;
   }
-  if (b->period == 1 && scheme->transfer->null_factor && MpmFormulationKeepsUnseen(scheme->formulation)) {
-    CountNull(b, &source->null_rest, &source->null_all);
-    source->null_factor = scheme->transfer->null_factor(&scheme->numbers);
-  }
+  MpmBlochCountNull(b, &source->null_rest, &source->null_all, &source->null_factor);
   PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,11 +135,13 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   PetscFunctionBegin;
   PetscCall(MpmSymbolCheck(layout));
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
+  PetscCall(MpmSmallEigenCreate(table.bloch.size, &table.eigen));
   PetscCall(Describe(&table, step, &source));
   PetscCall(MpmSymbolFromSource(comm, &source, wish, symbol));
   (*symbol)->layout = layout;
   (*symbol)->scheme = scheme;
   (*symbol)->step   = *step;
+  PetscCall(MpmSmallEigenDestroy(&table.eigen));
   PetscCall(MpmBlochDestroy(&table.bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,15 +7,16 @@
 
 static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
-  const PetscBool       wanted = MpmNeighbourhoodsWanted(request);
-  MpmExpect             expect = request->expect;
-  MpmNeighbourhood      place  = {.kind = MPM_IN_BULK};
-  MpmNeighbourhoods     around, *all = wanted ? &around : NULL;
-  MpmCritical           found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
+  MpmCriticalCase   of     = MpmCriticalCaseOf(scene, request->tolerance);
+  const PetscBool   wanted = MpmNeighbourhoodsWanted(request);
+  MpmExpect         expect = request->expect;
+  MpmNeighbourhood  place  = {.kind = MPM_IN_BULK};
+  MpmNeighbourhoods around, *all = wanted ? &around : NULL;
+  MpmCritical       found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
+  of.all_particles    = !request->nodal;
   if (bulk) {
     PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
     place = MpmNeighbourhoodOfCritical(bulk);

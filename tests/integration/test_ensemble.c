@@ -79,20 +79,21 @@ static PetscErrorCode CheckCount(void)
 {
   MpmScene    *scene;
   MpmEnsemble *e;
-  PetscInt     unstable = 0, below = 0;
+  PetscInt     unstable = 0, below = 0, above = 0;
 
   PetscFunctionBegin;
   PetscCall(EnsembleOf("-formulation elastic -jitter 0.4 -courant 1 -layouts 40", &scene, &e));
   for (PetscInt i = 0; i < 40; i++) {
     unstable += e->growth[i] > 1 + 1e-6;
     below += e->growth[i] < e->growth_median;
+    above += e->growth[i] > e->growth_median;
     CHECK(e->verdict[i] == (e->growth[i] > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "seed %d: %s", (int)i + 1,
           MpmVerdictNames[e->verdict[i]]);
     CHECK(e->growth[i] >= e->growth_min && e->growth[i] <= e->growth_max, "seed %d: %.17g", (int)i + 1, e->growth[i]);
   }
   CHECK(unstable == 11 && e->unstable == 11 && e->undecided == 0, "%d and %d unstable", (int)unstable,
         (int)e->unstable);
-  CHECK(below == 20, "%d below the median", (int)below);
+  CHECK(below <= 20 && above <= 20, "%d below the median, %d above", (int)below, (int)above); /* many are 1 */
   CHECK(e->growth[e->worst_seed - 1] == e->growth_max, "worst seed %d", (int)e->worst_seed);
   CHECK_NEAR(e->share, 0.275, 1e-15);
   CHECK_NEAR(e->interval[0], 0.1611, 5e-5);

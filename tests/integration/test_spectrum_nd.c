@@ -140,12 +140,24 @@ static PetscErrorCode CheckLarge(const char options[], MpmVerdict verdict)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A random layout by the nodes' own operator, or by the particles'. */
+static PetscErrorCode SpectrumBy(PetscBool nodal, const char options[], MpmScene **scene, MpmSpectrum **s)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, scene));
+  check_request.measure = PETSC_FALSE;
+  check_request.nodal   = nodal;
+  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Krylov-Schur without a matrix. On a uniform layout it finds what the symbol says. On a random one the left vector
    gives the condition number.
 */
 static PetscErrorCode CheckKrylov(void)
 {
+  PetscReal    growth, condition;
   MpmScene    *scene;
   MpmSpectrum *s;
 
@@ -158,12 +170,22 @@ static PetscErrorCode CheckKrylov(void)
   CHECK(s->eigen->largest && strstr(s->eigen->solver, "krylovschur"), "%s", s->eigen->solver);
   CHECK_NEAR(s->growth, s->symbol->growth, 1e-8);
   PetscCall(Close(&scene, &s));
-  PetscCall(SpectrumOf("-dim 2 -cells 17,15 -formulation usl -courant 1 -jitter 0.6", &scene, &s));
+  PetscCall(SpectrumBy(PETSC_FALSE, "-dim 2 -cells 17,15 -formulation usl -courant 1 -jitter 0.6", &scene, &s));
   CHECK(s->eigen->largest && s->finding.verdict == MPM_UNSTABLE, "%s: %s", s->eigen->solver, s->finding.evidence);
   CHECK(s->condition >= 1 && s->condition < 100, "condition %g", s->condition);
+  growth    = s->growth;
+  condition = s->condition;
   PetscCall(Close(&scene, &s));
-  PetscCall(SpectrumOf("-dim 2 -cells 17,15 -formulation usl -courant 0.3 -jitter 0.6", &scene, &s));
+  PetscCall(SpectrumBy(PETSC_TRUE, "-dim 2 -cells 17,15 -formulation usl -courant 1 -jitter 0.6", &scene, &s));
+  CHECK(s->eigen->complete && s->eigen->small, "%s: %s", s->eigen->solver, s->finding.evidence);
+  CHECK_NEAR(s->growth, growth, 1e-9 * growth);
+  CHECK_NEAR(s->condition, condition, 1e-6 * condition);
+  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumBy(PETSC_FALSE, "-dim 2 -cells 17,15 -formulation usl -courant 0.3 -jitter 0.6", &scene, &s));
   CHECK(s->finding.verdict != MPM_STABLE, "%s: %s", s->eigen->solver, s->finding.evidence); /* it cannot know */
+  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumBy(PETSC_TRUE, "-dim 2 -cells 17,15 -formulation usl -courant 0.3 -jitter 0.6", &scene, &s));
+  CHECK(s->finding.verdict == MPM_STABLE, "%s: %s", s->eigen->solver, s->finding.evidence); /* all eigenvalues do */
   PetscCall(Close(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,7 +6,7 @@
 #include "symbols.h"
 #include "base/hash.h"
 #include "linalg/small_eigen.h"
-#include "symbol/bloch.h"
+#include "symbol/bloch_nodal.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 
@@ -85,6 +85,57 @@ static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
   return nearest;
 }
 
+/* ---- turns ---- */
+
+/*
+   The amplification factors of a period are powers of those of a turn, times the phase of the cells that particles move.
+   Sorted out one by one, since a defective pair splits by rounding.
+*/
+static PetscErrorCode CheckTurn(const char options[], PetscInt turn)
+{
+  const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
+  double complex  value[64];
+  PetscReal       angle = 0;
+  PetscInt        exponent;
+  Wave            w;
+
+  PetscFunctionBegin;
+  PetscCall(WaveCreate(options, &w));
+  CHECK(w.bloch.turn == turn && w.bloch.size <= 64, "%s: a turn of %d steps", options, (int)w.bloch.turn);
+  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, w.eigen.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&w.eigen, PETSC_FALSE));
+  for (PetscInt a = 0; a < w.scene->layout.dim; a++)
+    angle += beta[a] * w.scene->step.drift[a].value * (PetscReal)w.bloch.period;
+  for (PetscInt i = 0; i < w.eigen.n; i++)
+    value[i] =
+        cpow(w.eigen.value[i] * scalbn(1, (int)exponent), (double)(w.bloch.period / w.bloch.turn)) * cexp(I * angle);
+  PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
+  for (PetscInt i = 0; i < w.eigen.n; i++) {
+    PetscInt nearest = i;
+
+    for (PetscInt j = i; j < w.eigen.n; j++)
+      if (cabs(value[j] - w.eigen.value[i]) < cabs(value[nearest] - w.eigen.value[i])) nearest = j;
+    CHECK(cabs(value[nearest] - w.eigen.value[i]) <= 1e-11 * fmax(1, cabs(value[nearest])), "%s: %.3g apart", options,
+          cabs(value[nearest] - w.eigen.value[i]));
+    value[nearest] = value[i];
+  }
+  PetscCall(WaveDestroy(&w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckTurns(void)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 0.9", 4));
+  PetscCall(CheckTurn("-formulation gas2 -basis quadratic -ppc 6 -drift -7/4 -offset 0.3 -courant 0.4", 2));
+  PetscCall(CheckTurn("-formulation musl -basis gimp -ppc 3 -drift 5/6 -courant 0.7 -transfer apic", 2));
+  PetscCall(CheckTurn("-formulation usl -ppc 1 -drift 1/8 -courant 0.9", 8));
+  PetscCall(CheckTurn("-dim 2 -formulation usl -basis quadratic -ppc 2,3 -drift 1/4,-2/3 -courant 0.5", 2));
+  PetscCall(CheckTurn("-dim 2 -formulation usf -basis cubic -ppc 2,2 -drift 1/4,1/3 -courant 0.5 -transfer apic", 6));
+  PetscCall(CheckTurn("-dim 3 -formulation gas1 -basis linear -ppc 2,1,2 -drift 1/2,1/2,3/4 -courant 0.2", 2));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- closed forms ---- */
 
 /* The options of scene n of many: any scheme, layout, material and dimension, at rest. */
@@ -118,6 +169,60 @@ static PetscErrorCode Random(int n, size_t room, char options[])
                           0.05 + 2.5 * MpmHash(n, 5), dim > 1 && formulation > 2 ? " -poisson " : "",
                           dim > 1 && formulation > 2 ? poissons[Choice(n, 6, 4)] : "",
                           formulation < 3 && transfer > 0 && Choice(n, 7, 2) ? " -pic_filter before" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the one of count numbers that is nearest to a number out of them; returns its distance. */
+static PetscReal TakeNearest(double complex number, PetscInt *count, double complex from[])
+{
+  PetscInt  nearest = 0;
+  PetscReal distance;
+
+  for (PetscInt i = 1; i < *count; i++)
+    if (cabs(from[i] - number) < cabs(from[nearest] - number)) nearest = i;
+  distance      = cabs(from[nearest] - number);
+  from[nearest] = from[--*count];
+  return distance;
+}
+
+/*
+   The amplification factors of the nodal operator and of the null space of P2G are those of the full matrix. Rounding
+   splits what is defective at a number of the null space.
+*/
+static PetscErrorCode CheckNodal(int n, PetscInt *checked)
+{
+  const PetscReal beta[MPM_MAX_DIM] = {0.7 + 0.01 * n, -1.9 + 0.03 * n, 2.6};
+  char            options[256];
+  double complex  value[MPM_MAX_IMAGES];
+  PetscInt        count;
+  PetscBool       ok;
+  Wave            w;
+
+  PetscFunctionBegin;
+  PetscCall(Random(n, sizeof options, options));
+  PetscCall(WaveCreate(options, &w));
+  if (w.bloch.nodal) {
+    const MpmBlochNodal *nodal = w.bloch.nodal;
+
+    ++*checked;
+    PetscCall(MpmBlochNodalFactors(w.bloch.nodal, &w.bloch, w.scene->step.courant, beta, value, &ok));
+    PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
+    count = w.bloch.size;
+    CHECK(ok && count == nodal->plan->nimages + nodal->all, "%s: %d factors", options, (int)count);
+    for (PetscInt i = 0; i < nodal->plan->nimages; i++) {
+      const PetscBool apart    = cabs(value[i] - 1) > 1e-3 && cabs(value[i] - nodal->factor) > 1e-3;
+      const PetscReal distance = TakeNearest(value[i], &count, w.eigen.value);
+
+      CHECK(distance <= (apart ? 1e-11 : 1e-4), "%s: %g %+gi is %.3g off", options, creal(value[i]), cimag(value[i]),
+            distance);
+    }
+    for (PetscInt i = 0; i < nodal->all; i++) {
+      const PetscReal distance = TakeNearest(i < nodal->rest ? 1 : nodal->factor, &count, w.eigen.value);
+
+      CHECK(distance <= 1e-4, "%s: a factor of the null space is %.3g off", options, distance);
+    }
+  }
+  PetscCall(WaveDestroy(&w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -406,12 +511,16 @@ static PetscErrorCode CheckSame(const char a[], const char b[])
 
 static PetscErrorCode Test(int argc, char **argv)
 {
+  PetscInt        checked           = 0;
   const PetscReal beta[MPM_MAX_DIM] = {0.7, 1.9, 2.6}, shear = sqrt((1 - 2 * 0.3) / (2 * (1 - 0.3)));
 
   PetscFunctionBegin;
   (void)argc;
   PetscCall(OracleGrowthNd(argv[1], 60, CheckRow));
+  PetscCall(CheckTurns());
   PetscCall(CheckRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
+  for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));
+  CHECK(checked >= 40, "%d nodal operators", (int)checked);
   for (int n = 0; n < 300; n++) PetscCall(CheckProblems(n));
   for (int n = 0; n < 60; n++) PetscCall(CheckLargest(n));
   PetscCall(CheckTriple("-dim 2 -formulation gas1 -ppc 1 -offset 0 -courant 0.1085"));

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks a part of the benchmark on tiny sizes, by what it finds and by its formulas, never by how long it takes.
 
-check_bench.py spectrum|startup|growth|scaling|boxes. MPMSTAB names the program. Silent when all is well.
+check_bench.py spectrum|phases|startup|growth|scaling|boxes. MPMSTAB names the program. Silent when all is well.
 """
 import contextlib
 import io
@@ -83,6 +83,16 @@ def check_spectrum():
         bench_spectrum.show_near(row | {"same": False, "difference": 0.25})
     check("another eigenvalue, 0.25 away: not compared" in said.getvalue() and "times as fast" not in said.getvalue(),
           f"two eigenvalues are compared: {said.getvalue()}")
+
+
+def check_phases():
+    found = run("phases", "--plane", "8", "--space", "4", "--dims", "2", "--drifts", "0", "--repeats", "1")
+    check([(row["task"], row["ranks"], row["target_s"]) for row in found["tasks"]] ==
+          [("symbol", 1, 1), ("symbol", 2, 60), *[("symbol", 1, None)] * 3, ("critical", 1, 0.1)], f"{found['tasks']}")
+    check([row["order"] for row in found["factors"]] == [4, 20, 72, 144], f"{found['factors']}")
+    for row in found["factors"]:
+        rates = 40 * row["order"]**3 / row["own_s"], 2 * row["dgemm_order"]**3 / row["dgemm_s"]
+        check(near(row["rate"], rates[0] / rates[1], 1e-9), f"rate: {row}")
 
 
 def check_startup():
@@ -183,6 +193,6 @@ def check_boxes():
 
 
 if __name__ == "__main__":
-    parts = {"spectrum": check_spectrum, "startup": check_startup, "growth": check_growth, "scaling": check_scaling,
-             "boxes": check_boxes}
+    parts = {"spectrum": check_spectrum, "phases": check_phases, "startup": check_startup, "growth": check_growth,
+             "scaling": check_scaling, "boxes": check_boxes}
     parts[sys.argv[1]]()

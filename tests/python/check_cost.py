@@ -3,7 +3,8 @@
 
 check_cost.py PROGRAM RECORDED COMPILER [--record]
 
-It counts what runs inside MpmMarchStep, per particle and step. A formulation as text costs as much as the same one of
+It counts what runs inside MpmMarchStep, per particle and step. A march is a formulation, a basis, the drift, and the
+dimension and 'jittered' where it is not the uniform one of one dimension. A formulation as text costs as much as the same one of
 the program, with any compiler. Another compiler makes other code, with which nothing is compared (status 77). --record
 writes new numbers; say in the commit what changed them.
 """
@@ -21,8 +22,10 @@ import program
 WITHIN = 0.1
 SAME = 1e-3
 TEXT = "musl linear 0"
-CELLS, PPC, STEPS = 2000, 2, 20
-MARCHES = ("gas2 linear 0", "usl quadratic 0.3", "musl linear 0")
+PPC, STEPS = 2, 20
+CELLS = {1: 2000, 2: 24, 3: 6}  # along each direction, by dimension
+MARCHES = ("gas2 linear 0", "usl quadratic 0.3", "musl linear 0",
+           "usl quadratic 0.01 2", "usl quadratic 0 3 jittered")
 
 
 def written(mpmstab, formulation, folder):
@@ -36,25 +39,28 @@ def written(mpmstab, formulation, folder):
 
 
 def instructions(mpmstab, march, as_text=False):
-    formulation, basis, drift = march.split()
+    formulation, basis, drift, *more = march.split()
+    dim = int(more[0]) if more else 1
+    box = ["-dim", str(dim), "-poisson", "0.3", "-jitter", "0.4" if more[1:] else "0"] if more else []
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "callgrind")
         scheme = written(mpmstab, formulation, folder) if as_text else ["-formulation", formulation]
         done = subprocess.run(["valgrind", "--tool=callgrind", "--toggle-collect=MpmMarchStep",
                                f"--callgrind-out-file={out}", mpmstab, "run", *scheme, "-basis", basis, "-drift",
-                               drift, "-cells", str(CELLS), "-ppc", str(PPC), "-steps", str(STEPS), "-courant", "0.1"],
+                               drift, "-cells", str(CELLS[dim]), "-ppc", str(PPC), "-steps", str(STEPS), "-courant", "0.1",
+                               *box],
                               capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"{march}: status {done.returncode}: {done.stderr}")
         with open(out, encoding="utf-8") as file:
             counted = int(re.search(r"^(?:summary|totals): (\d+)", file.read(), re.M).group(1))
     check(counted, f"{march}: no instruction was counted in MpmMarchStep")
-    return counted / (CELLS * PPC * STEPS)
+    return counted / ((CELLS[dim] * PPC) ** dim * STEPS)
 
 
 def check_text(mpmstab, march, built_in):
     """A formulation as text makes the same passes as the one of the program, so it costs the same."""
     as_text = instructions(mpmstab, march, as_text=True)
-    print(f"{march:18} {as_text:8.2f} as text")
+    print(f"{march:26} {as_text:8.2f} as text")
     check(abs(as_text / built_in - 1) < SAME, f"{march}: {as_text:.2f} instructions as text, {built_in:.2f} built in")
 
 
@@ -75,7 +81,7 @@ def main():
     off = []
     for march, now in found.items():
         before = recorded["instructions"][march]
-        print(f"{march:18} {now:8.2f} instructions per particle and step, recorded {before:8.2f} "
+        print(f"{march:26} {now:8.2f} instructions per particle and step, recorded {before:8.2f} "
               f"({now / before - 1:+.1%})")
         if abs(now / before - 1) > WITHIN:
             off.append(march)

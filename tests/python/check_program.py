@@ -81,6 +81,8 @@ def check_steps():
     near("critical", run("critical", "-program", program("program_steps.py", "usl"))["critical"]["critical_dt"], right, 2e-6)
     single = run("critical", "-program", program("program_steps.py", "usl", "single"))
     check(single["probing"]["single"], "single precision is not noticed")
+    rounded = run("symbol", "-program", program("program_steps.py", "usl", "single", "4096"))
+    check(rounded["probing"]["certificates"]["two sizes"]["holds"], f"places that are rounded coarsely: {rounded['probing']}")
     near("critical in single precision", single["critical"]["critical_dt"], right, 1e-5)
     check_at()
 

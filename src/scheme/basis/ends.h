@@ -107,6 +107,36 @@ static inline void Gather(Weights weights, const MpmBlock *b, PetscReal a, Petsc
   }
 }
 
+static inline void WeightsOfEach(Weights weights, const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  for (PetscInt p = 0; p < b->n; p++) {
+    PetscReal of_particle[NODES];
+
+    weights(b, p, of_particle);
+    for (int d = 0; d < NODES; d++) weight[d * stride + p] = of_particle[d];
+  }
+}
+
+static void PhiWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Phi, b, stride, weight);
+}
+
+static void GradientWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Gradient, b, stride, weight);
+}
+
+static void MomentWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Moment, b, stride, weight);
+}
+
+static void FittedWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Fitted, b, stride, weight);
+}
+
 static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
                        PetscInt *restrict first)
 {
@@ -158,6 +188,10 @@ static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict partic
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                                      \
-  .kernel = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine, [MPM_DIV] = Div,   [MPM_DIV_MLS] = DivMls,           \
-             [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2PAffine, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2PAffine,       \
-             [MPM_G2P_SLOPE] = Grad}
+  .weights = {[MPM_P2G]        = PhiWeights,                                                                           \
+              [MPM_P2G_AFFINE] = MomentWeights,                                                                        \
+              [MPM_DIV]        = GradientWeights,                                                                      \
+              [MPM_DIV_MLS]    = FittedWeights},                                                                          \
+  .kernel  = {[MPM_P2G] = P2G_,      [MPM_P2G_AFFINE] = P2GAffine, [MPM_DIV] = Div,   [MPM_DIV_MLS] = DivMls,          \
+              [MPM_G2P] = G2P_,      [MPM_G2P_AFFINE] = G2PAffine, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2PAffine,      \
+              [MPM_G2P_SLOPE] = Grad}

@@ -2,6 +2,7 @@
 #define NODES 2
 #define G2P_AFFINE Grad /* phi (x_i - x_p) h / D is -1 and 1; on a node it would be 0 / 0 */
 #define DIV_MLS Div
+#define MLS_WEIGHTS GradientWeights
 #define NO_CURVES
 #include "scheme/basis/nodes.h"
 

@@ -231,6 +231,31 @@ INLINE void Gather(Weights weights, const MpmBlock *b, PetscReal a, PetscReal *r
   GatherEach(weights, b->end, b->n, b, a, particle, node);
 }
 
+INLINE void WeightsOfEach(Weights weights, const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  for (PetscInt p = 0; p < b->n; p++) {
+    PetscReal of_particle[NODES];
+
+    (void)weights(b->xi[p], b->half_width, of_particle);
+    for (int d = 0; d < NODES; d++) weight[d * stride + p] = of_particle[d];
+  }
+}
+
+static void PhiWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Phi, b, stride, weight);
+}
+
+static void GradientWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Gradient, b, stride, weight);
+}
+
+static void MomentWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Moment, b, stride, weight);
+}
+
 static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
                        PetscInt *restrict first)
 {
@@ -272,6 +297,7 @@ static void Grad(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, P
 #ifndef G2P_AFFINE
 #define G2P_AFFINE G2PAffine
 #define DIV_MLS DivMls
+#define MLS_WEIGHTS FittedWeights
 static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
   Gather(Moment, b, a, particle, node);
@@ -281,10 +307,16 @@ static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle,
 {
   Scatter(Fitted, b, a, particle, node, NULL);
 }
+
+static void FittedWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Fitted, b, stride, weight);
+}
 #endif
 
 #ifdef NO_CURVES
 #define CURVES
+#define CURVE_WEIGHTS
 #else
 static void CurveForce(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
@@ -295,11 +327,24 @@ static void CurveForceMls(const MpmBlock *b, PetscReal a, PetscReal *restrict pa
 {
   Scatter(FittedSlopes, b, a, particle, node, NULL);
 }
+
+static void CurveWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(Curve, b, stride, weight);
+}
+
+static void FittedSlopeWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
+{
+  WeightsOfEach(FittedSlopes, b, stride, weight);
+}
 #define CURVES [MPM_CURVE] = CurveForce, [MPM_CURVE_MLS] = CurveForceMls,
+#define CURVE_WEIGHTS [MPM_CURVE] = CurveWeights, [MPM_CURVE_MLS] = FittedSlopeWeights,
 #endif
 
 #define KERNELS                                                                                                        \
   .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
-  .kernel = {CURVES[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,        \
-             [MPM_G2P] = G2P_,       [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,    \
-             [MPM_G2P_SLOPE] = Grad}
+  .weights = {CURVE_WEIGHTS[MPM_P2G] = PhiWeights, [MPM_P2G_AFFINE] = MomentWeights, [MPM_DIV] = GradientWeights,      \
+              [MPM_DIV_MLS] = MLS_WEIGHTS},                                                                            \
+  .kernel  = {CURVES[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,       \
+              [MPM_G2P] = G2P_,       [MPM_G2P_AFFINE] = G2P_AFFINE, [MPM_GRAD] = Grad, [MPM_GRAD_MLS] = G2P_AFFINE,   \
+              [MPM_G2P_SLOPE] = Grad}

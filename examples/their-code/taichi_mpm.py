@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+"""Taichi's own examples for 'mpmstab -program': taichi_mpm.py FILE [f64] [MATERIAL] [WHAT].
+
+FILE: mpm88, mpm99 or mpm3d of taichi/examples/simulation, as pip has installed it. f64: in double precision; they are
+written for single precision. MATERIAL, of mpm99: liquid, jelly or snow. The state is a block of particles at rest in the
+middle of the grid, 2 in a cell in each direction. WHAT is another state: interior is the same one, without an answer for
+other numbers of particles, so that mpmstab asks only for the interior; block has 6 cells in each direction; lone is one
+particle; demo is the scene that the file begins with, and demo N has N of its particles.
+
+The file is run as it is, without its window, but for this: dt is a number that a kernel reads, so that a new one needs no
+compilation; and without demo nothing has weight, because a block that falls is not in equilibrium.
+"""
+import ast
+import contextlib
+import importlib.util
+import linecache
+import pathlib
+import sys
+
+import numpy
+
+from mpmstab.adapter import serve
+
+with contextlib.redirect_stdout(sys.stderr):  # Taichi prints what it is; standard output is for answers
+    import taichi as ti
+
+    ti.init(arch=ti.cpu, default_fp=ti.f64 if "f64" in sys.argv else ti.f32, cpu_max_num_threads=1)
+FILE = pathlib.Path(importlib.util.find_spec("taichi").origin).parent / "examples/simulation" / f"{sys.argv[1]}.py"
+DEMO, MATERIALS = "demo" in sys.argv, ("liquid", "jelly", "snow")
+LINE = {2: 26, 3: 18}  # particles of the block in each direction
+LOADED = {}
+
+
+class Changes(ast.NodeTransformer):
+    """What is changed in their functions."""
+
+    def visit_Name(self, node):
+        return ast.parse("dt[None]", mode="eval").body if node.id == "dt" else node
+
+    def visit_AugAssign(self, node):
+        weight = isinstance(node.op, ast.Sub) and "dt *" in ast.unparse(node.value)  # velocity -= dt * gravity
+        return ast.Pass() if weight and not DEMO else self.generic_visit(node)
+
+
+def load(**constants):
+    """What the file defines before it opens a window, with these values of its constants."""
+    body = [node for node in ast.parse(FILE.read_text(encoding="utf-8")).body if not isinstance(node, ast.Expr)]
+    window = next((i for i, node in enumerate(body) if isinstance(node, ast.Assign) and "GUI" in ast.dump(node)), None)
+    body = [Changes().visit(node) if isinstance(node, ast.FunctionDef) else node for node in body[:window]]
+    text = ast.unparse(ast.fix_missing_locations(ast.Module(body, [])))
+    linecache.cache[str(FILE)] = (len(text), None, text.splitlines(True), str(FILE))  # kernels are compiled from there
+    theirs = {"__name__": FILE.stem}
+    for node in ast.parse(text).body:
+        exec(compile(ast.Module([node], []), str(FILE), "exec"), theirs)
+        theirs.update({name: value for name, value in constants.items() if name in theirs})
+    fields = {name: theirs.get(name, theirs.get(f"F_{name}")) for name in ("x", "v", "C", "F", "J", "Jp")}
+    theirs["fields"] = {name: field for name, field in fields.items() if field is not None}
+    theirs["given"], theirs["dt"] = theirs["dt"], ti.field(float, ())
+    for name in set(MATERIALS).intersection(sys.argv):
+        theirs["material"].fill(MATERIALS.index(name))
+    return theirs
+
+
+def step(state, dt, **constants):
+    """A step of theirs. Other constants or another number of particles need fields of their own."""
+    key = (len(state["x"]), *constants.values())
+    if key not in LOADED:
+        LOADED[key] = load(n_particles=key[0], **constants)
+    theirs = LOADED[key]
+    for name, field in theirs["fields"].items():
+        field.from_numpy(state[name])
+    theirs["dt"][None] = dt
+    theirs["substep"]()
+    return {name: field.to_numpy() for name, field in theirs["fields"].items()}
+
+
+first = load(**{"n_particles": int(word) for word in sys.argv if word.isdigit()})
+h, c = first["dx"], first["E"] ** 0.5
+if DEMO:
+    first.get("init", first.get("initialize"))()
+state = {name: field.to_numpy() for name, field in first["fields"].items()}
+if not DEMO:
+    dim, kind = state["x"].shape[1], state["x"].dtype
+    n = 1 if "lone" in sys.argv else 12 if "block" in sys.argv else LINE[dim]
+    line = (numpy.arange(n) + 0.5) / 2 + first["n_grid"] // 2 - n // 4
+    rest = {"x": numpy.stack(numpy.meshgrid(*dim * [line * h]), -1).reshape(-1, dim), "F": numpy.eye(dim), "J": 1, "Jp": 1}
+    state = {name: (numpy.zeros((len(rest["x"]), *a.shape[1:])) + rest.get(name, 0)).astype(kind) for name, a in state.items()}
+says = {"x": {"place": True}, "v": {"scale": c}, "C": {"scale": c / h}, "F": {"scale": 1}, "J": {"scale": 1}, "Jp": {"scale": 1}}
+parameters = {"dt": first["given"], **{name: first[name] for name in ("E", "gravity") if name in first}}
+serve(step, state, cell_width=h, fields={name: says[name] for name in state}, parameters=parameters,
+      name=" ".join(sys.argv[1:]), any_count="interior" not in sys.argv)

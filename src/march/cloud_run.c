@@ -1,0 +1,191 @@
+/* Takes the particles of a rank through a pass, cloud by cloud. */
+#include "march/clouds.h"
+#include <stdint.h>
+
+#define LINE 64 /* bytes in a line of the cache: the values of a node are in one line */
+
+/* The places of a cloud, before DRIFT or after it, and its weights, by direction and number of the kind in the plan. */
+typedef struct {
+  MpmCloud  cloud;
+  PetscReal weight[MPM_MAX_DIM][MPM_MOST_KINDS][MPM_MOST_NODES * MPM_CLOUD];
+} Placed;
+
+/* Memory for a cloud while it is in a pass. product: the numbers of a cloud's particles for each product of weights. */
+typedef struct {
+  Placed placed[2];
+  _Alignas(LINE) PetscReal product[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
+  const MpmCloudPlan *plan;
+  PetscReal          *node[2 * (MPM_MAX_FIELDS + 1)]; /* node 0 of each bundle */
+} Work;
+
+/* Finds the nodes and the weights of the cloud, the n particles from begin on. */
+static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+{
+  const MpmMarch *march = a->march;
+  const MpmBasis *basis = march->scheme->basis;
+  MpmBlock        block;
+  PetscInt        cell[MPM_CLOUD];
+  PetscReal       xi[MPM_CLOUD];
+
+  placed->cloud.n = block.n = n;
+  block.xi                  = xi;
+  for (PetscInt p = 0; p < n; p++) placed->cloud.first[p] = 0;
+  for (PetscInt d = 0; d < march->grid->dim; d++) {
+    const PetscInt stride = march->grid->axis[d].stride;
+
+    MpmRowsMove(a, d, n, a->cell[d] + begin, a->xi[d] + begin, after, cell, xi);
+    block.half_width = march->layout->half_width[d];
+    MpmDirectionWalls(&march->layout->grid[d], march->grid->axis[d].first, block.wall);
+    basis->first_nodes(n, cell, xi, block.first);
+    for (PetscInt p = 0; p < n; p++) placed->cloud.first[p] += stride * block.first[p];
+    for (PetscInt k = 0; k < a->plan->nkinds; k++)
+      basis->weights[a->plan->kind[k]](&block, MPM_CLOUD, placed->weight[d][k]);
+  }
+}
+
+/* The weights of the kinds of a part. A part without a kind has phi_ip for it, and no map that uses the products. */
+static void TakeWeights(const MpmCloudPart *part, PetscInt dim, Placed *placed)
+{
+  for (PetscInt d = 0; d < dim; d++) {
+    placed->cloud.weight[d][0] = placed->cloud.weight[d][1] = placed->weight[d][0];
+    for (PetscInt k = 0; k < part->nkinds; k++) placed->cloud.weight[d][1 + k] = placed->weight[d][part->kind[k]];
+  }
+}
+
+/* Where the numbers of a map's lane and product are. */
+static PetscReal *NumbersOf(const MpmCloudMap *map, PetscInt width, Work *w)
+{
+  return w->product + width * MPM_CLOUD * map->product + map->lane;
+}
+
+static PetscBool SameNumbers(const MpmCloudMap *a, const MpmCloudMap *b)
+{
+  return a->product == b->product && a->lane == b->lane ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
+{
+  const MpmCloudPlan *plan  = w->plan;
+  const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
+
+  part->run(&placed->cloud, w->node[part->bundle], w->product);
+  for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
+    const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
+    const PetscReal *restrict from   = NumbersOf(m, width, w);
+    PetscReal *restrict q            = MpmRowsField(a, m->particle, begin);
+    PetscReal *restrict one          = w->one;
+
+    if (m == plan->map + part->begin || !SameNumbers(m, m - 1))
+      for (PetscInt p = 0; p < n; p++) one[p] = from[width * p];
+    for (PetscInt p = 0; p < n; p++) q[p] += m->a * weight[p] * one[p];
+  }
+}
+
+static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
+{
+  const MpmCloudPlan *plan  = w->plan;
+  const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
+  const PetscInt      products = MPM_PRODUCTS(a->march->grid->dim, PetscMax(part->nkinds, 1));
+
+  for (PetscInt i = 0; i < products * MPM_CLOUD * width; i++) w->product[i] = 0;
+  for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
+    const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
+    const PetscReal *restrict q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
+    PetscReal *restrict to           = NumbersOf(m, width, w);
+
+    for (PetscInt p = 0; p < n; p++) to[width * p] += m->a * weight[p] * q[p];
+  }
+  part->run(&placed->cloud, w->node[part->bundle], w->product);
+}
+
+static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
+{
+  Placed *placed = &w->placed[0];
+
+  Place(a, begin, n, 0, placed);
+  for (PetscInt s = 0; s < a->plan->nsteps; s++) {
+    const MpmRowStep *step = &a->plan->step[s];
+
+    for (const MpmCloudPart *part = w->plan->part + w->plan->first[s]; part < w->plan->part + w->plan->first[s + 1];
+         part++) {
+      TakeWeights(part, a->march->grid->dim, placed);
+      if (step->kind == MPM_ROW_GATHER)
+        RunGather(a, part, begin, placed, w);
+      else
+        RunSpread(a, part, begin, placed, w);
+    }
+    if (step->kind == MPM_ROW_SCALE)
+      MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
+    else if (step->kind == MPM_ROW_ADD)
+      MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
+    else if (step->kind == MPM_ROW_DRIFT) {
+      placed = &w->placed[1];
+      Place(a, begin, n, 1, placed);
+    } else if (step->kind == MPM_ROW_SAMPLE && a->sample)
+      a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
+  }
+}
+
+/* The number of nodes of a local array, with its ghosts. */
+static PetscInt Nodes(const MpmGrid *grid)
+{
+  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
+
+  return last->stride * (last->nodes + 2 * grid->ghost);
+}
+
+/* Copies the fields of a bundle that is read into it, or the sums of the others out of it. */
+static inline void CopyWidth(const MpmRowArrays *a, const MpmCloudBundle *bundle, const PetscInt width, PetscInt nodes,
+                             PetscReal *restrict values)
+{
+  PetscReal *field[MPM_BUNDLE] = {NULL};
+
+  for (PetscInt l = 0; l < width; l++)
+    field[l] = (bundle->sums ? a->sum : a->node)[bundle->node[PetscMin(l, bundle->n - 1)]] - a->march->grid->origin;
+  if (bundle->sums) {
+    for (PetscInt i = 0; i < nodes; i++)
+      for (PetscInt l = 0; l < bundle->n; l++) field[l][i] = values[width * i + l];
+    return;
+  }
+  for (PetscInt i = 0; i < nodes; i++)
+    for (PetscInt l = 0; l < width; l++) values[width * i + l] = field[l][i];
+}
+
+static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt nodes, PetscReal *restrict values)
+{
+  if (bundle->width == 4) CopyWidth(a, bundle, 4, nodes, values);
+  if (bundle->width == 8) CopyWidth(a, bundle, 8, nodes, values);
+}
+
+PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan)
+{
+  return plan->width * Nodes(grid) + LINE / sizeof(PetscReal);
+}
+
+PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
+{
+  const MpmGrid *grid  = a->march->grid;
+  const PetscInt count = a->march->particles->count, nodes = Nodes(grid);
+  PetscReal     *first = bundles + (LINE - (uintptr_t)bundles % LINE) / sizeof(PetscReal);
+  Work           work  = {.plan = plan};
+
+  PetscFunctionBegin;
+  for (PetscInt d = 0; d < grid->dim; d++)
+    work.placed[0].cloud.stride[d] = work.placed[1].cloud.stride[d] = grid->axis[d].stride;
+  for (PetscInt p = 0; p < MPM_CLOUD; p++) work.ones[p] = 1;
+  for (PetscInt b = 0; b < plan->nbundles; b++) {
+    const MpmCloudBundle *bundle = &plan->bundle[b];
+    PetscReal            *values = first + bundle->begin * nodes;
+
+    work.node[b] = values + bundle->width * grid->origin;
+    if (bundle->sums)
+      PetscCall(PetscArrayzero(values, bundle->width * nodes));
+    else
+      Copy(a, bundle, nodes, values);
+  }
+  for (PetscInt begin = 0; begin < count; begin += MPM_CLOUD)
+    RunCloud(a, begin, PetscMin(MPM_CLOUD, count - begin), &work);
+  for (PetscInt b = 0; b < plan->nbundles; b++)
+    if (plan->bundle[b].sums) Copy(a, &plan->bundle[b], nodes, first + plan->bundle[b].begin * nodes);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

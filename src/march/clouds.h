@@ -1,0 +1,55 @@
+/*
+   Passes in more than one dimension over particles that share no coordinate with one another, as in a jittered layout.
+   The particles go through a pass in clouds, in the order that they are in, and the maps act on bundles of node fields
+   (scheme/bundles.h).
+*/
+#pragma once
+#include "march/rows.h"
+#include "scheme/bundles.h"
+#include "scheme/lines.h"
+
+#define MPM_MOST_KINDS 6 /* kinds of weights: those of the operations that go to nodes */
+
+/* A map between a particle field and one of the fields of a bundle, with one of the products of weights. */
+typedef struct {
+  PetscInt    product, lane, particle;
+  PetscReal   a;
+  MpmProperty weight;
+} MpmCloudMap;
+
+/*
+   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to map[end - 1] of the plan, in the order of their
+   products and lanes. kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside
+   phi_ip.
+*/
+typedef struct {
+  PetscInt     bundle, begin, end, nkinds;
+  PetscInt     kind[MPM_BUNDLE_KINDS];
+  MpmBundleMap run;
+} MpmCloudPart;
+
+/* Node fields that a pass reads, or sums to, as a bundle. begin: where it begins in the memory for bundles, per node. */
+typedef struct {
+  PetscInt  n, width, begin, node[MPM_BUNDLE];
+  PetscBool sums;
+} MpmCloudBundle;
+
+/*S
+   MpmCloudPlan - what a row plan needs besides, to be run on clouds. Step s of it has part[first[s]] to
+   part[first[s + 1] - 1]; width is the sum of the widths of all bundles.
+S*/
+struct MpmCloudPlan_ {
+  PetscInt       nparts, nmaps, nbundles, width, first[2 * MPM_MAX_PASS_OPS + 1];
+  MpmCloudPart   part[2 * MPM_MAX_PASS_OPS];
+  MpmCloudMap    map[2 * MPM_MAX_PASS_OPS];
+  MpmCloudBundle bundle[2 * (MPM_MAX_FIELDS + 1)];
+};
+
+/* Not collective. Compiles what a row plan needs besides. */
+void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt dim, MpmCloudPlan *plan);
+
+/* Not collective. The numbers that the bundles of a plan take. */
+PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan);
+
+/* Not collective. Takes all particles through the pass, with memory for its bundles. Sums are set, ghosts included. */
+PetscErrorCode MpmCloudsRun(const MpmRowArrays *arrays, const MpmCloudPlan *plan, PetscReal bundles[]);

@@ -1,0 +1,73 @@
+/* Finds the rows of a rank's particles. They stay as they are until particles migrate. */
+#include "march/rows.h"
+
+/* The resting places of the particles. */
+typedef struct {
+  PetscInt   dim, count, *cell[MPM_MAX_DIM];
+  PetscReal *xi[MPM_MAX_DIM];
+} Places;
+
+/* The number of particles from begin on that are on one line, in cells that a line of nodes has room for. */
+static PetscInt Length(const Places *a, PetscInt begin)
+{
+  const PetscInt most = PetscMin(a->count - begin, MPM_BLOCK);
+  PetscInt       n    = 1;
+
+  for (; n < most; n++) {
+    const PetscInt on = a->cell[0][begin + n] - a->cell[0][begin];
+
+    if (on < 0 || on >= MPM_BLOCK) return n;
+    for (PetscInt d = 1; d < a->dim; d++)
+      if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
+  }
+  return n;
+}
+
+/* Whether n particles from begin on rest at the same places along x as those from of on, but for whole cells. */
+static PetscBool IsAlike(const Places *a, PetscInt of, PetscInt begin, PetscInt n, PetscBool altered)
+{
+  const PetscInt  *cell = a->cell[0] + begin, *of_cell = a->cell[0] + of;
+  const PetscReal *xi = a->xi[0] + begin, *of_xi = a->xi[0] + of;
+  PetscInt         differ = altered && cell[0] != of_cell[0];
+
+  for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of_cell[p] - of_cell[0]) | (xi[p] != of_xi[p]);
+  return differ ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* The number of rows, which are stored unless row is NULL. */
+static PetscInt Visit(const Places *a, PetscBool altered, MpmRow row[])
+{
+  PetscInt rows = 0, of = 0, before = 0;
+
+  for (PetscInt begin = 0, n; begin < a->count; begin += n, rows++) {
+    n = Length(a, begin);
+    if (row)
+      row[rows] = (MpmRow){.begin = begin, .alike = n == before ? IsAlike(a, of, begin, n, altered) : PETSC_FALSE};
+    of     = begin;
+    before = n;
+  }
+  if (row) row[rows].begin = a->count;
+  return rows;
+}
+
+PetscErrorCode MpmRowsFind(MpmMarch *march)
+{
+  const PetscBool altered = MpmBasisIsAltered(march->scheme->basis);
+  Places          places  = {.dim = march->layout->dim, .count = march->particles->count};
+
+  PetscFunctionBegin;
+  if (places.dim == 1 || march->clouds) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < places.dim; d++) {
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[d], &places.cell[d]));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[d], &places.xi[d]));
+  }
+  march->nrows = Visit(&places, altered, NULL);
+  PetscCall(PetscFree(march->row));
+  PetscCall(PetscMalloc1(march->nrows + 1, &march->row));
+  (void)Visit(&places, altered, march->row);
+  for (PetscInt d = 0; d < places.dim; d++) {
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[d], &places.xi[d]));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[d], &places.cell[d]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,151 @@
+/* The nodal operator of one Bloch mode: the plan of a table, run on the symbols of its maps. */
+#include "linalg/complex_inline.h"
+#include "linalg/small_qr.h"
+#include "symbol/bloch_nodal.h"
+
+/*
+   Nodes have one number of a number, and a vector of a vector or of a stress. An affine part adds to its vector's own
+   numbers. Displacements are sums of what else is in the state, so that each has a factor of 1 of its own; all of them are
+   left out.
+*/
+void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscReal *factor)
+{
+  const MpmScheme *scheme     = b->scheme;
+  const MpmTable  *t          = scheme->table;
+  PetscInt         numbers[2] = {0, 0}; /* without and with filter */
+
+  *all = MPM_NONE;
+  if (b->period > 1 || !scheme->transfer->null_factor || !MpmFormulationKeepsUnseen(scheme->formulation)) return;
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    PetscInt components = 0, seen;
+
+    numbers[t->filtered[r]] += b->ppc;
+    if (t->field[r] < 0 || t->component[r] > 0) continue;
+    for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
+    seen = scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
+    numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
+  }
+  *rest   = numbers[0];
+  *all    = numbers[0] + numbers[1];
+  *factor = scheme->transfer->null_factor(&scheme->numbers);
+}
+
+/* The sums over particles that a table begins: an upper bound of the images of its plan. */
+static PetscInt Sums(const MpmTable *t)
+{
+  PetscInt sums = 0;
+
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    sums += traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES && !t->ops[o].accumulates;
+  }
+  return sums;
+}
+
+PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
+{
+  const MpmScheme *scheme = b->scheme;
+  PetscInt         rest, all, n;
+  PetscReal        factor;
+  MpmNodalPlan    *plan;
+  MpmBlochNodal *new;
+
+  PetscFunctionBegin;
+  *nodal = NULL;
+  MpmBlochCountNull(b, &rest, &all, &factor);
+  if (b->layout->dim == 1 || all == MPM_NONE || scheme->formulation->written || MpmNodalWhyNot(scheme->table) ||
+      Sums(scheme->table) > MPM_MAX_IMAGES)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodalPlanCreate(scheme->table, &plan));
+  n = plan->nimages;
+  if (n != b->size - all) {
+    PetscCall(MpmNodalPlanDestroy(&plan));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscNew(nodal));
+  new  = *nodal;
+  *new = (MpmBlochNodal){.plan = plan, .beta = {NAN, NAN, NAN}, .rest = rest, .all = all, .factor = factor};
+  PetscCall(PetscMalloc3(plan->nmaps, &new->map, plan->nmaps, &new->maps, plan->degree + 1, &new->coefficient));
+  for (PetscInt m = 0; m < plan->nmaps; m++) new->maps[m] = &new->map[m];
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(n * n, &new->coefficient[j]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochNodalDestroy(MpmBlochNodal **nodal)
+{
+  PetscFunctionBegin;
+  if (!*nodal) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt j = 0; j <= (*nodal)->plan->degree; j++) PetscCall(PetscFree((*nodal)->coefficient[j]));
+  PetscCall(PetscFree3((*nodal)->map, (*nodal)->maps, (*nodal)->coefficient));
+  PetscCall(MpmNodalPlanDestroy(&(*nodal)->plan));
+  PetscCall(PetscFree(*nodal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The symbol of a map: a sum over particles of what goes to them and comes back, or that of an operation of nodes. */
+static double complex SymbolOf(const MpmBloch *b, const MpmNodalMap *map, const PetscReal beta[])
+{
+  double complex sum = 0;
+
+  if (map->n == 0) return MpmBlochOfNodes(b, &map->op, beta);
+  for (PetscInt i = 0; i < map->n; i++) {
+    const MpmNodalProduct *p = &map->product[i];
+
+    for (PetscInt j = 0; j < b->ppc; j++)
+      sum += MpmScaled(p->factor / b->mass, MpmConjTimes(MpmBlochTie(b, p->to_nodes, p->axis_nodes, j),
+                                                         MpmBlochTie(b, p->to_particles, p->axis_particles, j)));
+  }
+  return sum;
+}
+
+static PetscErrorCode SetPhase(MpmBlochNodal *nodal, MpmBloch *b, const PetscReal beta[])
+{
+  PetscBool same = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < nodal->plan->dim; a++)
+    if (!(nodal->beta[a] == beta[a])) same = PETSC_FALSE;
+  if (same) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscArraycpy(nodal->beta, beta, nodal->plan->dim));
+  MpmBlochSetPhase(b, beta);
+  for (PetscInt m = 0; m < nodal->plan->nmaps; m++) nodal->map[m] = SymbolOf(b, &nodal->plan->map[m], beta);
+  PetscCall(MpmNodalRun(nodal->plan, 1, nodal->maps, nodal->coefficient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochNodalFactors(MpmBlochNodal *nodal, MpmBloch *b, PetscReal courant, const PetscReal beta[],
+                                    double complex value[], PetscBool *ok)
+{
+  const MpmNodalPlan *plan = nodal->plan;
+  const PetscInt      n    = plan->nimages;
+  const PetscReal     x    = plan->stride == 2 ? courant * courant : courant;
+  double complex      matrix[MPM_MAX_IMAGES * MPM_MAX_IMAGES];
+
+  PetscFunctionBegin;
+  PetscCall(SetPhase(nodal, b, beta));
+  *ok = PETSC_TRUE;
+  for (PetscInt i = 0; i < n * n; i++) {
+    matrix[i] = 0;
+    for (PetscInt j = plan->degree; j >= 0; j--) matrix[i] = x * matrix[i] + nodal->coefficient[j][i];
+    if (!isfinite(creal(matrix[i])) || !isfinite(cimag(matrix[i]))) *ok = PETSC_FALSE;
+  }
+  if (*ok) MpmSmallQr(n, matrix, value, ok);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochNodalGrowths(MpmBlochNodal *nodal, MpmBloch *b, PetscReal courant, const PetscReal beta[],
+                                    PetscReal *growth, PetscReal *without_null, PetscBool *ok)
+{
+  PetscReal      largest = 0;
+  double complex value[MPM_MAX_IMAGES];
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochNodalFactors(nodal, b, courant, beta, value, ok));
+  if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < nodal->plan->nimages; i++) largest = PetscMax(largest, cabs(value[i]));
+  *without_null = *growth = largest;
+  if (nodal->rest > 0) *growth = PetscMax(*growth, 1);
+  if (nodal->all > nodal->rest) *growth = PetscMax(*growth, PetscAbsReal(nodal->factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
