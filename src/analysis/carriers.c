@@ -39,7 +39,7 @@ PetscErrorCode MpmCarriersFind(const MpmProgram *p, const MpmSpectrum *s, MpmCar
   Vec              x[2];
 
   PetscFunctionBegin;
-  *c = (MpmCarriers){.n = 0};
+  *c = (MpmCarriers){.n = 0, .all = particles, .dim = p->stepper->place == MPM_NONE ? 0 : p->stepper->dim};
   if (!s->eigen->n) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscCalloc1(particles, &squares));
   PetscCall(PetscMalloc1(particles, &shares));
@@ -60,6 +60,7 @@ PetscErrorCode MpmCarriersFind(const MpmProgram *p, const MpmSpectrum *s, MpmCar
   for (PetscInt i = 0; i < c->n; i++) {
     c->particle[i] = shares[i].particle;
     c->share[i]    = shares[i].share / all;
+    if (c->dim) PetscCall(PetscArraycpy(c->place[i], MpmStepperPlace(p->stepper, c->particle[i]), c->dim));
   }
   while (c->most < particles && sum < NEARLY_ALL * all) sum += shares[c->most++].share;
   PetscCall(PetscFree(squares));

@@ -20,10 +20,14 @@ PetscErrorCode MpmCertifiedVerdict(const MpmCertificates *c, PetscReal condition
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. */
+/*
+   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
+   too far away may be felt in every cell.
+*/
 static PetscBool IsBeyond(const MpmCertificates *c, MpmCertificate which, PetscReal condition, const MpmFinding *f)
 {
-  const PetscReal value = c->value[which], excess = f->growth - 1;
+  const PetscReal value  = c->value[which] * (PetscReal)(which == MPM_CERTIFY_REACH ? c->cells : 1),
+                  excess = f->growth - 1;
 
   if (which == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
   return excess > f->tolerance + condition * value ? PETSC_TRUE : PETSC_FALSE;

@@ -3,6 +3,7 @@
    of particles, a free block and a lone particle are cut from the lattice: their limits are often below the interior's.
 */
 #include "analysis/critical_program.h"
+#include "analysis/onset.h"
 #include "analysis/program_growth.h"
 #include "analysis/worst_phase.h"
 #include "base/progress.h"
@@ -10,12 +11,14 @@
 #include <mpmstab/errors.h>
 #include <math.h>
 
-#define BLOCK 6       /* cells of the free block in each direction */
-#define CLOSE 1e-6    /* relative: the search ends */
-#define FARTHEST 1e6  /* times the given step, or one over it, to which the search goes */
-#define BELOW 4       /* steps below a limit that are tried too, equally spaced */
-#define BESIDE 1e-3   /* relative: the modes are looked at so far above a limit */
-#define MOST_SITES 64 /* of a cell, at which a lone particle is looked at */
+#define BLOCK 6 /* cells of the free block in each direction, or fewer so that its operator is dense */
+#define BELOW 4 /* steps below a limit that are tried too, equally spaced; BELOW_PART: of a part */
+#define BELOW_PART 2
+#define BESIDE 1e-3      /* relative: the modes are looked at so far above a limit */
+#define FARTHEST 1e6     /* times the given step, or one over it, to which the search goes */
+#define FARTHEST_PART 16 /* times the interior's limit: a part that is stable there limits nothing */
+#define MOST_SITES 64    /* of a cell, at which a lone particle is looked at */
+#define TRIED 10         /* steps that a search takes, about, before it looks at BELOW others */
 
 const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle", "state"};
 
@@ -75,9 +78,10 @@ static PetscErrorCode GrowthOfMatrix(MpmProgram *p, PetscReal *growth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a time step is stable. A growth that is not known is none that is stable. */
-static PetscErrorCode IsStable(Search *s, PetscReal dt, PetscBool *stable)
+/* Growth - 1 at a time step. */
+static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
 {
+  Search     *s = context;
   MpmProgram *p = s->is_part ? &s->part : s->program;
   PetscReal   growth;
 
@@ -88,57 +92,24 @@ static PetscErrorCode IsStable(Search *s, PetscReal dt, PetscBool *stable)
     PetscCall(GrowthOfBlocks(p, s->critical->beta, &growth));
   else
     PetscCall(GrowthOfMatrix(p, &growth));
-  *stable = growth <= 1 + p->tolerance ? PETSC_TRUE : PETSC_FALSE;
+  *excess = growth - 1;
   PetscCall(MpmProgramForget(p));
   PetscCall(MpmProgressUpdate(s->progress, ++s->critical->probes, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the search ---- */
-
-static PetscErrorCode Bisect(Search *s, PetscReal lo, PetscReal hi, PetscReal *limit)
+static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
-  PetscFunctionBegin;
-  while (hi - lo > CLOSE * hi) {
-    const PetscReal middle = (lo + hi) / 2;
-    PetscBool       stable;
-
-    PetscCall(IsStable(s, middle, &stable));
-    if (stable)
-      lo = middle;
-    else
-      hi = middle;
-  }
-  *limit = lo;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds a stable and an unstable step next to one another, a factor of two apart; then what lies below. */
-static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscReal *limit)
-{
-  PetscReal dt = start, below = 0;
-  PetscBool stable, first;
+  const PetscBool beside = s->is_part && start == s->critical->limit[MPM_LIMIT_INTERIOR] ? PETSC_TRUE : PETSC_FALSE;
+  const MpmOnset  onset  = {.excess    = Excess,
+                            .context   = s,
+                            .start     = start,
+                            .farthest  = beside ? FARTHEST_PART : FARTHEST,
+                            .tolerance = s->program->tolerance,
+                            .below     = below};
 
   PetscFunctionBegin;
-  PetscCall(IsStable(s, dt, &first));
-  stable = first;
-  while (stable == first && dt < start * FARTHEST && dt > start / FARTHEST) {
-    dt *= first ? 2 : 0.5;
-    PetscCall(IsStable(s, dt, &stable));
-  }
-  *limit = first ? INFINITY : 0;
-  if (stable == first) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(first ? Bisect(s, dt / 2, dt, limit) : Bisect(s, dt, 2 * dt, limit));
-  for (int i = 1; i <= BELOW; i++) {
-    const PetscReal tried = *limit * i / (BELOW + 1);
-
-    PetscCall(IsStable(s, tried, &stable));
-    if (!stable) {
-      PetscCall(Bisect(s, below, tried, limit));
-      break;
-    }
-    below = tried;
-  }
+  PetscCall(MpmOnsetFind(&onset, limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -150,7 +121,7 @@ static PetscErrorCode Cut(Search *s, PetscInt site)
   const MpmProgram      *p  = s->program;
   const MpmProbeLattice *l  = &p->lattice;
   const MpmStepper      *of = p->stepper;
-  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(&p->probe, l);
+  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(&p->probe, l), block = s->critical->block;
 
   PetscFunctionBegin;
   s->cut           = *of;
@@ -162,29 +133,46 @@ static PetscErrorCode Cut(Search *s, PetscInt site)
     PetscBool in   = site == MPM_NONE || (cell == middle && l->site_of[i] == site) ? PETSC_TRUE : PETSC_FALSE;
 
     for (PetscInt a = 0; a < of->dim; a++) {
-      const PetscInt at = cell % l->cells[a] - l->cells[a] / 2;
+      const PetscInt at = cell % l->cells[a] - l->cells[a] / 2 + block / 2;
 
-      if (at < -BLOCK / 2 || at >= BLOCK / 2) in = PETSC_FALSE;
+      if (at < 0 || at >= block) in = PETSC_FALSE;
       cell /= l->cells[a];
     }
     if (in) PetscCall(PetscArraycpy(s->cut.base + s->cut.particles++ * w, of->base + i * w, w));
   }
-  s->part    = (MpmProgram){.request = p->request, .stepper = &s->cut, .whole = PETSC_TRUE};
+  s->part    = (MpmProgram){.request = p->request, .stepper = &s->cut, .whole = PETSC_TRUE, .alike = &p->probe};
   s->is_part = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode LimitOfPart(Search *s, PetscInt site, PetscReal start, PetscReal *limit)
+static PetscErrorCode Mend(Search *s)
 {
-  PetscReal found;
-
   PetscFunctionBegin;
-  PetscCall(Cut(s, site));
-  PetscCall(FindLimit(s, start, &found));
-  *limit = isnan(*limit) ? found : PetscMin(*limit, found);
-  s->program->stepper->calls += s->cut.calls - s->program->stepper->calls;
+  s->program->stepper->calls = s->cut.calls;
   PetscCall(PetscFree(s->cut.base));
   s->is_part = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit of a lone particle. A site that is stable at the limit of those before it has no lower one. */
+static PetscErrorCode LimitOfLone(Search *s, PetscReal start, PetscReal *limit)
+{
+  PetscFunctionBegin;
+  *limit = NAN;
+  for (PetscInt site = 0; site < PetscMin(s->program->lattice.sites, MOST_SITES); site++) {
+    PetscReal excess = INFINITY;
+
+    PetscCall(Cut(s, site));
+    if (site > 0 && *limit > 0 && isfinite(*limit)) PetscCall(Excess(s, *limit, &excess));
+    if (!(excess <= s->program->tolerance)) {
+      PetscReal found;
+
+      PetscCall(FindLimit(s, start, BELOW_PART, &found));
+      if (!(found >= *limit)) s->critical->site = site;
+      *limit = site > 0 ? PetscMin(*limit, found) : found;
+    }
+    PetscCall(Mend(s));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,9 +185,12 @@ static PetscErrorCode Parts(Search *s, PetscReal start)
   PetscFunctionBegin;
   PetscCall(MpmStepperSet(p->stepper, c->name, c->given));
   PetscCall(MpmProgramPrepare(p));
-  PetscCall(LimitOfPart(s, MPM_NONE, start, &c->limit[MPM_LIMIT_BLOCK]));
-  for (PetscInt site = 0; site < PetscMin(p->lattice.sites, MOST_SITES); site++)
-    PetscCall(LimitOfPart(s, site, start, &c->limit[MPM_LIMIT_LONE]));
+  if (c->block) {
+    PetscCall(Cut(s, MPM_NONE));
+    PetscCall(FindLimit(s, start, BELOW_PART, &c->limit[MPM_LIMIT_BLOCK]));
+    PetscCall(Mend(s));
+  }
+  PetscCall(LimitOfLone(s, start, &c->limit[MPM_LIMIT_LONE]));
   PetscCall(MpmProgramForget(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -230,39 +221,94 @@ static const char *Fault(const MpmProgram *p)
   return NULL;
 }
 
-/* Just above the limit its mode is looked at, and the certificates must hold there too. Then the given step is judged. */
-static PetscErrorCode Finish(MpmProgram *p, PetscReal started, PetscReal limit, MpmCriticalProgram *c)
+/* Just above a limit its mode is looked at, and the certificates must hold there, too. */
+static PetscErrorCode LookAbove(MpmProgram *p, PetscReal started, PetscReal limit, MpmCriticalProgram *c)
 {
-  PetscReal   beta[MPM_MAX_DIM] = {0};
-  MpmCarriers carriers          = {.n = 0};
-  MpmFinding  above;
+  MpmFinding above;
 
   PetscFunctionBegin;
-  if (limit > 0 && isfinite(limit)) {
-    PetscCall(JudgeAt(p, started, limit * (1 + BESIDE), c, &above));
-    PetscCall(PetscArraycpy(beta, c->beta, MPM_MAX_DIM));
-    carriers = c->carriers;
-    c->why   = Fault(p);
+  if (!(limit > 0) || !isfinite(limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(JudgeAt(p, started, limit * (1 + BESIDE), c, &above));
+  if (!c->why) c->why = Fault(p);
+  PetscCall(MpmProgramForget(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The kind with the least limit, MPM_NONE if none was found. */
+static PetscInt Least(const MpmCriticalProgram *c)
+{
+  PetscInt least = MPM_NONE;
+
+  for (PetscInt i = 0; i < MPM_LIMIT_KINDS; i++)
+    if (!isnan(c->limit[i]) && (least == MPM_NONE || c->limit[i] < c->limit[least])) least = i;
+  return least;
+}
+
+/* Looks at the limits' modes: the interior's wave, and the particles of what limits most. Then the given step is judged. */
+static PetscErrorCode Finish(Search *s, PetscReal started, PetscReal limit)
+{
+  MpmCriticalProgram *c     = s->critical;
+  MpmProgram         *p     = s->program;
+  const PetscInt      least = Least(c);
+  PetscReal           beta[MPM_MAX_DIM];
+  MpmCarriers         carriers;
+
+  PetscFunctionBegin;
+  PetscCall(LookAbove(p, started, limit, c));
+  PetscCall(PetscArraycpy(beta, c->beta, MPM_MAX_DIM));
+  if (least == MPM_LIMIT_BLOCK || least == MPM_LIMIT_LONE) {
+    PetscCall(MpmStepperSet(p->stepper, c->name, c->given));
+    PetscCall(MpmProgramPrepare(p));
+    PetscCall(Cut(s, least == MPM_LIMIT_LONE ? c->site : MPM_NONE));
+    s->part.alike = NULL;
+    PetscCall(LookAbove(&s->part, started, c->limit[least], c));
+    PetscCall(Mend(s));
     PetscCall(MpmProgramForget(p));
   }
+  carriers = c->carriers;
   PetscCall(JudgeAt(p, started, c->given, c, &c->finding));
   PetscCall(PetscArraycpy(c->beta, beta, MPM_MAX_DIM));
   c->carriers = carriers;
   if (!c->why) c->why = Fault(p);
-  for (int i = 0; i < MPM_LIMIT_KINDS; i++)
-    if (!isnan(c->limit[i]) && !(c->limit[i] >= c->critical)) c->critical = c->limit[i];
-  if (c->why) c->critical = NAN;
+  if (!c->why && least != MPM_NONE) c->critical = c->limit[least];
+  c->least = least;
   c->calls = p->stepper->calls;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriticalProgram *c)
+/* The largest block whose operator all eigenvalues are computed of, up to BLOCK cells each way; 0 if there is none. */
+static PetscInt BlockOf(const MpmProgram *p)
 {
-  MpmStepper *stepper = p->stepper;
-  PetscBool   found, bloch;
-  MpmProgress progress;
-  Search      s = {.program = p, .critical = c, .progress = &progress};
-  PetscReal   limit;
+  const MpmProbeLattice *l = &p->lattice;
+
+  for (PetscInt block = BLOCK; block > 1; block--) {
+    PetscInt  unknowns = l->sites * p->stepper->width;
+    PetscBool fits     = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < p->stepper->dim; a++) {
+      unknowns *= block;
+      if (l->cells[a] < block) fits = PETSC_FALSE;
+    }
+    if (fits && unknowns <= MPM_DENSE_MANY) return block;
+  }
+  return 0;
+}
+
+/* The calls that the search is going to take, about. */
+static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
+{
+  PetscInt64 calls = (TRIED + BELOW + 4) * (2 * (PetscInt64)p->columns + 3), block = p->lattice.sites;
+
+  if (p->kind != MPM_PROBE_BLOCH || !p->stepper->any_count) return calls;
+  for (PetscInt a = 0; a < p->stepper->dim; a++) block *= c->block;
+  calls += (TRIED + BELOW_PART) * (2 * block * p->stepper->width + 5);
+  return calls + (TRIED + BELOW_PART + p->lattice.sites) * (2 * (PetscInt64)p->stepper->width + 5);
+}
+
+PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
+{
+  const MpmStepper *stepper = p->stepper;
+  PetscBool         found;
 
   PetscFunctionBegin;
   *c = (MpmCriticalProgram){
@@ -274,14 +320,29 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
       "%s: it has no parameter %s above 0, which would be its time step; allowed: -program_dt NAME with one that "
       "it describes",
       stepper->where, c->name);
-  PetscCall(MpmProgressBegin("time steps tried", &progress));
   PetscCall(MpmProgramPrepare(p));
-  bloch = p->kind == MPM_PROBE_BLOCH ? PETSC_TRUE : PETSC_FALSE;
+  if (p->kind == MPM_PROBE_BLOCH && stepper->any_count) c->block = BlockOf(p);
+  c->expected = Expected(p, c);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriticalProgram *c)
+{
+  const PetscBool bloch = p->kind == MPM_PROBE_BLOCH ? PETSC_TRUE : PETSC_FALSE;
+  MpmProbe        sizes = p->probe;
+  MpmProgress     progress;
+  Search          s = {.program = p, .critical = c, .progress = &progress};
+  PetscReal       limit;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgressBegin("time steps tried", &progress));
   PetscCall(MpmProgramForget(p));
-  PetscCall(FindLimit(&s, c->given, &limit));
+  p->alike = &sizes;
+  PetscCall(FindLimit(&s, c->given, BELOW, &limit));
   c->limit[bloch ? MPM_LIMIT_INTERIOR : MPM_LIMIT_STATE] = limit;
-  if (bloch && stepper->any_count) PetscCall(Parts(&s, isfinite(limit) && limit > 0 ? limit : c->given));
+  if (bloch && p->stepper->any_count) PetscCall(Parts(&s, isfinite(limit) && limit > 0 ? limit : c->given));
+  p->alike = NULL;
   PetscCall(MpmProgressEnd(&progress));
-  PetscCall(Finish(p, started, limit, c));
+  PetscCall(Finish(&s, started, limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,7 @@
    MpmProgramLimitKind - whose limit it is.
 
      MPM_LIMIT_INTERIOR - of the cells of a lattice without an edge
-     MPM_LIMIT_BLOCK    - of 6 cells in each direction that are cut from the lattice and surrounded by nothing
+     MPM_LIMIT_BLOCK    - of some cells in each direction that are cut from the lattice and surrounded by nothing
      MPM_LIMIT_LONE     - of a particle alone, at the place in a cell at which it is least
      MPM_LIMIT_STATE    - of the particles that were described
 E*/
@@ -28,24 +28,30 @@ extern const char *const MpmProgramLimitNames[];
                largest
    critical  - the least limit; NaN where a certificate fails, and why says which
    probes    - the operators that were built; calls: on the first rank
+   expected  - the calls that it was going to take, about
    beta, dim - the phase of the wave that limits the interior
-   carriers  - the particles that carry the mode which limits the state
+   block     - cells of the free block in each direction; site: of the lone particle with the least limit
+   least     - the kind with the least limit, or MPM_NONE; carriers: the particles that carry its mode, unless it is the
+               interior
 S*/
 typedef struct {
   const char *name;
   PetscReal   given, limit[MPM_LIMIT_KINDS], critical, beta[MPM_MAX_DIM];
   MpmFinding  finding;
   const char *why;
-  PetscInt    probes, dim;
-  PetscInt64  calls;
+  PetscInt    probes, dim, block, site, least;
+  PetscInt64  calls, expected;
   MpmCarriers carriers;
 } MpmCriticalProgram;
 
 /*
-   MpmCriticalProgramFind - finds the limits by bisection, after doubling or halving the time step that the code came with.
-   Steps below each limit are tried too, so that it is the first one.
+   MpmCriticalProgramBegin - looks at the code, and says how many calls the search will take. MpmCriticalProgramFind finds
+   the limits: growth at a few time steps tells where they are. Steps below each limit are tried too, so that it is the
+   first one.
 
-   Collective. The program must have been opened, and not be prepared; afterwards it is prepared for the time step that it
-   came with, with its certificates. Errors: PETSC_ERR_USER_INPUT when the code has no such parameter, or fails.
+   Collective. The program must have been opened, and not be prepared; MpmCriticalProgramBegin prepares it. Afterwards it is
+   prepared for the time step that it came with, with its certificates. Errors: PETSC_ERR_USER_INPUT when the code has no
+   such parameter, or fails.
 */
+PetscErrorCode MpmCriticalProgramBegin(MpmProgram *program, MpmCriticalProgram *critical);
 PetscErrorCode MpmCriticalProgramFind(MpmProgram *program, PetscReal started, MpmCriticalProgram *critical);

@@ -85,6 +85,7 @@ PetscErrorCode MpmProgramPrepare(MpmProgram *p)
 {
   PetscFunctionBegin;
   PetscCall(MpmProbeCreate(p->stepper, &p->probe));
+  if (p->alike) MpmProbeSizesOf(&p->probe, p->alike);
   PetscCall(Choose(p));
   PetscCall(MpmProbeBegin(&p->probe, p->why[0] ? 1 : LONGEST));
   p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, MPM_TOLERANCE_SINGLE) : p->request->tolerance;

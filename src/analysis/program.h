@@ -14,6 +14,7 @@
    kind         - how it is probed; why: what stands against Bloch probing, empty if nothing does
    whole        - all particles are to be probed, even if cells are alike
    shell        - the operator of all particles is no matrix: its products are asked for
+   alike        - a probe whose sizes of perturbations are taken again; NULL: they are chosen
    lattice      - the cells of the base state, for Bloch probing
    colours      - of the coloured probing that was done last
    certificates - what shows that the operator is right; unread: unknowns that are only integrated
@@ -28,6 +29,7 @@ typedef struct {
   MpmProbeKind      kind;
   char              why[MPM_PROGRAM_WHY];
   PetscBool         whole, shell;
+  const MpmProbe   *alike;
   MpmProbeLattice   lattice;
   MpmProbeColours   colours;
   MpmCertificates   certificates;

@@ -4,6 +4,7 @@
 
 #define NEIGHBOURS 27 /* 3^dim, itself included */
 #define GAINS 1e-15   /* smaller relative gains are rounding */
+#define MOVES 8       /* with one step; after them it is doubled, since small steps get nowhere along a valley */
 
 /* The grid. In direction a its indices run over lo[a] .. points; index -i is the phase of i with the other sign. */
 typedef struct {
@@ -182,6 +183,9 @@ static PetscInt FindStarts(const Grid *g, PetscInt starts[])
 PetscErrorCode MpmZoomFrom(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal step, PetscReal beta[],
                            PetscReal *value)
 {
+  const PetscReal first = step;
+  PetscInt        moves = 0;
+
   PetscFunctionBegin;
   while (step > zoom->finest) {
     PetscReal best[MPM_MAX_DIM], least = *value, other;
@@ -199,8 +203,13 @@ PetscErrorCode MpmZoomFrom(const MpmZoom *zoom, MpmZoomFunction f, void *context
     if (least < *value) {
       *value = least;
       PetscCall(PetscArraycpy(beta, best, zoom->dim));
-    } else
+      if (++moves < MOVES) continue;
+      step  = PetscMin(2 * step, first);
+      moves = 0;
+    } else {
       step /= 2;
+      moves = 0;
+    }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -38,10 +38,12 @@ extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *
 
 /*S
    MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
-   the operator that does not matter.
+   the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
+   felt what is felt too far away.
 S*/
 typedef struct {
-  PetscReal value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
+  PetscReal  value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
+  PetscInt64 most[MPM_CERTIFICATES], cells;
 } MpmCertificates;
 
 #define MPM_TOLERANCE_SINGLE 1e-5 /* of a verdict: what single precision can tell */

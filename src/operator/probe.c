@@ -103,19 +103,21 @@ PetscReal MpmProbeDistance(const MpmProbe *p, const PetscReal one[], const Petsc
   return largest;
 }
 
-/* The largest change in an application to the base, over the scales, without the shift by whole cells. */
-static PetscReal Moved(const MpmProbe *p)
+/* Finds the largest change in an application to the base, over the scales, without the shift by whole cells. */
+static void FindMoved(MpmProbe *p)
 {
-  const MpmStepper *s       = p->stepper;
-  PetscReal         largest = 0;
+  const MpmStepper *s = p->stepper;
 
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
     const PetscInt  number = (PetscInt)(i % s->width), axis = PlaceAxis(s, number);
     const PetscReal ahead = axis == MPM_NONE ? 0 : p->shift[axis] * s->cell_width;
 
-    largest = PetscMax(largest, PetscAbsReal(Unwrap(s, axis, p->rest[i] - s->base[i] - ahead)) / p->scale[number]);
+    const PetscReal moved = PetscAbsReal(Unwrap(s, axis, p->rest[i] - s->base[i] - ahead)) / p->scale[number];
+
+    if (moved <= p->moved) continue;
+    p->moved    = moved;
+    p->moved_at = i;
   }
-  return largest;
 }
 
 /*
@@ -205,7 +207,7 @@ PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, Pets
 PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
 {
   PetscFunctionBegin;
-  *p = (MpmProbe){.stepper = s, .near = NEAR_SINGLE};
+  *p = (MpmProbe){.stepper = s, .near = NEAR_SINGLE, .bends_at = MPM_NONE, .moved_at = MPM_NONE};
   for (PetscInt64 i = 0; i < s->particles * s->width; i++)
     if (s->base[i] != (PetscReal)(float)s->base[i]) p->near = NEAR;
   PetscCall(Scales(p));
@@ -249,14 +251,20 @@ static PetscErrorCode Compare(MpmProbe *p, PetscBool places, PetscReal differ[])
     PetscCall(RespondInPart(p, places, size[k], response[k]));
   }
   for (int k = 0; k + 1 < SIZES; k++) {
-    PetscReal most = 0, peak = 0;
+    PetscReal  most = 0, peak = 0;
+    PetscInt64 at = MPM_NONE;
 
     for (PetscInt64 i = 0; i < n; i++) {
-      most = PetscMax(most, PetscAbsReal(response[k][i] - response[k + 1][i]));
+      const PetscReal difference = PetscAbsReal(response[k][i] - response[k + 1][i]);
+
+      if (difference > most) at = i;
+      most = PetscMax(most, difference);
       peak = PetscMax(peak, PetscAbsReal(response[k][i]));
     }
     differ[k] = PetscMax(differ[k], most);
-    if (size[k] <= small && peak > 0) p->bends = PetscMax(p->bends, most / peak);
+    if (!(size[k] <= small && most > p->bends * peak)) continue;
+    p->bends    = most / peak;
+    p->bends_at = at;
   }
   for (int k = 0; k < SIZES; k++) PetscCall(PetscFree(response[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,6 +311,15 @@ static PetscErrorCode Share(MpmProbe *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmProbeSizesOf(MpmProbe *p, const MpmProbe *other)
+{
+  p->single   = other->single;
+  p->size     = other->size;
+  p->other    = other->other;
+  p->bends    = other->bends;
+  p->bends_at = MPM_NONE;
+}
+
 PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
 {
   MpmStepper      *s = p->stepper;
@@ -318,10 +335,12 @@ PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
   PetscCall(MpmStepperAgree(s));
   if (s->place == MPM_NONE || !HasShifted(s, p->near, p->rest, p->shift))
     PetscCall(PetscArrayzero(p->shift, MPM_MAX_DIM));
-  p->moved = Moved(p);
-  PetscCall(AnswersFloats(p, again));
+  FindMoved(p);
+  if (p->size == 0) {
+    PetscCall(AnswersFloats(p, again));
+    PetscCall(ChooseSizes(p));
+  }
   PetscCall(PetscFree(again));
-  PetscCall(ChooseSizes(p));
   PetscCall(MpmStepperAgree(s));
   PetscCall(Share(p));
   PetscFunctionReturn(PETSC_SUCCESS);

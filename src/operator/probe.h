@@ -21,16 +21,17 @@
    scale   - for each number of a particle what a change of order 1 means
    size, other - the two sizes of perturbations, in scales
    bends   - how much the response to a random perturbation depends on its size, relative to it; where nothing switches
-             it is small
+             it is small; bends_at: the unknown of which that is so
    rest    - the state after steps from the base
    moved   - the largest change of a number in an application to the base, over its scale, without the shift: 0 in
-             equilibrium
+             equilibrium; moved_at: its unknown
 S*/
 typedef struct {
   MpmStepper *stepper;
   PetscInt    steps, shift[MPM_MAX_DIM];
   PetscBool   single;
   PetscReal  *scale, near, size, other, bends, *rest, moved;
+  PetscInt64  bends_at, moved_at;
 } MpmProbe;
 
 /*
@@ -41,6 +42,9 @@ typedef struct {
 PetscErrorCode MpmProbeCreate(MpmStepper *stepper, MpmProbe *probe);
 PetscErrorCode MpmProbeBegin(MpmProbe *probe, PetscInt longest);
 PetscErrorCode MpmProbeDestroy(MpmProbe *probe);
+
+/* Not collective. Takes precision and sizes from another probe, before MpmProbeBegin, which then does not look for them. */
+void MpmProbeSizesOf(MpmProbe *probe, const MpmProbe *other);
 
 /*
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of

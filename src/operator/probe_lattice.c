@@ -108,6 +108,31 @@ static PetscErrorCode Sort(const MpmProbe *p, MpmProbeLattice *l, Place places[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Keeps the places of sites, and how far apart they are at most along each direction, also across a face. */
+static PetscErrorCode KeepSites(const MpmStepper *s, const Place places[], MpmProbeLattice *l)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(l->sites * MPM_MAX_DIM, &l->xi));
+  for (PetscInt j = 0; j < l->sites; j++) PetscCall(PetscArraycpy(l->xi + j * MPM_MAX_DIM, places[j].xi, MPM_MAX_DIM));
+  for (PetscInt a = 0; a < s->dim; a++) {
+    l->lo[a] = l->hi[a] = l->xi[a];
+    for (PetscInt j = 0; j < l->sites; j++) {
+      const PetscReal at   = l->xi[j * MPM_MAX_DIM + a];
+      PetscReal       next = 1;
+
+      for (PetscInt k = 0; k < l->sites; k++) {
+        const PetscReal ahead = l->xi[k * MPM_MAX_DIM + a] - at;
+
+        if (PetscAbsReal(ahead) > BESIDE) next = PetscMin(next, ahead > 0 ? ahead : 1 + ahead);
+      }
+      l->lo[a]  = PetscMin(l->lo[a], at);
+      l->hi[a]  = PetscMax(l->hi[a], at);
+      l->gap[a] = PetscMax(l->gap[a], next);
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmProbeLatticeFind(const MpmProbe *p, MpmProbeLattice *l, size_t room, char why_not[])
 {
   const MpmStepper *s = p->stepper;
@@ -130,6 +155,7 @@ PetscErrorCode MpmProbeLatticeFind(const MpmProbe *p, MpmProbeLattice *l, size_t
       l->cell_of[places[i].particle] = (PetscInt)(i / l->sites);
       l->site_of[places[i].particle] = (PetscInt)(i % l->sites);
     }
+    PetscCall(KeepSites(s, places, l));
   }
   PetscCall(PetscFree(places));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -139,6 +165,7 @@ PetscErrorCode MpmProbeLatticeDestroy(MpmProbeLattice *l)
 {
   PetscFunctionBegin;
   if (l->particle) PetscCall(PetscFree3(l->particle, l->cell_of, l->site_of));
+  PetscCall(PetscFree(l->xi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,13 +196,25 @@ static PetscInt Distance(const MpmProbeLattice *l, PetscInt cell, PetscInt from,
   return d > n / 2 ? d - n : d;
 }
 
-/* Whether a cell is so far away that what arrives there could have come, or gone on, beyond the edge. */
-static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt cell, PetscInt from)
+/*
+   Whether a site of a cell is so far from one of another cell that what arrives there could have come, or gone on, beyond
+   the edge: it is in the last layer of particles, or nearly half a period away. Of a cell half a period away it is not known
+   on which side it is.
+*/
+static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt cell, PetscInt site, PetscInt from,
+                       PetscInt from_site)
 {
   for (PetscInt a = 0; a < s->dim; a++) {
-    const PetscInt at = Along(l, cell, a), n = l->cells[a];
+    const PetscReal xi = l->xi[site * MPM_MAX_DIM + a], apart = xi - l->xi[from_site * MPM_MAX_DIM + a];
+    const PetscInt  at = Along(l, cell, a), n = l->cells[a];
 
-    if (l->wraps[a] ? 2 * PetscAbsInt(Distance(l, cell, from, a)) >= n - 1 : at == 0 || at == n - 1) return PETSC_TRUE;
+    if (l->wraps[a]) {
+      const PetscInt  d    = Distance(l, cell, from, a);
+      const PetscReal away = remainder((PetscReal)d + apart, (PetscReal)n);
+
+      if (2 * d == n || 2 * PetscAbsReal(away) + l->gap[a] > n - BESIDE) return PETSC_TRUE;
+    } else if ((at == 0 && xi < l->lo[a] + BESIDE) || (at == n - 1 && xi > l->hi[a] - BESIDE))
+      return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -207,9 +246,13 @@ static PetscErrorCode Keep(const MpmProbe *p, const MpmProbeLattice *l, PetscInt
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(cells, &peak));
   for (PetscInt c = 0; c < cells; c++) {
-    for (PetscInt e = 0; e < square; e++) peak[c] = PetscMax(peak[c], PetscAbsReal(all[c * square + e]));
+    for (PetscInt e = 0; e < square; e++) {
+      const PetscReal value = PetscAbsReal(all[(size_t)c * square + e]);
+
+      if (value > far && IsFar(s, l, c, e % b->order / s->width, from, e / b->order / s->width)) far = value;
+      peak[c] = PetscMax(peak[c], value);
+    }
     largest = PetscMax(largest, peak[c]);
-    if (IsFar(s, l, c, from)) far = PetscMax(far, peak[c]);
     if (peak[c] > 0) b->n++;
   }
   b->farthest = largest > 0 ? far / largest : 0;

@@ -11,13 +11,15 @@
 
    cells    - their number in each direction; first: the cell with the least indices
    wraps    - whether they fill the period of that direction, so that they have no edge there
-   sites    - the number of particles in each cell
+   sites    - the number of particles in each cell; xi: their places in it, MPM_MAX_DIM numbers each, 0 without a place
+   lo, hi   - the least and the largest of these in each direction; gap: the largest distance of two next to one another
    particle - the particle of each site of each cell: particle[cell * sites + site], x fastest
    cell_of, site_of - the same the other way round
 S*/
 typedef struct {
   PetscInt    cells[MPM_MAX_DIM], first[MPM_MAX_DIM], sites;
   PetscBool   wraps[MPM_MAX_DIM];
+  PetscReal  *xi, lo[MPM_MAX_DIM], hi[MPM_MAX_DIM], gap[MPM_MAX_DIM];
   PetscInt64 *particle;
   PetscInt   *cell_of, *site_of;
 } MpmProbeLattice;
@@ -27,7 +29,7 @@ typedef struct {
 
    order  - of a block: sites times numbers of a particle
    n      - number of blocks; d: their distances, MPM_MAX_DIM numbers each; A: the blocks by columns, one after another
-   farthest - the largest entry of the blocks at the edge of the cells, over the largest of all: 0 when nothing arrives
+   farthest - the largest entry of the blocks for particles at the edge, over the largest of all: 0 when nothing arrives
             there
 S*/
 typedef struct {

@@ -250,6 +250,11 @@ PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particle
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const PetscReal *MpmStepperPlace(const MpmStepper *s, PetscInt64 particle)
+{
+  return s->place == MPM_NONE ? NULL : s->base + particle * s->width + s->fields[s->place].first;
+}
+
 PetscErrorCode MpmStepperParameterOf(const MpmStepper *s, const char name[], PetscReal *value, PetscBool *found)
 {
   PetscFunctionBegin;

@@ -77,6 +77,9 @@ struct MpmStepper_ {
 PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper);
 PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper);
 
+/* Not collective. The place of a particle in the base state, dim numbers; NULL if no field is the place. */
+const PetscReal *MpmStepperPlace(const MpmStepper *stepper, PetscInt64 particle);
+
 /* Collective. Ends the child or closes the library. */
 PetscErrorCode MpmStepperDestroy(MpmStepper **stepper);
 

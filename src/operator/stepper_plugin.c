@@ -2,6 +2,9 @@
 #include "operator/stepper.h"
 #include <mpmstab/errors.h>
 #include <dlfcn.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
 
 typedef struct {
   void *library;
@@ -10,6 +13,33 @@ typedef struct {
   int (*step)(int steps, int64_t particles, double state[]);
   const char *(*error)(void);
 } Plugin;
+
+/* What a library that crashes would say, and whether one of its functions is running. */
+static char                  last_words[PETSC_MAX_PATH_LEN + 64];
+static volatile sig_atomic_t inside;
+
+/* A crash in the library is not one of mpmstab: it is said whose it is, and the process ends as for other bad input. */
+static void Crash(int number)
+{
+  if (inside) {
+    const ssize_t told = write(STDERR_FILENO, last_words, strlen(last_words));
+
+    _exit(told > 0 ? 2 : 1);
+  }
+  (void)signal(number, SIG_DFL);
+  (void)raise(number);
+}
+
+static PetscErrorCode CatchCrashes(const char where[])
+{
+  static const int numbers[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+  PetscFunctionBegin;
+  PetscCall(
+      PetscSNPrintf(last_words, sizeof last_words, "mpmstab: %s: it has crashed in one of its functions\n", where));
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) (void)signal(numbers[i], Crash);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static const char *Said(const Plugin *p)
 {
@@ -21,18 +51,26 @@ static const char *Said(const Plugin *p)
 static PetscErrorCode Set(MpmStepper *s, const char name[], PetscReal value)
 {
   const Plugin *p = s->context;
+  int           failed;
 
   PetscFunctionBegin;
-  if (p->set(name, value)) PetscCall(MpmStepperFail(s, "set %s to %.17g: %.400s", name, (double)value, Said(p)));
+  inside = 1;
+  failed = p->set(name, value);
+  inside = 0;
+  if (failed) PetscCall(MpmStepperFail(s, "set %s to %.17g: %.400s", name, (double)value, Said(p)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Step(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscReal state[])
 {
   const Plugin *p = s->context;
+  int           failed;
 
   PetscFunctionBegin;
-  if (p->step((int)steps, particles, state)) PetscCall(MpmStepperFail(s, "step: %.400s", Said(p)));
+  inside = 1;
+  failed = p->step((int)steps, particles, state);
+  inside = 0;
+  if (failed) PetscCall(MpmStepperFail(s, "step: %.400s", Said(p)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -94,7 +132,10 @@ PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper)
   PetscCall(PetscSNPrintf(s->where, sizeof s->where, "plugin %s", path));
   PetscCall(Open(s, path));
   if (!s->failure[0]) {
-    line = p->describe(&state);
+    PetscCall(CatchCrashes(s->where));
+    inside = 1;
+    line   = p->describe(&state);
+    inside = 0;
     if (line)
       PetscCall(MpmStepperDescribe(s, line));
     else

@@ -4,22 +4,24 @@
 #include <string.h>
 
 static const char *const rows[]  = {"interior", "free block", "lone particle", "state"};
-static const char *const texts[] = {"cells alike in all directions, without an edge",
-                                    "6 cells each way, with nothing around them", "a particle with nothing around it",
-                                    "the particles that the code described"};
+static const char *const texts[] = {"cells alike in all directions, without an edge", "with nothing around it",
+                                    "a particle with nothing around it", "the particles that the code described"};
 
 static PetscErrorCode PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKind kind)
 {
-  const PetscReal limit = c->limit[kind];
+  const PetscReal limit     = c->limit[kind];
+  char            block[32] = "";
 
   PetscFunctionBegin;
   if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (kind == MPM_LIMIT_BLOCK)
+    PetscCall(PetscSNPrintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block));
   if (isinf(limit))
-    MpmPrint("  %-14s %-13s %s\n", rows[kind], "none found", texts[kind]);
+    MpmPrint("  %-14s %-13s %s%s\n", rows[kind], "none found", block, texts[kind]);
   else if (limit == 0)
-    MpmPrint("  %-14s %-13s %s; all steps that were tried are unstable\n", rows[kind], "none", texts[kind]);
+    MpmPrint("  %-14s %-13s %s%s; all steps that were tried are unstable\n", rows[kind], "none", block, texts[kind]);
   else
-    MpmPrint("  %-14s %-13.7g %s; the code came with %.4g%% of it\n", rows[kind], (double)limit, texts[kind],
+    MpmPrint("  %-14s %-13.7g %s%s; the code came with %.4g%% of it\n", rows[kind], (double)limit, block, texts[kind],
              (double)(100 * c->given / limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -38,12 +40,20 @@ static PetscErrorCode PrintMissing(const MpmProgram *p, const MpmCriticalProgram
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalProgram *c, PetscMPIInt ranks)
+PetscErrorCode MpmReportCriticalPlan(const MpmCriticalProgram *c)
+{
+  PetscFunctionBegin;
+  MpmPrint("  the search for the largest stable %s takes about %.2g calls", c->name, (double)c->expected);
+  if (c->block) MpmPrint(", most of them for a free block of %" PetscInt_FMT " cells each way", c->block);
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalProgram *c)
 {
   char beta[96];
 
   PetscFunctionBegin;
-  PetscCall(MpmReportProgram(p, ranks));
   PetscCall(MpmReportCertificates(&p->certificates));
   PetscCall(MpmReportApart(p));
   MpmPrint("\nlargest stable %s, in the code's own units\n", c->name);
@@ -52,7 +62,8 @@ PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalPr
     PetscCall(MpmReportVector(c->dim, c->beta, 6, sizeof beta, beta));
     MpmPrint("the wave that limits the interior: beta = %s\n", beta);
   }
-  PetscCall(MpmReportCarriers(p, &c->carriers));
+  if (c->carriers.n) MpmPrint("what limits: the %s\n", rows[c->least]);
+  PetscCall(MpmReportCarriers(&c->carriers));
   PetscCall(PrintMissing(p, c));
   if (c->why)
     MpmPrint("critical %s: undecided, since %s\n", c->name, c->why);
@@ -82,7 +93,7 @@ PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *p, const MpmCritica
   if (!isnan(c->limit[MPM_LIMIT_INTERIOR]))
     json_object_set(critical, "limited_by_beta", c->dim == 1 ? json_array_get(beta, 0) : beta);
   json_decref(beta);
-  if (c->carriers.n) json_object_set_new(critical, "carriers", MpmJsonCarriers(p, &c->carriers));
+  if (c->carriers.n) json_object_set_new(critical, "carriers", MpmJsonCarriers(&c->carriers));
   json_object_set_new(critical, "evaluations", json_integer(c->probes));
   MpmJsonSet(critical, "seconds", wall_s);
   if (c->why) json_object_set_new(critical, "undecided", json_string(c->why));

@@ -58,6 +58,27 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Names the number of a particle that shows most that a certificate fails, with its place. */
+static PetscErrorCode PrintMost(const MpmStepper *s, MpmCertificate c, PetscInt64 unknown)
+{
+  const PetscReal *at;
+  char             place[96];
+  PetscInt         f = 0;
+
+  PetscFunctionBegin;
+  if (unknown == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  while (f + 1 < s->nfields && s->fields[f + 1].first <= unknown % s->width) f++;
+  MpmPrint("%s fails most at %s of particle %" PetscInt64_FMT, MpmCertificateNames[c], s->fields[f].name,
+           unknown / s->width);
+  at = MpmStepperPlace(s, unknown / s->width);
+  if (at) {
+    PetscCall(MpmReportVector(s->dim, at, 6, sizeof place, place));
+    MpmPrint(", which is at %s", place);
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Names the numbers of particles that are set apart, field by field. */
 PetscErrorCode MpmReportApart(const MpmProgram *p)
 {
@@ -65,6 +86,8 @@ PetscErrorCode MpmReportApart(const MpmProgram *p)
   const char       *between = "";
 
   PetscFunctionBegin;
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++)
+    if (MpmCertificateFails(&p->certificates, c)) PetscCall(PrintMost(s, c, p->certificates.most[c]));
   if (p->unread.n == s->width) PetscFunctionReturn(PETSC_SUCCESS);
   MpmPrint("set apart, since nothing reads them back (they hold the eigenvalue %.6g): ", (double)p->unread.factor);
   for (PetscInt f = 0; f < s->nfields; f++) {
@@ -90,31 +113,28 @@ json_t *MpmJsonProgram(const MpmProgram *p)
                      (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
                      p->probe.size, "other_size", p->probe.other);
   json_object_set_new(object, "certificates", MpmJsonCertificates(&p->certificates));
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    if (isnan(p->certificates.value[c]) || p->certificates.most[c] == MPM_NONE) continue;
+    json_object_set_new(json_object_get(json_object_get(object, "certificates"), MpmCertificateNames[c]), "particle",
+                        json_integer((json_int_t)(p->certificates.most[c] / s->width)));
+  }
   for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
     if (p->unread.apart[i]) json_array_append_new(apart, json_integer(i));
   json_object_set_new(object, "set_apart", apart);
   return object;
 }
 
-static const PetscReal *PlaceOf(const MpmStepper *s, PetscInt64 particle)
-{
-  return s->place == MPM_NONE ? NULL : s->base + particle * s->width + s->fields[s->place].first;
-}
-
-PetscErrorCode MpmReportCarriers(const MpmProgram *p, const MpmCarriers *c)
+PetscErrorCode MpmReportCarriers(const MpmCarriers *c)
 {
   char place[96];
 
   PetscFunctionBegin;
   if (!c->n) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most,
-           p->stepper->particles);
+  MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most, c->all);
   for (PetscInt i = 0; i < c->n; i++) {
-    const PetscReal *at = PlaceOf(p->stepper, c->particle[i]);
-
     MpmPrint("%s particle %" PetscInt64_FMT, i ? "," : "", c->particle[i]);
-    if (at) {
-      PetscCall(MpmReportVector(p->stepper->dim, at, 6, sizeof place, place));
+    if (c->dim) {
+      PetscCall(MpmReportVector(c->dim, c->place[i], 6, sizeof place, place));
       MpmPrint(" at %s", place);
     }
     MpmPrint(" %.3g%%", (double)(100 * c->share[i]));
@@ -123,16 +143,15 @@ PetscErrorCode MpmReportCarriers(const MpmProgram *p, const MpmCarriers *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-json_t *MpmJsonCarriers(const MpmProgram *p, const MpmCarriers *c)
+json_t *MpmJsonCarriers(const MpmCarriers *c)
 {
   json_t *list = json_array();
 
   for (PetscInt i = 0; i < c->n; i++) {
-    const PetscReal *at    = PlaceOf(p->stepper, c->particle[i]);
-    json_t          *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
-    json_t          *place = json_array();
+    json_t *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
+    json_t *place = json_array();
 
-    for (PetscInt a = 0; a < p->stepper->dim && at; a++) json_array_append_new(place, json_real(at[a]));
+    for (PetscInt a = 0; a < c->dim; a++) json_array_append_new(place, json_real(c->place[i][a]));
     json_object_set_new(one, "place", place);
     json_array_append_new(list, one);
   }

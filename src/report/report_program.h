@@ -6,16 +6,16 @@
 /* Collective. Prints the code, how it is probed and why, and what that costs, before the work. */
 PetscErrorCode MpmReportProgram(const MpmProgram *program, PetscMPIInt ranks);
 
-/* Collective. Prints which unknowns are set apart. */
+/* Collective. Prints which particles show most what fails, and which unknowns are set apart. */
 PetscErrorCode MpmReportApart(const MpmProgram *program);
 
-/* Collective. Prints the particles that carry the mode of largest growth, with their places. */
-PetscErrorCode MpmReportCarriers(const MpmProgram *program, const MpmCarriers *carriers);
-json_t        *MpmJsonCarriers(const MpmProgram *program, const MpmCarriers *carriers);
+/* Collective. Print the particles that carry a mode, with their places, and make a JSON list of them. */
+PetscErrorCode MpmReportCarriers(const MpmCarriers *carriers);
+json_t        *MpmJsonCarriers(const MpmCarriers *carriers);
 
-/* Collective. Print the limits of the time step, and write the JSON object. */
-PetscErrorCode MpmReportCriticalProgram(const MpmProgram *program, const MpmCriticalProgram *critical,
-                                        PetscMPIInt ranks);
+/* Collective. Print what the search will cost, print the limits of the time step, and write the JSON object. */
+PetscErrorCode MpmReportCriticalPlan(const MpmCriticalProgram *critical);
+PetscErrorCode MpmReportCriticalProgram(const MpmProgram *program, const MpmCriticalProgram *critical);
 PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *program, const MpmCriticalProgram *critical,
                                            PetscMPIInt ranks, PetscReal wall_s);
 

@@ -433,8 +433,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
     request->phases[a] = scene->layout.grid[a].cells; /* unless something else is said */
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
   if (!MpmSettingsGiven(settings, "nodal"))
-    request->nodal =
-        scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
+    request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
   PetscCall(ReadDamping(settings, scene, request));

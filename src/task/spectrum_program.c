@@ -114,10 +114,10 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
-  PetscCall(MpmReportCarriers(p, &carriers));
+  PetscCall(MpmReportCarriers(&carriers));
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
-  json_object_set_new(one, "carriers", MpmJsonCarriers(p, &carriers));
+  json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));
   if (request->compare[0]) PetscCall(Compare(p, one));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));

@@ -61,9 +61,12 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
   MpmCheckInput(!request->csv[0], "-csv %s: a code that is probed has no row of a scheme; allowed: -json FILE",
                 request->csv);
   PetscCall(MpmProgramOpen(request, &program));
+  PetscCall(MpmCriticalProgramBegin(&program, &critical));
+  PetscCall(MpmReportProgram(&program, ranks));
+  PetscCall(MpmReportCriticalPlan(&critical));
   PetscCall(MpmCriticalProgramFind(&program, started, &critical));
   if (request->json[0]) PetscCall(MpmCriticalProgramWriteJson(&program, &critical, ranks, MPI_Wtime() - started));
-  PetscCall(MpmReportCriticalProgram(&program, &critical, ranks));
+  PetscCall(MpmReportCriticalProgram(&program, &critical));
   PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
   PetscCall(MpmExpectCritical(&request->expect, critical.critical, missed));
   PetscCall(MpmProgramClose(&program));

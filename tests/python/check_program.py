@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, faults, failures, page, map, free, compare or
-asked. Silent when all is
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, failures, page, map,
+free, compare or asked. Silent when all is
 well.
 """
 import csv
@@ -100,16 +100,46 @@ def check_at():
     near("share of the mode's particles", sum(one["share"] <= 1 for one in found["carriers"]), 3)
 
 
+def check_mls():
+    """A fluid on splines in two dimensions has the symbol of our scene, and critical finds the limits of its kind."""
+    scene = ["-formulation", "usl", "-transfer", "apic", "-gradient", "mls", "-basis", "quadratic"]
+    right = run("symbol", *scene, "-dim", "2", "-poisson", "0.5", "-cells", "8", "-courant", "1.4", "-phases", "8")
+    for words, within in ((["2", "8"], 1e-9), (["2", "7", "free"], 1e-9), (["2", "8", "single"], 1e-5)):
+        for ranks in (1, 2, 3) if words == ["2", "8"] else (1,):
+            found = run("symbol", "-program", program("program_mls.py", *words), "-program_set", "tau=1.4", "-phases", "8",
+                        ranks=ranks)
+            near(f"symbol {words}", found["symbol"]["growth"], right["symbol"]["growth"], within)
+            check(found["verdict"] == "unstable", f"{words}: {found['verdict']}, {found['evidence']}")
+            check(all(one["holds"] for one in found["probing"]["certificates"].values()), f"{words}: {found['probing']}")
+    for cells in ("5", "6"):  # a step reaches around so short a period, or to both of its sides
+        found = run("symbol", "-program", program("program_mls.py", "1", cells), "-phases", "8")
+        check(not found["probing"]["certificates"]["reach"]["holds"], f"{cells} cells: {found['probing']}")
+        check(found["verdict"] == "undecided", f"{cells} cells: {found['verdict']}")
+    found = run("critical", "-program", program("program_mls.py", "1", "8", "free"), "-program_dt", "tau")["critical"]
+    near("interior", found["limits"]["interior"], run("critical", *scene)["critical"]["critical_courant"], 2e-6)
+    near("lone particle", found["limits"]["lone_particle"], 1, 2e-6)  # LIMITS.md
+    near("critical", found["critical_dt"], min(found["limits"].values()), 0)
+    check(found["evaluations"] <= 60, f"{found['evaluations']} operators")
+    check([one["share"] for one in found["carriers"]] == [1], f"carriers: {found['carriers']}")
+    lone = found["carriers"][0]["place"][0] % 1
+    check(lone in (0.25, 0.75), f"the lone particle is at {lone}")
+
+
+CLAMPED = {"clamp": 7, "weak": 16}  # the particles of program_steps.py that are held
+
+
 def check_faults():
     """Each fault is caught by the certificate that is made for it, and the verdict follows."""
     for fault, certificate, words in (("stale", "repeat", []), ("memory", "repeat", []), ("noise", "repeat", []),
                                       ("drops", "additivity", []), ("clamp", "one side", []), ("", "reach", ["3"]),
-                                      ("moves", "equilibrium", [])):
+                                      ("weak", "one side", []), ("mean", "reach", []), ("moves", "equilibrium", [])):
         task = "spectrum" if fault == "moves" else "symbol"
         found = run(task, "-program", program("program_steps.py", "usl", fault, *words))
         held = {name: one["holds"] for name, one in found["probing"]["certificates"].items()}
         check(not held[certificate], f"{fault or words}: {found['probing']['certificates']}")
         check(found["verdict"] == "undecided", f"{fault or words}: {found['verdict']}, {found['evidence']}")
+        if certificate == "one side":
+            check(found["probing"]["certificates"][certificate]["particle"] == CLAMPED[fault], f"{fault}: {found['probing']}")
 
 
 def runs(pid):
@@ -334,4 +364,4 @@ def check_asked():
         near(f"block {d}", abs(A - one[d]).max(), 0)
 
 
-{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
+{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()

@@ -437,6 +437,20 @@ serve(step, {"x": x, "v": x, "stress": x}, cell_width=1, fields={"x": {"place": 
     code.end()
 
 
+def check_crash():
+    """A plugin that crashes is named."""
+    pathlib.Path("crash.c").write_text(f'''#include <signal.h>
+#define mpmstab_step kept_step
+#include "{CODE / 'plugin.c'}"
+#undef mpmstab_step
+int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(SIGSEGV); }}
+''', encoding="utf-8")
+    shared("./libcrash.so", CC, "crash.c")
+    done = subprocess.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
+    check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: it has crashed in one of its functions\n",
+          f"crash: status {done.returncode}, {done.stderr}")
+
+
 OWN = own()
 for spoken, words in languages().items():
     check_hook(spoken, *words)
@@ -452,5 +466,6 @@ from mpmstab import hook  # noqa: E402
 check_page()
 check_foreign()
 check_serve()
+check_crash()
 for of in (hook_in_c, hook_in_python):
     check_loops(of)

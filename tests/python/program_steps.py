@@ -10,7 +10,7 @@ import sys
 import numpy
 
 PPC = 2
-FAULTS = ("stale", "drops", "clamp", "memory", "noise", "moves", "single")
+FAULTS = ("stale", "drops", "clamp", "weak", "mean", "memory", "noise", "moves", "single")
 
 
 class Bar:
@@ -44,6 +44,10 @@ class Bar:
         v = v + self.dt * gather(a, hats)
         if self.fault == "clamp":
             v[7] = max(v[7], state[7, 1])
+        if self.fault == "weak":
+            v[16] = max(v[16], v[16] + 1e-3 * (state[16, 1] - v[16]))
+        if self.fault == "mean":  # every particle feels all others
+            v = v - 0.1 * v.mean()
         nodes = self.sum(v, at, hats) / mass if self.scheme == "musl" else old + self.dt * a
         strain = self.E * self.dt * gather(nodes, slopes)
         if self.fault == "drops":
