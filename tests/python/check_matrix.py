@@ -186,7 +186,8 @@ def check_blocks(scene, ranks, verdict):
         result = run("symbol", "-matrix_blocks", source, *phases, "-write_blocks", target, "-output", "j.h5", "-csv",
                      "j.csv", ranks=ranks)
         steps = result["lattice"]["period_steps"]
-        near(result["symbol"]["growth"], whole["symbol"]["growth"], 1e-14, f"{scene}, {source}")
+        # a scene may take the symbol of a part of a period, of which the blocks' is a power
+        near(result["symbol"]["growth"], whole["symbol"]["growth"], 1e-12, f"{scene}, {source}")
         check(result["symbol"]["phases"] == whole["symbol"]["phases"] and result["verdict"] == verdict and
               result["growth"] >= result["symbol"]["growth"] and "cells" not in result and "predicted" not in result,
               f"{scene}, {source}: {result}")
