@@ -16,6 +16,7 @@ import glob
 import itertools
 import os
 import platform
+import re
 import shlex
 import subprocess
 import sys
@@ -131,6 +132,10 @@ def main():
     arguments = parse()
     require_program()
     texts = [read_scene(scene) for scene in arguments.scenes]
+    for scene, text in zip(arguments.scenes, texts):
+        other = re.search(r"^(program|plugin|matrix|matrix_blocks)\s*:", text, re.M)
+        if other:
+            refuse(f"{scene}: {other[1]} takes the place of a scene, and a report is of a scheme that is run; allowed: scenes")
     with open(os.path.join(ROOT, "scripts", "report", "report.css"), encoding="utf-8") as file:
         style = file.read()
     names = names_of(arguments.scenes)

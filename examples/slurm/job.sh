@@ -21,7 +21,7 @@ if [ $# -eq 0 ] || [ ! -f "$1" ]; then
 fi
 name=$(basename "$1" .yaml)-${SLURM_JOB_ID:?"start it with sbatch"}
 export OMP_NUM_THREADS=1 # a rank is a core; the linear algebra must not start more threads
-export GLIBC_TUNABLES=glibc.malloc.hugetlb=1 # large pages where the system gives them on demand: 10% less time
+export GLIBC_TUNABLES=glibc.malloc.hugetlb=1 # large pages where the system gives them on demand
 
 # A job that was requeued, or ran out of its time before, goes on from its checkpoint.
 restart=()

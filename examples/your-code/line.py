@@ -33,10 +33,10 @@ for line in sys.stdin.buffer:
     ask, answer, state = json.loads(line), {}, None
     if ask["do"] == "describe":
         answer = {"protocol": 1, "name": "line", "dim": 1, "cell_width": H, "particles": 2 * N, "any_count": True,
-                  "fields": fields, "parameters": {"dt": dt}}
+                  "fields": fields, "parameters": {"dt": dt, "c": C}}
         state = base
     elif ask["do"] == "set":
-        dt = ask["dt"]
+        dt, C = ask.get("dt", dt), ask.get("c", C)
     elif ask["do"] == "step":
         n = ask.get("particles", 2 * N)
         state = np.frombuffer(sys.stdin.buffer.read(24 * n)).reshape(n, 3)

@@ -63,10 +63,11 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
    MpmOperatorFromMatrix - makes an operator of a square matrix, wherever it comes from, that covers so many steps. All
    that an operator is asked is then asked of it, but for what needs a scene: p2g, MpmOperatorMismatch.
 
-   Collective. The operator keeps a reference to A, which is AIJ and has every entry of its diagonal, if only as 0, and is destroyed with MpmOperatorDestroy. balanced is
+   Collective. The operator keeps a reference to A, which is AIJ and has every entry of its diagonal, if only as 0, or is a
+   MATSHELL with products and an infinity norm. It is destroyed with MpmOperatorDestroy. balanced is
    D A D^-1 with powers of two for D that make rows and columns of about the same size (Parlett and Reinsch 1969), where
    this divides the norm of A by more than 4: in SI units a stress is 1e9 times a strain, and rounding would hide what
-   strains do.
+   strains do. Of a shell it is A, and nonzeros and bytes are NaN.
 */
 PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op);
 

@@ -57,3 +57,14 @@ static inline PetscBool MpmStepDrifts(const MpmStep *step)
    MPM_LONGEST_PERIOD.
 */
 PetscErrorCode MpmStepPeriod(const MpmStep *step, PetscInt *period);
+
+/*
+   MpmSchemeCombines - whether a formulation goes with a transfer, of those that differ: what has the same linear
+   operations as another transfer is left out.
+
+   Not collective.
+*/
+static inline PetscBool MpmSchemeCombines(const MpmFormulation *formulation, const MpmTransfer *transfer)
+{
+  return !transfer->same_as && (!transfer->affine || formulation->affine != MPM_NONE) ? PETSC_TRUE : PETSC_FALSE;
+}

@@ -4,6 +4,7 @@
 */
 #include "analysis/critical_program.h"
 #include "analysis/onset.h"
+#include "analysis/program_growth.h"
 #include "analysis/worst_phase.h"
 #include "base/progress.h"
 #include "linalg/dense.h"
@@ -196,63 +197,19 @@ static PetscErrorCode Parts(Search *s, PetscReal start)
 
 /* ---- what is said of it ---- */
 
-/* Takes growth at the program's time step, with all certificates; of a state also the particles that carry its mode. */
-static PetscErrorCode Judge(MpmProgram *p, PetscReal started, MpmFinding *f, MpmCarriers *carriers)
-{
-  const PetscReal target[2] = {0, 0};
-  MpmEigen       *eigen;
-  MpmSpectrum    *spectrum;
-  PetscReal       other;
-  Mat             A, B;
-
-  PetscFunctionBegin;
-  PetscCall(MpmProgramMatrix(p, &A, &B));
-  PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, p->request, started, &spectrum));
-  PetscCall(MpmEigenSolve(B, NULL, spectrum->eigen->complete ? MPM_EIGEN_DENSE : MPM_EIGEN_LARGEST, target, &eigen));
-  other = eigen->n ? MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), 0, p->probe.steps) : NAN;
-  *f    = spectrum->finding;
-  PetscCall(MpmProgramJudge(p, other, isnan(spectrum->condition) ? 1 : spectrum->condition, f));
-  PetscCall(MpmCarriersFind(p, spectrum, carriers));
-  PetscCall(MpmEigenDestroy(&eigen));
-  PetscCall(MpmSpectrumDestroy(&spectrum));
-  PetscCall(MatDestroy(&A));
-  PetscCall(MatDestroy(&B));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode JudgeBlocks(MpmProgram *p, PetscReal beta[], MpmFinding *f)
-{
-  static const PetscInt phases[] = {64, 32, 16};
-  PetscInt              each[MPM_MAX_DIM];
-  MpmBlocks             one, two;
-  MpmSource             source;
-  MpmSourceGrowth       at, other;
-
-  PetscFunctionBegin;
-  PetscCall(MpmProgramBlocks(p, &one, &two));
-  for (PetscInt a = 0; a < one.dim; a++) each[a] = phases[one.dim - 1];
-  PetscCall(MpmBlocksSource(&one, p->stepper->name, &source));
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, each, beta, &at));
-  PetscCall(MpmBlocksSource(&two, p->stepper->name, &source));
-  PetscCall(MpmSourceGrowthAt(&source, beta, &other));
-  *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
-  PetscCall(PetscStrncpy(f->evidence, "the symbol of the interior, sought over all waves", sizeof f->evidence));
-  PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
-  PetscCall(MpmBlocksFree(&one));
-  PetscCall(MpmBlocksFree(&two));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Judges a time step, and leaves the program prepared for it. */
 static PetscErrorCode JudgeAt(MpmProgram *p, PetscReal started, PetscReal dt, MpmCriticalProgram *c, MpmFinding *f)
 {
+  PetscInt phases[MPM_MAX_DIM];
+
   PetscFunctionBegin;
   PetscCall(MpmStepperSet(p->stepper, c->name, dt));
   PetscCall(MpmProgramPrepare(p));
+  PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
   if (p->kind == MPM_PROBE_BLOCH)
-    PetscCall(JudgeBlocks(p, c->beta, f));
+    PetscCall(MpmProgramJudgeWaves(p, phases, c->beta, f));
   else
-    PetscCall(Judge(p, started, f, &c->carriers));
+    PetscCall(MpmProgramJudgeParticles(p, started, f, &c->carriers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,19 +4,13 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 
-/* What has the same linear operations as another transfer has the same limits. */
-static PetscBool IsPossible(const MpmFormulation *f, const MpmTransfer *t)
-{
-  return !t->same_as && (!t->affine || f->affine != MPM_NONE) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscInt CountSchemes(void)
 {
   PetscInt n = 0;
 
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
-      for (PetscInt b = 0; MpmBases[b]; b++) n += IsPossible(MpmFormulations[f], MpmTransfers[t]);
+      for (PetscInt b = 0; MpmBases[b]; b++) n += MpmSchemeCombines(MpmFormulations[f], MpmTransfers[t]);
   return n;
 }
 
@@ -37,7 +31,7 @@ PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, 
   PetscCall(MpmProgressBegin("scheme", &progress));
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     for (PetscInt t = 0; MpmTransfers[t]; t++) {
-      if (!IsPossible(MpmFormulations[f], MpmTransfers[t])) continue;
+      if (!MpmSchemeCombines(MpmFormulations[f], MpmTransfers[t])) continue;
       for (PetscInt b = 0; MpmBases[b]; b++) {
         scheme.formulation = MpmFormulations[f];
         scheme.transfer    = MpmTransfers[t];

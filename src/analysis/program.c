@@ -1,6 +1,8 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "analysis/program.h"
 #include "analysis/certified.h"
+#include "operator/probe_columns.h"
+#include <mpmstab/operator.h>
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdlib.h>
@@ -49,16 +51,33 @@ PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
 /* A symbol is of cells that are alike, a spectrum of all particles; a limit is found by what costs least. */
 static PetscErrorCode Choose(MpmProgram *p)
 {
+  const MpmStepper  *s    = p->stepper;
   const MpmProbeKind wish = p->request->probe;
   const PetscBool    one  = strcmp(p->request->task, "spectrum") && !p->whole ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    any  = wish == MPM_PROBE_ANY ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(MpmProbeLatticeFind(&p->probe, &p->lattice, sizeof p->why, p->why));
-  p->kind = one && wish != MPM_PROBE_COLOURED && !p->why[0] ? MPM_PROBE_BLOCH : MPM_PROBE_COLOURED;
+  p->kind = MPM_PROBE_COLOURED;
+  if (one && !p->why[0] && (any || wish == MPM_PROBE_BLOCH)) p->kind = MPM_PROBE_BLOCH;
+  if (wish == MPM_PROBE_MATRIX_FREE || (any && s->place == MPM_NONE && !s->cell)) p->kind = MPM_PROBE_MATRIX_FREE;
   MpmCheckInput(p->kind == MPM_PROBE_BLOCH || p->whole ||
                     (wish != MPM_PROBE_BLOCH && strcmp(p->request->task, "symbol")),
                 "%s: its cells are not alike (%s), so that it has no symbol; allowed: spectrum, which takes any layout",
                 p->stepper->where, p->why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A small operator has all its columns, and so all its eigenvalues. A solver that is asked for takes products alone. */
+static PetscErrorCode ChooseShell(MpmProgram *p)
+{
+  const PetscInt64 order = p->stepper->particles * p->stepper->width;
+  PetscBool        asked;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-eps_type", &asked));
+  p->shell   = asked || order > MPM_MATRIX_ORDER ? PETSC_TRUE : PETSC_FALSE;
+  p->columns = p->shell ? 0 : (PetscInt)order;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -72,10 +91,13 @@ PetscErrorCode MpmProgramPrepare(MpmProgram *p)
   p->tolerance = p->probe.single ? PetscMax(p->request->tolerance, MPM_TOLERANCE_SINGLE) : p->request->tolerance;
   if (p->kind == MPM_PROBE_BLOCH) {
     p->columns = p->lattice.sites * p->stepper->width;
-  } else {
-    PetscCall(MpmProbeReach(&p->probe, &p->colours));
-    p->columns = p->colours.colours;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (p->kind == MPM_PROBE_COLOURED) PetscCall(MpmProbeReach(&p->probe, &p->colours));
+  if (p->kind == MPM_PROBE_COLOURED && p->request->probe == MPM_PROBE_ANY && p->colours.everywhere)
+    p->kind = MPM_PROBE_MATRIX_FREE;
+  p->columns = p->colours.colours;
+  if (p->kind == MPM_PROBE_MATRIX_FREE) PetscCall(ChooseShell(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,19 +182,50 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* No certificate looks at columns; two sizes are compared by their products. */
+static PetscErrorCode Shell(MpmProgram *p, Mat *one, Mat *other)
+{
+  MpmCertificates *c = &p->certificates;
+
+  PetscFunctionBegin;
+  p->unread = (MpmUnread){.width = p->stepper->width, .n = p->stepper->width};
+  PetscCall(PetscCalloc1(p->unread.width, &p->unread.apart));
+  PetscCall(MpmProbeShell(&p->probe, p->probe.size, one));
+  if (!other) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, c));
+  PetscCall(MpmProbeShell(&p->probe, p->probe.other, other));
+  PetscCall(MpmProbeShellDistance(*one, *other, &c->value[MPM_CERTIFY_SIZES]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Matrix(MpmProgram *p, PetscReal size, Mat *A)
+{
+  PetscFunctionBegin;
+  if (p->kind == MPM_PROBE_MATRIX_FREE)
+    PetscCall(MpmProbeColumns(&p->probe, size, A));
+  else
+    PetscCall(MpmProbeMatrix(&p->probe, size, &p->colours, A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
 {
   Mat A, B;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeMatrix(&p->probe, p->probe.size, &p->colours, &A));
+  if (p->shell) {
+    PetscCall(Shell(p, one, other));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Matrix(p, p->probe.size, &A));
   PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, Noise(p), &p->unread));
   PetscCall(MpmUnreadReduce(&p->unread, A, one));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
-    PetscCall(MpmProbeMatrix(&p->probe, p->probe.other, &p->colours, &B));
+    PetscCall(Matrix(p, p->probe.other, &B));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
     PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, &p->certificates));
+    if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MatDestroy(&B));
   }
   PetscCall(MatDestroy(&A));

@@ -13,12 +13,14 @@
    request      - names the program or the plugin
    kind         - how it is probed; why: what stands against Bloch probing, empty if nothing does
    whole        - all particles are to be probed, even if cells are alike
+   shell        - the operator of all particles is no matrix: its products are asked for
    alike        - a probe whose sizes of perturbations are taken again; NULL: they are chosen
    lattice      - the cells of the base state, for Bloch probing
    colours      - of the coloured probing that was done last
    certificates - what shows that the operator is right; unread: unknowns that are only integrated
    tolerance    - of the verdict; at least 1e-5 in single precision
-   columns      - the responses that an operator costs with one size, of two calls each; 0 until they are known
+   columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they are
+                  known
 S*/
 typedef struct {
   const MpmRequest *request;
@@ -26,7 +28,7 @@ typedef struct {
   MpmProbe          probe;
   MpmProbeKind      kind;
   char              why[MPM_PROGRAM_WHY];
-  PetscBool         whole;
+  PetscBool         whole, shell;
   const MpmProbe   *alike;
   MpmProbeLattice   lattice;
   MpmProbeColours   colours;
@@ -53,7 +55,7 @@ PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
 
 /*
    MpmProgramBlocks - the blocks of a lattice, probed with both sizes, without unknowns that are only integrated; takes all
-   certificates. MpmProgramMatrix does the same for the operator of all particles. other NULL: probes with one size and
+   certificates. MpmProgramMatrix does the same for the operator of all particles; of a shell nothing is set apart. other NULL: probes with one size and
    takes no certificate.
 
    Collective. Free them with MpmBlocksFree or MatDestroy.

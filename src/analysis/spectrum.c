@@ -115,7 +115,7 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
   bloch = !assembled && symbol && !asked ? PETSC_TRUE : PETSC_FALSE;
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
-  method = MethodOf(s->op->order, n, symbol, assembled);
+  method = assembled || s->scene ? MethodOf(s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", n ? n : s->op->order));
   PetscCall(MpmProgressBegin("", &progress));
@@ -153,25 +153,28 @@ static PetscReal OperatorError(const MpmSpectrum *s)
 
 /*
    Finds the condition number of the eigenvalue. On a uniform layout it is that of the symbol's block, in which +beta
-   and -beta do not coincide. Otherwise it comes from a left vector.
+   and -beta do not coincide. Otherwise it comes from a left vector, if the operator has transposed products.
 */
 static PetscErrorCode Sensitivity(MpmSpectrum *s)
 {
   MpmFinding *f = &s->finding;
+  PetscBool   transposes;
 
   PetscFunctionBegin;
   f->uncertainty = 0;
   if (!(f->growth > 1 + f->tolerance) || isinf(f->growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatHasOperation(s->op->A, MATOP_MULT_TRANSPOSE, &transposes));
   if (s->symbol)
     s->condition = s->symbol->condition;
-  else
+  else if (transposes)
     PetscCall(MpmEigenCondition(s->eigen, 0, &s->condition));
   if (s->symbol) f->uncertainty = s->symbol->uncertainty;
   if (s->eigen->n)
     f->uncertainty =
-        PetscMax(f->uncertainty,
-                 MpmUncertaintyOf(f->growth, s->condition * OperatorError(s) / hypot(s->eigen->re[0], s->eigen->im[0]),
-                                  s->op->period));
+        PetscMax(f->uncertainty, MpmUncertaintyOf(f->growth,
+                                                  (isnan(s->condition) ? 1 : s->condition) * OperatorError(s) /
+                                                      hypot(s->eigen->re[0], s->eigen->im[0]),
+                                                  s->op->period));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -201,32 +201,28 @@ static PetscErrorCode CheckDrifts(const MpmStabilityMap *map)
    Refuses, on all ranks together, what could be refused at a point. The option's own range bounds the particles per
    cell.
 */
-static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request)
+static PetscErrorCode Check(const MpmStabilityMap *map)
 {
-  const MpmStabilityMap map = {
-      .scene = scene, .request = request, .points = {request->axes[0].points, request->axes[1].points}};
-  Point    at = OwnPoint(&map);
-  PetscInt period;
+  const MpmRequest *request = map->request;
+  Point             at      = OwnPoint(map);
+  PetscInt          period;
 
   PetscFunctionBegin;
-  MpmCheckInput((PetscReal)map.points[0] * map.points[1] <= MOST_POINTS,
-                "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together", map.points[0],
-                map.points[1], MOST_POINTS);
   for (int a = 0; a < 2; a++)
-    for (PetscInt i = 0; i < map.points[a]; i++) {
+    for (PetscInt i = 0; i < map->points[a]; i++) {
       const MpmFraction value = NumberOf(&request->axes[a], i);
 
       MpmCheckInput(request->axes[a].kind != MPM_AXIS_DRIFT || (value.den > 0 && value.den <= MPM_LONGEST_PERIOD),
                     "map_drift with map_points %" PetscInt_FMT ",%" PetscInt_FMT
                     ": particles that drift by %.6g are not back in their places within %d steps; allowed: ends that "
                     "are fractions such as 1/2, and fewer points",
-                    map.points[0], map.points[1], value.value, MPM_LONGEST_PERIOD);
+                    map->points[0], map->points[1], value.value, MPM_LONGEST_PERIOD);
       at.nset = 0;
-      PetscCall(SetParameter(&at, &map, &request->axes[a], &value));
+      PetscCall(SetParameter(&at, map, &request->axes[a], &value));
       if (!at.fixed) PetscCall(MpmStepPeriod(&at.step, &period));
     }
   PetscCall(MpmSymbolCheck(&at.layout));
-  if (at.fixed || at.turned) PetscCall(CheckDrifts(&map));
+  if (at.fixed || at.turned) PetscCall(CheckDrifts(map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,30 +274,39 @@ PetscInt64 MpmStabilityMapPhases(const MpmStabilityMap *map)
 {
   PetscInt64 all = 1;
 
-  for (PetscInt a = 0; a < map->scene->layout.dim; a++) all *= map->request->phases[a];
+  for (PetscInt a = 0; a < map->waves; a++) all *= map->phases[a];
   return all;
 }
 
-static PetscErrorCode Sum(MpmStabilityMap *map)
+PetscErrorCode MpmStabilityMapSum(MpmStabilityMap *map)
 {
-  const PetscInt n          = map->points[0] * map->points[1];
-  MpmFinding    *f          = &map->finding;
-  PetscBool      leaves_out = PETSC_FALSE;
+  const PetscInt n = map->points[0] * map->points[1];
+  MpmFinding    *f = &map->finding;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < map->scene->layout.dim; a++)
-    if (map->request->phases[a] % map->scene->layout.grid[a].cells) leaves_out = PETSC_TRUE;
   for (PetscInt i = 0; i < n; i++) {
     map->unstable += map->verdict[i] == MPM_UNSTABLE;
     map->undecided += map->verdict[i] == MPM_UNDECIDED;
     if (!(map->growth[i] <= map->growth[map->worst])) map->worst = i;
   }
+  f->growth  = map->growth[map->worst];
+  f->verdict = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What the verdict on a scene's points rests on. */
+static PetscErrorCode Explain(MpmStabilityMap *map)
+{
+  MpmFinding *f          = &map->finding;
+  PetscBool   leaves_out = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < map->waves; a++)
+    if (map->phases[a] % map->scene->layout.grid[a].cells) leaves_out = PETSC_TRUE;
   f->tolerance = map->request->tolerance;
-  f->growth    = map->growth[map->worst];
-  f->verdict   = map->unstable ? MPM_UNSTABLE : map->undecided ? MPM_UNDECIDED : MPM_STABLE;
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt64_FMT " phases of each of %" PetscInt_FMT " points",
-                          MpmStabilityMapPhases(map), n));
+                          MpmStabilityMapPhases(map), map->points[0] * map->points[1]));
   if (leaves_out) PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
     PetscCall(
@@ -317,7 +322,6 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
   MpmPredictor predictor;
 
   PetscFunctionBegin;
-  map->published_limit = NAN;
   if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPredictorCreate(&map->scene->layout, &map->scene->scheme, PETSC_FALSE, &predictor));
   if (!predictor.why_not_published) map->published_limit = map->scene->scheme.formulation->published_limit;
@@ -345,18 +349,19 @@ PetscErrorCode MpmStabilityMapLimits(MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map)
+PetscErrorCode MpmStabilityMapBegin(const MpmRequest *request, MpmStabilityMap **map)
 {
-  const PetscReal  begin = MPI_Wtime();
   MpmStabilityMap *m;
   PetscInt         n;
 
   PetscFunctionBegin;
-  PetscCall(Check(scene, request));
+  MpmCheckInput((PetscReal)request->axes[0].points * request->axes[1].points <= MOST_POINTS,
+                "map_points %" PetscInt_FMT ",%" PetscInt_FMT ": too many; allowed: at most %d together",
+                request->axes[0].points, request->axes[1].points, MOST_POINTS);
   PetscCall(PetscNew(map));
-  m          = *map;
-  m->scene   = scene;
-  m->request = request;
+  m                  = *map;
+  m->request         = request;
+  m->published_limit = NAN;
   for (int a = 0; a < 2; a++) {
     m->points[a] = request->axes[a].points;
     PetscCall(PetscMalloc1(m->points[a], &m->at[a]));
@@ -364,12 +369,28 @@ PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *re
   }
   n = m->points[0] * m->points[1];
   PetscCall(PetscCalloc2(n, &m->growth, n, &m->verdict));
-  for (PetscInt a = 0; a < scene->layout.dim; a++) {
-    PetscCall(PetscCalloc1(n, &m->beta[a]));
-    if (MpmRequestKeepsMach(request)) PetscCall(PetscCalloc1(n, &m->drift[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map)
+{
+  const PetscReal  begin = MPI_Wtime();
+  MpmStabilityMap *m;
+
+  PetscFunctionBegin;
+  PetscCall(MpmStabilityMapBegin(request, map));
+  m        = *map;
+  m->scene = scene;
+  m->waves = scene->layout.dim;
+  PetscCall(PetscArraycpy(m->phases, request->phases, m->waves));
+  PetscCall(Check(m));
+  for (PetscInt a = 0; a < m->waves; a++) {
+    PetscCall(PetscCalloc1(m->points[0] * m->points[1], &m->beta[a]));
+    if (MpmRequestKeepsMach(request)) PetscCall(PetscCalloc1(m->points[0] * m->points[1], &m->drift[a]));
   }
   PetscCall(Solve(m));
-  PetscCall(Sum(m));
+  PetscCall(MpmStabilityMapSum(m));
+  PetscCall(Explain(m));
   PetscCall(PublishedLimit(m));
   m->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -383,6 +404,7 @@ PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map)
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*map)->drift[a]));
   PetscCall(PetscFree2((*map)->growth, (*map)->verdict));
   PetscCall(PetscFree((*map)->limits));
+  PetscCall(PetscFree((*map)->fault));
   PetscCall(PetscFree(*map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,10 +1,14 @@
-/* Stability map: growth over a rectangle of two parameters, through the symbol. */
+/* Stability map: growth over a rectangle of two parameters, of a scene through the symbol or of a code by probing. */
 #pragma once
-#include "scene/request.h"
+#include "analysis/program.h"
 
 /*S
    MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, stored with the second axis
-   varying fastest.
+   varying fastest. Either scene or program is NULL.
+
+   waves: the number of directions in which growth is that of waves, with phases[a] phases in each; 0 of a code whose cells
+   are not alike, where growth is the spectral radius of all particles. fault: of a code, for each point the first
+   certificate that does not hold, MPM_CERTIFICATES if all hold; else NULL.
 
    at[a]: the points[a] numbers along axis a. growth (per step, the largest over the phases), beta (the least phase that
    has it, beta[a] in direction a) and verdict are those of each point, on every rank. drift[a]: where the map keeps a
@@ -17,8 +21,9 @@
 S*/
 typedef struct {
   const MpmScene   *scene;
+  MpmProgram       *program;
   const MpmRequest *request;
-  PetscInt          points[2], unstable, undecided, worst;
+  PetscInt          points[2], unstable, undecided, worst, waves, phases[MPM_MAX_DIM], *fault;
   PetscReal        *at[2], *growth, *beta[MPM_MAX_DIM], *drift[MPM_MAX_DIM], *limits, published_limit, seconds;
   PetscInt         *verdict; /* an MpmVerdict for each point */
   MpmFinding        finding;
@@ -34,6 +39,24 @@ typedef struct {
 */
 PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map);
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
+
+/*
+   MpmStabilityMapOfProgram - probes a code at each point, where two of its parameters have the point's numbers.
+
+   Collective on PETSC_COMM_WORLD: the ranks share the columns of each point. The program must have been opened and not be
+   prepared; afterwards it is prepared for the point that grows fastest, and must outlive the map. Errors:
+   PETSC_ERR_USER_INPUT when the code has no such parameter, or fails at a point.
+*/
+PetscErrorCode MpmStabilityMapOfProgram(MpmProgram *program, MpmStabilityMap **map);
+
+/*
+   MpmStabilityMapBegin, MpmStabilityMapSum - make an empty map of a request, whose scene or program, waves and phases are
+   set after it; and count its points when all are known.
+
+   Collective. Parts of making a map.
+*/
+PetscErrorCode MpmStabilityMapBegin(const MpmRequest *request, MpmStabilityMap **map);
+PetscErrorCode MpmStabilityMapSum(MpmStabilityMap *map);
 
 /* Not collective. The number of phases at each point, over all directions. */
 PetscInt64 MpmStabilityMapPhases(const MpmStabilityMap *map);

@@ -134,20 +134,28 @@ PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op)
 {
   const PetscReal begin = MPI_Wtime();
   MpmOperator    *o;
+  PetscBool       shell;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(op));
   o = *op;
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &shell));
   PetscCall(PetscObjectReference((PetscObject)A));
   o->A         = A;
   o->fields    = 1;
   o->parts     = 1;
   o->period    = period;
-  o->assembled = PETSC_TRUE;
+  o->assembled = shell ? PETSC_FALSE : PETSC_TRUE;
+  o->nonzeros = o->bytes = NAN;
   PetscCall(MatGetSize(A, &o->order, NULL));
   PetscCall(PetscObjectSetName((PetscObject)A, "A"));
-  PetscCall(Balance(o));
-  PetscCall(MpmOperatorCount(o));
+  if (shell) {
+    PetscCall(PetscObjectReference((PetscObject)A));
+    o->balanced = A;
+  } else {
+    PetscCall(Balance(o));
+    PetscCall(MpmOperatorCount(o));
+  }
   o->assemble_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -199,6 +199,9 @@ PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
   PetscCall(Begin(p, &c));
   PetscCall(Reach(&c));
   PetscCall(Strides(&c, colours));
+  colours->everywhere = PETSC_TRUE;
+  for (PetscInt a = 0; a < c.dim; a++)
+    if (2 * c.reach[a] + 1 < c.cells[a]) colours->everywhere = PETSC_FALSE;
   PetscCall(End(&c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

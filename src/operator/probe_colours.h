@@ -10,11 +10,13 @@
 
    reach   - the largest distance, in cells, over which a particle's perturbation is felt, in each direction
    colours - the number of groups of unknowns; a group is probed in one call
+   everywhere - a particle's perturbation is felt in all cells, so that nothing can be probed together
    leaks   - the largest response that no unknown of a group can have made, over the largest response: 0 when reach is
              right
 S*/
 typedef struct {
   PetscInt  reach[MPM_MAX_DIM], colours;
+  PetscBool everywhere;
   PetscReal leaks;
 } MpmProbeColours;
 

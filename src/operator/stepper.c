@@ -116,7 +116,8 @@ static PetscErrorCode Parameters(MpmStepper *s, json_t *parameters)
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     PetscCall(PetscStrncpy(s->parameters[s->nparameters].name, name, MPM_STEPPER_NAME));
-    s->parameters[s->nparameters++].value = json_number_value(value);
+    s->parameters[s->nparameters].value = s->parameters[s->nparameters].now = json_number_value(value);
+    s->nparameters++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -276,6 +277,8 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
   if (!found) PetscCall(MpmStepperFail(s, "it has no parameter %.60s", name));
   if (!s->failure[0]) PetscCall(s->set(s, name, value));
   PetscCall(MpmStepperAgree(s));
+  for (PetscInt i = 0; i < s->nparameters; i++)
+    if (!strcmp(s->parameters[i].name, name)) s->parameters[i].now = value;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -28,7 +28,7 @@ typedef struct {
 
 typedef struct {
   char      name[MPM_STEPPER_NAME];
-  PetscReal value;
+  PetscReal value, now;
 } MpmStepperParameter;
 
 /*S
@@ -41,7 +41,7 @@ typedef struct {
    particles   - the number in the base state; width: of the numbers of a particle, which the fields share
    place       - the number of the field that is the particle's place, or MPM_NONE
    cell        - instead of a place the cell of each particle, dim numbers each, or NULL
-   parameters  - what can be set, with the values that the code came with
+   parameters  - what can be set, with the values that the code came with and those that are set now
    steps       - the number of steps after which the state can be compared with the one before
    any_count   - a step may be asked for another number of particles
    base        - the base state: particles x width numbers

@@ -2,6 +2,24 @@
 #include "report/report_program.h"
 #include <math.h>
 
+static PetscErrorCode PrintMatrixFree(const MpmProgram *p)
+{
+  const MpmStepper *s     = p->stepper;
+  const char       *since = s->place == MPM_NONE && !s->cell ? ", since particles do not say where they are"
+                            : p->colours.everywhere          ? ", since a step reaches the whole domain"
+                                                             : "";
+
+  PetscFunctionBegin;
+  if (p->shell)
+    MpmPrint(
+        "probing: matrix_free%s; a product with the operator is two calls, and those eigenvalues of largest magnitude "
+        "that converge are found",
+        since);
+  else
+    MpmPrint("probing: matrix_free%s; the %" PetscInt_FMT " columns are probed one by one", since, p->columns);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
 {
   const MpmStepper *s = p->stepper;
@@ -20,15 +38,21 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
     PetscCall(MpmReportCounts(s->dim, p->lattice.cells, sizeof text, text));
     MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT, text,
              p->columns);
+  } else if (p->kind == MPM_PROBE_MATRIX_FREE) {
+    PetscCall(PrintMatrixFree(p));
   } else {
     PetscCall(MpmReportCounts(s->dim, p->colours.reach, sizeof text, text));
     MpmPrint("probing: coloured%s%s; a step reaches %s cells, so that unknowns have %" PetscInt_FMT " colours",
              p->why[0] ? ", since " : "", p->why, text, p->columns);
   }
-  MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
-           " step%s (forward and backward, with two sizes), and about 30 for "
-           "certificates\n",
-           4 * p->columns, p->probe.steps, p->probe.steps == 1 ? "" : "s");
+  if (p->columns)
+    MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
+             " step%s (forward and backward, with two sizes), and about 30 for "
+             "certificates\n",
+             4 * p->columns, p->probe.steps, p->probe.steps == 1 ? "" : "s");
+  else
+    MpmPrint("\n  cost: two calls of %" PetscInt_FMT " step%s for each product, and about 50 for certificates\n",
+             p->probe.steps, p->probe.steps == 1 ? "" : "s");
   MpmPrint("  sizes of perturbations: %.3g and %.3g of each field's scale; the code computes in %s precision\n",
            (double)p->probe.size, (double)p->probe.other, p->probe.single ? "single" : "double");
   PetscFunctionReturn(PETSC_SUCCESS);

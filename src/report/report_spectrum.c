@@ -73,8 +73,12 @@ static PetscErrorCode PrintLeading(const MpmModes *modes)
 static PetscErrorCode PrintOperator(const MpmSpectrum *s)
 {
   PetscFunctionBegin;
-  MpmPrint("\noperator: order %" PetscInt_FMT ", %.4g nonzeros%s, of %" PetscInt_FMT " step%s", s->op->order,
-           s->op->nonzeros, s->op->assembled ? "" : " in its maps", s->op->period, s->op->period == 1 ? "" : "s");
+  MpmPrint("\noperator: order %" PetscInt_FMT, s->op->order);
+  if (isnan(s->op->nonzeros))
+    MpmPrint(", known by its products");
+  else
+    MpmPrint(", %.4g nonzeros%s", s->op->nonzeros, s->op->assembled ? "" : " in its maps");
+  MpmPrint(", of %" PetscInt_FMT " step%s", s->op->period, s->op->period == 1 ? "" : "s");
   if (!s->scene)
     MpmPrint("%s\n", s->op->unit ? "; its unknowns are scaled, so that rows and columns have about the same size" : "");
   else if (isfinite(s->step_mismatch))
@@ -107,8 +111,9 @@ static PetscErrorCode PrintCost(const MpmSpectrum *s)
   PetscFunctionBegin;
   MpmPrint("time: %.3g s to %s, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->scene ? "assemble" : "balance",
            s->eigen->solve_s, s->wall_s);
-  MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown, of them %.3g for A\n", 1e-6 * s->memory,
-           s->memory / s->op->order, s->op->bytes / s->op->order);
+  MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown", 1e-6 * s->memory, s->memory / s->op->order);
+  if (!isnan(s->op->bytes)) MpmPrint(", of them %.3g for A", s->op->bytes / s->op->order);
+  MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -8,7 +8,7 @@ static json_t *Operator(const MpmSpectrum *s)
   json_t *object = json_object();
 
   json_object_set_new(object, "unknowns", json_integer(s->op->order));
-  json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
+  if (!isnan(s->op->nonzeros)) json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
   json_object_set_new(object, "period_steps", json_integer(s->op->period));
   if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);

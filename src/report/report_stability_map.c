@@ -1,7 +1,7 @@
 /* A stability map: prints it as a picture of letters, and writes it as JSON, CSV and HDF5. */
 #include "io/datafile.h"
 #include "base/textfile.h"
-#include "report/report.h"
+#include "report/report_program.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -39,6 +39,39 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The code, and its certificates at the point that grows fastest. */
+static PetscErrorCode PrintProgram(const MpmStabilityMap *map, PetscMPIInt ranks)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmReportProgram(map->program, ranks));
+  MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
+  PetscCall(MpmReportCertificates(&map->program->certificates));
+  PetscCall(MpmReportApart(map->program));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many points a certificate fails at, and one of them. */
+static PetscErrorCode PrintFaults(const MpmStabilityMap *map)
+{
+  const MpmAxis *axes = map->request->axes;
+
+  PetscFunctionBegin;
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    PetscInt count = 0, first = 0;
+
+    for (PetscInt i = map->points[0] * map->points[1] - 1; i >= 0; i--) {
+      if (map->fault[i] != (PetscInt)c) continue;
+      first = i;
+      count++;
+    }
+    if (count)
+      MpmPrint("  %s fails at %" PetscInt_FMT " points, first at %s %.6g, %s %.6g: %s\n", MpmCertificateNames[c], count,
+               axes[0].name, map->at[0][first / map->points[1]], axes[1].name, map->at[1][first % map->points[1]],
+               MpmCertificateFaults[c]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
 {
   const MpmAxis    *axes = map->request->axes;
@@ -48,12 +81,15 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(map->scene, map->request, ranks));
+  if (map->scene) PetscCall(MpmReportScene(map->scene, map->request, ranks));
+  if (map->program) PetscCall(PrintProgram(map, ranks));
   PetscCall(PrintPicture(map));
-  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT ", %" PetscInt64_FMT " phases\n", map->points[0],
-           map->points[1], MpmStabilityMapPhases(map));
+  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
+  if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
+  MpmPrint("\n");
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
+  if (map->program) PetscCall(PrintFaults(map));
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
            map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
   if (!isnan(map->published_limit))
@@ -81,14 +117,19 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   PetscMPIInt       ranks;
 
   PetscFunctionBegin;
-  PetscCall(MpmStabilityMapLimits(map));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmJsonScene(map->scene, "map", ranks, wall_s, &object));
+  if (map->scene) {
+    PetscCall(MpmStabilityMapLimits(map));
+    PetscCall(MpmJsonScene(map->scene, "map", ranks, wall_s, &object));
+  } else {
+    PetscCall(MpmJsonFile(map->request, ranks, wall_s, &object));
+    json_object_set_new(object, "probing", MpmJsonProgram(map->program));
+  }
   MpmJsonSetFinding(object, &map->finding);
   json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
   for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
-  json_object_set_new(part, "phases", json_integer(MpmStabilityMapPhases(map)));
+  if (map->waves) json_object_set_new(part, "phases", json_integer(MpmStabilityMapPhases(map)));
   json_object_set_new(part, "unstable", json_integer(map->unstable));
   json_object_set_new(part, "undecided", json_integer(map->undecided));
   if (map->limits) {
@@ -117,7 +158,7 @@ static const char *DriftName(PetscInt dim, PetscInt axis)
 
 PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
 {
-  const PetscInt dim = map->scene->layout.dim;
+  const PetscInt dim = map->waves;
   MpmTextFile    csv;
 
   PetscFunctionBegin;
@@ -126,14 +167,17 @@ PetscErrorCode MpmStabilityMapWriteCsv(const MpmStabilityMap *map)
     fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name, map->request->axes[1].name);
     for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
     for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", DriftName(dim, a));
-    fprintf(csv.stream, ",verdict\n");
+    fprintf(csv.stream, ",verdict%s\n", map->fault ? ",fails" : "");
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
       fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
       MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
       MpmTextFileCell(&csv, map->growth[i]);
       for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, map->beta[a][i]);
       for (PetscInt a = 0; a < dim && map->drift[a]; a++) MpmTextFileCell(&csv, map->drift[a][i]);
-      fprintf(csv.stream, ",%s\n", MpmVerdictNames[map->verdict[i]]);
+      fprintf(csv.stream, ",%s", MpmVerdictNames[map->verdict[i]]);
+      if (map->fault)
+        fprintf(csv.stream, ",%s", map->fault[i] < MPM_CERTIFICATES ? MpmCertificateNames[map->fault[i]] : "");
+      fprintf(csv.stream, "\n");
     }
   }
   PetscCall(MpmTextFileClose(&csv));
@@ -149,12 +193,10 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map)
   for (int a = 0; a < 2; a++)
     PetscCall(MpmDataFileArray(&file, "/map", map->request->axes[a].name, map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
-  for (PetscInt a = 0; a < map->scene->layout.dim; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->scene->layout.dim, a), map->points[0], map->points[1],
-                               map->beta[a]));
-  for (PetscInt a = 0; a < map->scene->layout.dim && map->drift[a]; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", DriftName(map->scene->layout.dim, a), map->points[0], map->points[1],
-                               map->drift[a]));
+  for (PetscInt a = 0; a < map->waves; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->waves, a), map->points[0], map->points[1], map->beta[a]));
+  for (PetscInt a = 0; a < map->waves && map->drift[a]; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", DriftName(map->waves, a), map->points[0], map->points[1], map->drift[a]));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -424,12 +424,16 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define NODAL_FROM 500 /* unknowns of particles; fewer take no time, and their operator is the better balanced one */
+
 static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     request->phases[a] = scene->layout.grid[a].cells; /* unless something else is said */
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
+  if (!MpmSettingsGiven(settings, "nodal"))
+    request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
   PetscCall(ReadDamping(settings, scene, request));
@@ -458,6 +462,7 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
+  if (!strcmp(request->task, "map")) PetscCall(MpmSettingsReadProgramAxes(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

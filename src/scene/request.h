@@ -47,7 +47,7 @@ typedef struct {
 /*E
    MpmProbeKind - how a program or plugin is probed (see operator/probe.h). MPM_PROBE_ANY: it was not said.
 E*/
-typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_ANY } MpmProbeKind;
+typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_MATRIX_FREE, MPM_PROBE_ANY } MpmProbeKind;
 extern const char *const MpmProbeNames[];
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
@@ -77,7 +77,8 @@ extern const char *const MpmProbeNames[];
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
    program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
-                       that are set; program_dt: the one that is the time step; at: steps after which it is probed
+                       that are set; program_dt: the one that is the time step; at: steps after which it is probed;
+                       compare: keys of a scene that it is compared with
    program_timeout, probe - seconds in which a program must answer, and how it is probed
    write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
@@ -99,7 +100,7 @@ typedef struct {
   PetscReal       program_timeout;
   MpmProbeKind    probe;
   char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
-  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN];
+  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
   char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
@@ -121,6 +122,14 @@ static inline PetscBool MpmRequestProbes(const MpmRequest *request)
 {
   return request->program[0] || request->plugin[0] ? PETSC_TRUE : PETSC_FALSE;
 }
+
+/*
+   MpmRequestPhases - the phases in each direction of the symbol of blocks: those that were given, one number for all
+   directions or one for each, or else as many as suit the dimension.
+
+   Collective. Errors: refuses another number of them.
+*/
+PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[]);
 
 /* Not collective. Whether the request is for a map that goes over this. */
 static inline PetscBool MpmRequestVaries(const MpmRequest *request, MpmAxisKind kind)

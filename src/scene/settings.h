@@ -178,6 +178,19 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
 
 /* Collective. Reads which program or plugin takes the place of a scene, and how it is probed. */
 PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
+
+/*
+   MpmSettingsReadProgramAxes - reads the axes of a map of a code: two of its parameters, each with a span lo,hi in the
+   option map_NAME. Whether the code has such parameters is known when it has been started.
+   MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
+
+   Collective.
+*/
+PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmRequest *request);
+PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
+
+/* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
+PetscBool      MpmSettingsIsOfMap(const char name[]);
 PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*

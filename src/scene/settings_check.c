@@ -65,7 +65,10 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
   MpmRefuse("unknown option -%.200s%s; 'mpmstab list options' shows those there are%s", name, place, more);
 }
 
-/* An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names. */
+/*
+   An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names, or the
+   span of a code's parameter.
+*/
 static PetscErrorCode CheckParameter(const char scene[], const char name[], const char place[])
 {
   PetscBool is = PETSC_FALSE, file;
@@ -73,6 +76,7 @@ static PetscErrorCode CheckParameter(const char scene[], const char name[], cons
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-scheme", &file));
   if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is));
+  if (!is) PetscCall(MpmSettingsIsSpanOfProgram(name, &is));
   if (!is) PetscCall(RefuseUnknown(name, place, ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

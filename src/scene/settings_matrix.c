@@ -1,11 +1,12 @@
 /* A matrix, or the blocks of a lattice, in the place of a scene: which options go with it. */
 #include "scene/request.h"
 #include "scene/settings.h"
+#include <mpmstab/errors.h>
 #include <string.h>
 
 #define LONGEST 1024 /* characters, so that a message of PETSc's length can name it */
 
-const char *const MpmProbeNames[] = {"bloch", "coloured", NULL};
+const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
 /* The options that name one. Each option's tasks are those that read it. */
 static const char *const sources[] = {"matrix", "matrix_blocks", "program", "plugin"};
@@ -20,6 +21,7 @@ static const struct {
     {"program_timeout", "program", "program"},
     {"probe", "program", "plugin"},
     {"at", "program", "plugin"},
+    {"compare", "program", "plugin"},
 };
 
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
@@ -96,13 +98,19 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscCall(ReadText(settings, task, "program_set", request->program_set));
   PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
   PetscCall(ReadText(settings, task, "at", request->at));
+  PetscCall(ReadText(settings, task, "compare", request->compare));
+  if (request->program_dt[0] && strcmp(task, "critical") && !request->compare[0])
+    PetscCall(MpmSettingsRefuse(settings, "program_dt", "allowed: with task critical, or with compare"));
+  if (request->compare[0] && request->at[0])
+    PetscCall(
+        MpmSettingsRefuse(settings, "compare", "it is about the state that the code describes; allowed: without at"));
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
-  if (!strcmp(task, "symbol") && request->probe == MPM_PROBE_COLOURED)
+  if (!strcmp(task, "symbol") && (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE))
     PetscCall(MpmSettingsRefuse(settings, "probe", "a symbol needs cells that are alike; allowed: bloch"));
   if (!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH)
-    PetscCall(
-        MpmSettingsRefuse(settings, "probe", "a spectrum is of all particles; allowed: coloured, or task symbol"));
+    PetscCall(MpmSettingsRefuse(settings, "probe",
+                                "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -113,5 +121,18 @@ PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
   PetscFunctionBegin;
   *given = text ? 1 : 0;
   for (; text && *text; text++) *given += *text == ',';
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])
+{
+  static const PetscInt fallback[MPM_MAX_DIM] = {64, 32, 16};
+
+  PetscFunctionBegin;
+  MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
+                "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
+                " direction%s; allowed: one number for all directions, or one for each",
+                request->given_phases, MpmRequestSource(request), dim, dim == 1 ? "" : "s");
+  for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }

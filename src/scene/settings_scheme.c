@@ -166,8 +166,7 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the files of a map have something of this name already. */
-static PetscBool IsOfMap(const char name[])
+PetscBool MpmSettingsIsOfMap(const char name[])
 {
   static const char *const names[] = {"axes",   "shape",   "unstable",        "undecided",      "seconds",
                                       "growth", "verdict", "published_limit", "corrected_limit"};
@@ -188,7 +187,7 @@ static PetscErrorCode CheckNames(const MpmWritten *scheme)
                       strncmp(name->text, map, strlen(map)) && strncmp(name->text, "expect", 6),
                   "%s:%d: parameter %s: that is the name of an option; allowed: another name", scheme->file, name->line,
                   name->text);
-    MpmCheckInput(!IsOfMap(name->text),
+    MpmCheckInput(!MpmSettingsIsOfMap(name->text),
                   "%s:%d: parameter %s: that is the name of a result of maps; allowed: another name", scheme->file,
                   name->line, name->text);
   }

@@ -5,6 +5,8 @@
 #include "task/spectrum_program.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
+#include "analysis/program_growth.h"
+#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
@@ -21,18 +23,20 @@ typedef struct {
   json_t      *more, *list;
 } States;
 
-/* The growth of the operator that was probed with the other size of perturbations. */
-static PetscErrorCode OtherGrowth(const MpmProgram *p, Mat B, PetscReal *growth)
+/* Refuses what needs a matrix, before the work. */
+static PetscErrorCode CheckShell(const MpmProgram *p)
 {
-  const PetscReal target[2] = {0, 0};
-  PetscInt        order;
-  MpmEigen       *eigen;
+  const MpmRequest *request = p->request;
+  const char       *name    = request->powers            ? "powers"
+                              : request->pseudospectrum  ? "pseudospectrum"
+                              : request->write_matrix[0] ? "write_matrix"
+                                                         : NULL;
 
   PetscFunctionBegin;
-  PetscCall(MatGetSize(B, &order, NULL));
-  PetscCall(MpmEigenSolve(B, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
-  *growth = eigen->n ? MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), 0, p->probe.steps) : NAN;
-  PetscCall(MpmEigenDestroy(&eigen));
+  MpmCheckInput(!p->shell || !name,
+                "-%s: it needs the matrix, and of %" PetscInt64_FMT
+                " unknowns only products are asked for; allowed: up to %d unknowns, or coloured probing",
+                name, p->stepper->particles * p->stepper->width, MPM_MATRIX_ORDER);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -63,6 +67,27 @@ static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The blocks of one cell are probed besides: all particles at once do not show them. */
+static PetscErrorCode Compare(MpmProgram *p, json_t *one)
+{
+  MpmCompareProgram compare;
+  MpmBlocks         blocks;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!p->why[0],
+                "-compare: only cells that are alike can be compared, and of the code they are not (%s); "
+                "allowed: without compare",
+                p->why);
+  PetscCall(MpmUnreadDestroy(&p->unread));
+  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
+  PetscCall(MpmCompareProgramCreate(p, &blocks, NAN, &compare));
+  PetscCall(MpmReportCompare(p, &compare));
+  json_object_set_new(one, "comparison", MpmJsonCompare(&compare));
+  PetscCall(MpmCompareProgramDestroy(&compare));
+  PetscCall(MpmBlocksFree(&blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Probes the base state as it is. */
 static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscInt at, PetscReal started)
 {
@@ -70,13 +95,13 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmSpectrum *s;
   MpmCarriers  carriers;
   PetscMPIInt  ranks;
-  PetscReal    other = NAN;
   json_t      *one;
   Mat          A, B;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmProgramPrepare(p));
+  PetscCall(CheckShell(p));
   if (states->most)
     MpmPrint("\n");
   else
@@ -86,14 +111,14 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(MpmReportCertificates(&p->certificates));
   PetscCall(MpmReportApart(p));
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
-  PetscCall(OtherGrowth(p, B, &other));
-  PetscCall(MpmProgramJudge(p, other, isnan(s->condition) ? 1 : s->condition, &s->finding));
+  PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
   PetscCall(MpmReportCarriers(&carriers));
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
   json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));
+  if (request->compare[0]) PetscCall(Compare(p, one));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));

@@ -4,6 +4,7 @@
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
+#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "task/expect.h"
 #include <mpmstab/errors.h>
@@ -13,34 +14,21 @@
 
 /*S
    Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
-   other, which are the blocks with another size of perturbations: only of a code that is probed.
+   other, which are the blocks with another size of perturbations: only of a code that is probed. compare: only if asked for.
    certificates: of a file.
 S*/
 typedef struct {
-  MpmProgram      program;
-  MpmBlocks       blocks, other;
-  MpmCertificates certificates;
-  MpmSymbol      *symbol;
-  PetscReal       beta[MPM_MAX_DIM];
-  MpmSourceGrowth worst;
-  PetscReal       worst_uncertainty;
-  MpmFinding      finding;
-  PetscMPIInt     ranks;
+  MpmProgram        program;
+  MpmBlocks         blocks, other;
+  MpmCertificates   certificates;
+  MpmSymbol        *symbol;
+  PetscReal         beta[MPM_MAX_DIM];
+  MpmSourceGrowth   worst;
+  PetscReal         worst_uncertainty;
+  MpmCompareProgram compare;
+  MpmFinding        finding;
+  PetscMPIInt       ranks;
 } Answer;
-
-/* One number of phases is for all directions; several are one for each. */
-static PetscErrorCode FindPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])
-{
-  static const PetscInt fallback[MPM_MAX_DIM] = {64, 32, 16};
-
-  PetscFunctionBegin;
-  MpmCheckInput(request->given_phases <= 1 || request->given_phases == dim,
-                "-phases: %" PetscInt_FMT " numbers, and the blocks of %s have %" PetscInt_FMT
-                " direction%s; allowed: one number for all directions, or one for each",
-                request->given_phases, MpmRequestSource(request), dim, dim == 1 ? "" : "s");
-  for (PetscInt a = 0; a < dim; a++) phases[a] = request->given_phases ? request->phases[a] : fallback[dim - 1];
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Takes the phase of the symbol where the search between its phases has found no larger growth. */
 static PetscErrorCode Compare(Answer *a)
@@ -114,11 +102,12 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscCallMPI(MPI_Comm_size(comm, &a->ranks));
   PetscCall(GetBlocks(request, a));
   PetscCall(MpmBlocksSource(&a->blocks, MpmRequestSource(request), &source));
-  PetscCall(FindPhases(request, source.dim, wish.phases));
+  PetscCall(MpmRequestPhases(request, source.dim, wish.phases));
   PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
   PetscCall(Compare(a));
   PetscCall(Judge(request, a));
+  if (request->compare[0]) PetscCall(MpmCompareProgramCreate(&a->program, &a->blocks, a->worst.growth, &a->compare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,6 +131,7 @@ static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
   PetscCall(MpmReportVector(dim, a->beta, 6, sizeof beta, beta));
   PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s, the largest of a search between these phases", beta));
   PetscCall(MpmReportGrowth("all waves", a->worst.growth, text));
+  if (request->compare[0]) PetscCall(MpmReportCompare(&a->program, &a->compare));
   MpmPrint("\n");
   PetscCall(MpmReportFinding(&a->finding, a->worst.condition));
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
@@ -160,6 +150,7 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
                      "period_steps", (int)b->period);
   if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
   json_object_set_new(object, "lattice", blocks);
+  if (request->compare[0]) json_object_set_new(object, "comparison", MpmJsonCompare(&a->compare));
   if (MpmRequestProbes(request))
     json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
   else if (MpmCertificatesTaken(&a->certificates))
@@ -204,6 +195,7 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(MpmBlocksFree(&answer.blocks));
   if (MpmRequestProbes(request)) {
     PetscCall(MpmBlocksFree(&answer.other));
+    if (request->compare[0]) PetscCall(MpmCompareProgramDestroy(&answer.compare));
     PetscCall(MpmProgramClose(&answer.program));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,4 +1,4 @@
-/* The task map: mpmstab map [SCENE.yaml] [-option value]... */
+/* The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "report/results.h"
 #include "task/task.h"
@@ -6,17 +6,24 @@
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmExpect        expect = request->expect;
+  MpmProgram       program;
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
   expect.has_spectrum = PETSC_FALSE; /* it is about one point */
-  PetscCall(MpmStabilityMapCreate(scene, request, &map));
+  if (scene)
+    PetscCall(MpmStabilityMapCreate(scene, request, &map));
+  else {
+    PetscCall(MpmProgramOpen(request, &program));
+    PetscCall(MpmStabilityMapOfProgram(&program, &map));
+  }
   if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
   if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
   if (request->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
   PetscCall(MpmStabilityMapPrint(map));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
+  if (!scene) PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

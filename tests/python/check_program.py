@@ -1,9 +1,12 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, failures or page. Silent when all is
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, failures, page, map,
+free, compare or asked. Silent when all is
 well.
 """
+import csv
+import json
 import os
 import re
 import shlex
@@ -12,9 +15,11 @@ import subprocess
 import sys
 import time
 
+import h5py
 import numpy
 import scipy.sparse
 
+import program_implicit
 from checks import check, loaded, text_of
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -49,9 +54,9 @@ def check_operator(scheme):
              abs(scipy.sparse.load_npz("code.npz").toarray() - right).max(), 0)
 
 
-def blocks_of(*words):
+def blocks_of(*words, ranks=1):
     """The blocks A_d that symbol writes, by d."""
-    run("symbol", *words, "-write_blocks", "blocks.npz")
+    run("symbol", *words, "-write_blocks", "blocks.npz", ranks=ranks)
     with numpy.load("blocks.npz") as file:
         return {tuple(d): A for d, A in zip(file["d"].reshape(len(file["A"]), -1), file["A"])}
 
@@ -188,11 +193,18 @@ def check_page():
     """The commands of the page do what it says, and critical finds the limits of its table; two have a closed form."""
     page = os.path.join(os.path.dirname(HERE), "..", "examples", "your-code")
     text = text_of(os.path.join(page, "PROGRAM.md"))
-    commands = re.search(r"```sh\n(.*?)```", text, re.S).group(1).splitlines()
-    check(len(commands) == 4, f"the page has {len(commands)} commands")
-    for command in commands:
-        words = shlex.split(command.replace("python3 line.py", f"{sys.executable} {os.path.join(page, 'line.py')}"))
-        found = run(*words[1:])
+    commands = "".join(re.findall(r"```sh\n(.*?)```", text, re.S)).splitlines()
+    check(len(commands) == 7, f"the page has {len(commands)} commands")
+    *_, found, same, other, grid = (
+        run(*shlex.split(command.replace("python3 line.py", f"{sys.executable} {os.path.join(page, 'line.py')}"))[1:])
+        for command in commands)
+    check(same["comparison"]["same"], f"{same['comparison']}")
+    by = float(re.search(r"`compare: differs in s from s \(by ([0-9.]+)\)`", text).group(1))
+    check({(one["to"], one["from"]) for one in other["comparison"]["differences"]} == {("s", "s")}, f"{other['comparison']}")
+    near("difference", other["comparison"]["differences"][0]["difference"], by, 1e-9)
+    check(other["comparison"]["same_as"] == [f"formulation=usl,transfer=flip,basis={basis}" for basis in ("linear", "gimp")],
+          f"{other['comparison']['same_as']}")
+    check(f"growth at {grid['map']['unstable']} of these 25 points" in text, f"{grid['map']['unstable']} points grow")
     limits = found["critical"]["limits"]
     table = dict(re.findall(r"^\| (interior|free block|lone particle):.*\| ([0-9.]+) \|$", text, re.M))
     for name, limit in table.items():
@@ -204,4 +216,152 @@ def check_page():
     near("share", 100 * found["critical"]["given_dt"] / found["critical"]["critical_dt"], share, 0.005)
 
 
-{"page": check_page, "steps": check_steps, "mls": check_mls, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
+def check_map():
+    """A code with stiffness E and step dt is the scene of Courant number sqrt(E) dt, at each point and on any ranks."""
+    steps = ["-program", program("program_steps.py", "usl")]
+    axes = ["-map_axes", "dt,E", "-map_dt", "0.4,0.8", "-map_E", "0.5,2", "-map_points", "3,4"]
+    texts = []
+    for ranks in (1, 2, 3):
+        found = run("map", *steps, *axes, "-csv", "map.csv", "-output", "map.h5", ranks=ranks)
+        texts.append(text_of("map.csv"))
+    rows = list(csv.DictReader(texts[0].splitlines()))
+    for dt, E in {(float(row["dt"]), float(row["E"])) for row in rows[::6]}:
+        right = run("symbol", "-formulation", "usl", "-cells", "64", "-courant", repr(E**0.5 * dt))
+        row = next(one for one in rows if (float(one["dt"]), float(one["E"])) == (dt, E))
+        near(f"dt {dt}, E {E}", float(row["growth"]), right["symbol"]["growth"], 1e-9)
+        check(row["verdict"] == right["verdict"] and row["fails"] == "", f"{row}, {right['verdict']}")
+    check(len(rows) == 12 and found["map"]["axes"] == ["dt", "E"], f"{found['map']}")
+    check(found["map"]["unstable"] == sum(row["verdict"] == "unstable" for row in rows) == 4, f"{found['map']}")
+    for other in texts[1:]:
+        for one, two in zip(rows, csv.DictReader(other.splitlines())):
+            near("growth on more ranks", float(one["growth"]), float(two["growth"]), 1e-9)
+    with h5py.File("map.h5") as file:
+        growth = numpy.array(file["map/growth"]).ravel()
+    near("growth in HDF5", abs(growth - [float(row["growth"]) for row in csv.DictReader(texts[2].splitlines())]).max(), 0, 0)
+    bad = ["-program", program("program_steps.py", "usl", "drops"), *axes[:-1], "2,2"]
+    found = run("map", *bad, "-csv", "map.csv")
+    verdicts = [(row["verdict"], row["fails"]) for row in csv.DictReader(text_of("map.csv").splitlines())]
+    check(verdicts == 3 * [("undecided", "additivity")] + [("unstable", "additivity")], f"{verdicts}")
+    check(found["map"]["undecided"] == 3, f"{found['map']}")
+    with open("code.yaml", "w", encoding="utf-8") as scene:
+        scene.write(f"program: {steps[1]}\n")
+    check(run("map", "code.yaml", *axes[:-1], "2,2")["map"]["unstable"] == 1, "a map of a code that a file names")
+    particles = run("map", *steps, *axes[:-1], "2,2", "-probe", "coloured")["map"]
+    check("phases" not in particles and particles["unstable"] == 1, f"{particles}")
+    for words, said in ((["dt,F", "-map_dt", "1,2", "-map_F", "1,2"], "no such parameter; allowed: dt, E"),
+                        (["dt,E", "-map_dt", "1,2"], "with -map_E lo,hi"), (["dt,dt", "-map_dt", "1,2"], "two different"),
+                        (["dt,growth", "-map_dt", "1,2", "-map_growth", "1,2"], "cannot hold"),
+                        (["dt,E", "-map_dt", "2,1", "-map_E", "1,2"], "lo < hi"),
+                        (["dt,E", "-map_dt", "1,2", "-map_E", "1,2", "-map_drift", "0,1"], "does not name it"),
+                        (["dt,E", "-map_dt", "1,2", "-map_E", "1,2", "-probe", "coloured", "-phases", "8"], "has no phases")):
+        answer = run("map", *steps, "-map_axes", *words, status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+
+
+def check_free():
+    """The step of an implicit code: its eigenvalues are numpy's. Products alone cannot show that it is stable."""
+    for theta, words, ranks in ((0.45, [], (1, 2, 3)), (0.45, ["place"], (1,)), (0.5, [], (1,))):
+        left, right = program_implicit.matrices(20, theta, 0.5)
+        known = numpy.linalg.eigvals(numpy.linalg.solve(left, right))
+        asked = ["-program", program("program_implicit.py", "20", str(theta), *words)]
+        for on in ranks:
+            found = run("spectrum", *asked, "-csv", "ring.csv", ranks=on)
+            values = numpy.loadtxt("ring.csv", delimiter=",", skiprows=1)[:, 1:3] @ [1, 1j]
+            check(len(values) == len(known) and found["probing"]["probing"] == "matrix_free", f"{found['probing']}")
+            distance = abs(values[:, None] - known)
+            near(f"theta {theta}, {on} ranks", max(distance.min(0).max(), distance.min(1).max()), 0, 1e-7)  # a defective pair at 1
+            check(found["verdict"] == ("stable" if theta == 0.5 else "unstable"), f"{theta}: {found['verdict']}")
+        near("growth", found["growth"], abs(known).max(), 1e-8 if theta == 0.5 else 1e-12)
+        left, right = program_implicit.matrices(40, theta, 0.5)
+        known = numpy.linalg.eigvals(numpy.linalg.solve(left, right))
+        for on in ranks[::2] if not words else ():  # too many unknowns for the solver to find all
+            large = ["-program", program("program_implicit.py", "40", str(theta))]
+            krylov = run("spectrum", *large, "-tolerance", "1e-4", "-eps_type", "krylovschur", "-output", "ring.h5", ranks=on)
+            near("growth by products", krylov["growth"], abs(known).max(), 1e-8)
+            check(krylov["verdict"] == ("undecided" if theta == 0.5 else "unstable"), f"{theta}: {krylov['verdict']}")
+            check("nonzeros" not in krylov["spectrum"] and "reach" not in krylov["probing"]["certificates"], f"{krylov}")
+    found = run("critical", *asked)
+    check(found["verdict"] == "stable" and "critical_dt" not in found["critical"], f"of Crank and Nicolson: {found}")
+    for words, said in ((["spectrum", "-powers", "8"], "-powers: it needs the matrix"), (["symbol"], "has no symbol"),
+                        (["symbol", "-probe", "matrix_free"], "allowed: bloch")):
+        answer = run(words[0], *asked, *words[1:], *(["-eps_type", "krylovschur"] if words[0] == "spectrum" else []), status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+
+
+def in_form(blocks, **form):
+    """The command of a code whose step is given by blocks, in a form of its own."""
+    return f"{program('program_blocks.py', blocks)} {shlex.quote(json.dumps(form))}"
+
+
+def check_compare():
+    """A code of our own schemes is the same as they are, in whatever units and order it keeps its numbers."""
+    bar = ["-program", program("program_steps.py", "usl"), "-program_set", "dt=0.25,E=4"]
+    for task, ranks in (("symbol", 1), ("symbol", 2), ("spectrum", 3)):
+        found = run(task, *bar, "-compare", "formulation=usl,young=4,density=1", ranks=ranks)["comparison"]
+        check(found["same"] and found["difference"] < 1e-11 and found["courant"] == 0.5, f"{task}: {found}")
+        near("factor", abs(found["fields"][1]["factor"]), 2, 1e-9)  # stress over velocity is 2 c of ours
+    found = run("symbol", *bar, "-compare", "formulation=musl,courant=0.5")["comparison"]
+    check(not found["same"] and "formulation=usl,transfer=flip,basis=linear" in found["same_as"], f"{found}")
+    check({(one["to"], one["from"]) for one in found["differences"]} == {("s", "s")}, f"{found['differences']}")
+    near("largest difference", found["differences"][0]["difference"], 0.890625 - 0.75, 1e-9)
+    moving = ["-program", program("program_steps.py", "musl", "drift=0.125", "32")]
+    found = run("symbol", *moving, "-compare", "formulation=musl,wave_speed=1")
+    check(found["comparison"]["same"] and found["comparison"]["difference"] < 1e-8, f"moving: {found['comparison']}")
+    near("growth of both", found["comparison"]["growth"], found["comparison"]["code_growth"], 1e-8)
+    check_compare_plane()
+    for text, said in (("formulation=usl", "how far waves go"), ("usl", "keys of a scene"), ("formulation=foo,courant=1", "gas1"),
+                       ("formulation=usl,courant=0.5,ppc=1", "are not where"), ("formulation=usl,courant=0.5,drift=1/2", "of 2"),
+                       ("formulation=usl,courant=0.5,boundary=fixed,free", "boundary fixed,free")):
+        answer = run("symbol", *bar, "-compare", text, status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{text}: {answer}")
+
+
+def check_compare_plane():
+    """In the plane a code keeps stresses with the diagonal first, and the affine part by columns, in units of its own."""
+    scheme = "formulation=usl,transfer=apic,courant=0.5,poisson=0.2"
+    run("symbol", "-dim", "2", "-cells", "8", "-ppc", "2,1", *(f"-{word}" if i == 0 else word for pair in scheme.split(",")
+                                                for i, word in enumerate(pair.split("="))), "-write_blocks", "plane.npz")
+    fields = [["stress", [[2, -1e6], [4, -1e6], [3, -1e6]]], ["C", [[5, 40], [7, 40], [6, 40], [8, 40]]], ["v", [[0, 3], [1, 3]]]]
+    form = {"cells": 5, "ppc": [2, 1], "fields": fields}
+    found = run("symbol", "-program", in_form("plane.npz", **form), "-compare", scheme)["comparison"]
+    check(found["same"] and found["difference"] < 1e-10, f"plane: {found}")
+    check([(one["ours"], one["yours"]) for one in found["fields"]] == [("v", "v"), ("s", "stress"), ("c", "C")], f"{found['fields']}")
+    near("sign of the stress", numpy.sign(found["fields"][1]["factor"]), -1)
+    with numpy.load("plane.npz") as file:  # at d = 0, what v_x of the first particle gives to c_xx of it
+        here = int(numpy.flatnonzero((file["d"] == 0).all(1))[0])
+    found = run("symbol", "-program", in_form("plane.npz", **form, wrong=[here, 5, 0, 0.01]), "-compare", scheme)["comparison"]
+    check(not found["same"] and not found["same_as"], f"wrong: {found['difference']}, {found['same_as']}")
+    most = found["differences"][0]
+    check((most["to"], most["from"], most["d"]) == ("c", "v", [0, 0]) and len(found["differences"]) == 1, f"{found['differences']}")
+    near("difference", most["difference"], 0.01, 1e-4)
+    found = run("symbol", "-program", in_form("plane.npz", **form), "-compare", scheme.replace("apic", "flip"))["comparison"]
+    check(not found["same"] and "C (4)" in found["why_not"], f"without the affine part: {found}")
+    check("formulation=usl,transfer=apic,basis=linear" in found["same_as"], f"{found['same_as']}")
+
+
+def check_asked():
+    """What can be asked of an operator is answered for a code as for the scene that it is, on 1, 2 and 3 ranks."""
+    ask = ["-powers", "40", "-pseudospectrum", "5", "-modes", "3"]
+    right = run("spectrum", "-formulation", "usl", "-cells", "16", "-courant", "0.8", "-measure", "false", *ask, "-output", "scene.h5",
+                "-write_matrix", "scene.npz")
+    one = blocks_of("-formulation", "usl", "-cells", "16", "-courant", "0.8")
+    for ranks in (1, 2, 3):
+        code = ["-program", program("program_steps.py", "usl"), "-program_set", "dt=0.8"]
+        found = run("spectrum", *code, *ask, "-output", "code.h5", "-write_matrix", "code.npz", ranks=ranks)
+        near("matrix", abs(scipy.sparse.load_npz("code.npz") - scipy.sparse.load_npz("scene.npz")).max(), 0)
+        with h5py.File("scene.h5") as scene, h5py.File("code.h5") as file:
+            for name in ("transient/steps", "transient/norm", "pseudospectrum/re", "pseudospectrum/sigma"):
+                near(f"{name}, {ranks} ranks", (abs(file[name][:] - scene[name][:]) / abs(scene[name][:]).max()).max(), 0, 1e-8)
+            values, known = (part["spectrum/eigenvalues"][:] @ [1, 1j] for part in (file, scene))
+            near(f"eigenvalues, {ranks} ranks", abs(values[:, None] - known).min(1).max(), 0, 1e-7)
+            check(len(file["modes"]) == 3, f"modes: {list(file['modes'])}")
+            for mode, value in zip(file["modes"].values(), values):
+                x = mode["vector_re"][:] + 1j * mode["vector_im"][:]
+                near("mode", abs(scipy.sparse.load_npz("code.npz") @ x - value * x).max(), 0, 1e-8)
+        for name in ("transient", "pseudospectrum"):
+            check(set(found[name]) == set(right[name]), f"{name}: {found[name]}")
+    for d, A in blocks_of(*code, ranks=3).items():
+        near(f"block {d}", abs(A - one[d]).max(), 0)
+
+
+{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()

@@ -233,7 +233,10 @@ def look(driver, path, width, height, screenshots):
 
 
 def check_refusals():
+    with open("code.yaml", "w", encoding="utf-8") as scene:
+        scene.write("program: python3 code.py\n")
     for arguments, says in ((("none.yaml",), "none.yaml: no such file or directory; allowed: a scene in YAML"),
+                            (("code.yaml",), "code.yaml: program takes the place of a scene"),
                             (("rests.yaml", "-n", "0"), "-n 0: allowed: 1 or more ranks"),
                             (("rests.yaml", "-o", "nowhere/page.html", "--no-work-precision", "--work", "files2"),
                              "nowhere: No such file"),

@@ -209,6 +209,10 @@ def check_adapter(language, code):
     code.end()
     run(MPMSTAB, "spectrum", *code.option, "-write_matrix", "probed.mtx", "-expect", "stable")
     near(scipy.io.mmread("probed.mtx").toarray(), OWN, 1e-9, f"{language}: matrix that {code.option[0]} gives")
+    if language == "C":
+        run(MPMSTAB, "symbol", *code.option, "-compare", "formulation=usl,wave_speed=1", "-json", "compared.json")
+        with open("compared.json", encoding="utf-8") as file:
+            check(json.load(file)["comparison"]["same"], "the bar as a plugin is not the scheme that it is")
 
 
 # ---- the hook itself, on a step whose matrix is known ----

@@ -16,7 +16,7 @@ FAULTS = ("stale", "drops", "clamp", "weak", "mean", "memory", "noise", "moves",
 class Bar:
     def __init__(self, scheme, fault, cells, drift):
         self.scheme, self.fault, self.cells = scheme, fault, cells
-        self.dt, self.random, self.calls = 0.5, numpy.random.default_rng(1), 0
+        self.dt, self.E, self.random = 0.5, 1.0, numpy.random.default_rng(1)
         x = (numpy.arange(cells * PPC) + (0.625 if drift else 0.5)) / PPC  # none comes to a face
         self.base = numpy.column_stack([x, numpy.full(len(x), drift / self.dt), numpy.zeros(len(x))])
         if fault == "moves":
@@ -49,7 +49,7 @@ class Bar:
         if self.fault == "mean":  # every particle feels all others
             v = v - 0.1 * v.mean()
         nodes = self.sum(v, at, hats) / mass if self.scheme == "musl" else old + self.dt * a
-        strain = self.dt * gather(nodes, slopes)
+        strain = self.E * self.dt * gather(nodes, slopes)
         if self.fault == "drops":
             strain[abs(strain) < 1e-5] = 0
         s = s + strain
@@ -77,10 +77,10 @@ def main():
         answer, data = {}, b""
         if ask["do"] == "describe":
             answer = {"protocol": 1, "name": "bar", "dim": 1, "cell_width": 1.0, "periodic": [float(cells)],
-                      "particles": len(bar.base), "fields": fields, "parameters": {"dt": bar.dt}}
+                      "particles": len(bar.base), "fields": fields, "parameters": {"dt": bar.dt, "E": bar.E}}
             data = bar.base.tobytes()
         elif ask["do"] == "set":
-            bar.dt = ask["dt"]
+            bar.dt, bar.E = ask.get("dt", bar.dt), ask.get("E", bar.E)
         elif ask["do"] == "step":
             state = numpy.frombuffer(read.read(bar.base.nbytes)).reshape(bar.base.shape)
             for _ in range(ask["steps"]):

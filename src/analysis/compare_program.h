@@ -1,0 +1,39 @@
+/* A code beside a scheme of our own: a scene with the code's cells, and where the two operators differ. */
+#pragma once
+#include "analysis/match.h"
+#include "analysis/program.h"
+
+#define MPM_COMPARE_SAME 4 /* schemes that are listed */
+
+/*S
+   MpmCompareProgram - the comparison of a prepared code with the scene that option compare names.
+
+   scene    - the scene, with what the code says of its cells where the option leaves it open
+   own, theirs - both operators; fields of own are those of the scheme
+   match    - what goes with what, and what differs
+   growth   - of the scene, over all waves; code: of the code
+   bound    - differences up to it are none: what single or double precision and the perturbations can tell
+   same     - the two are the same step
+   same_as  - where they are not: schemes of ours with the scene's cells that are the code's step, nsame of them
+S*/
+typedef struct {
+  MpmScene    *scene;
+  MpmBlocks    blocks;
+  MpmMatchSide own, theirs;
+  MpmMatch    *match;
+  PetscReal    growth, code, bound;
+  PetscBool    same;
+  PetscInt     nsame;
+  char         same_as[MPM_COMPARE_SAME][96];
+} MpmCompareProgram;
+
+/*
+   MpmCompareProgramCreate - makes the scene and compares. blocks: those of the code, without what is set apart. growth: of
+   the code over all waves, or NaN if it is to be found.
+
+   Collective. The program must be prepared, and its cells be alike. Errors: PETSC_ERR_USER_INPUT where the option is no
+   scene, or its particles are elsewhere in their cells than those of the code.
+*/
+PetscErrorCode MpmCompareProgramCreate(const MpmProgram *program, const MpmBlocks *blocks, PetscReal growth,
+                                       MpmCompareProgram *compare);
+PetscErrorCode MpmCompareProgramDestroy(MpmCompareProgram *compare);
