@@ -59,7 +59,7 @@ def ask(task, **scene):
 def growth_of(found):
     """What a finding says of growth; a fault that a certificate shows is said, too."""
     faults = [name for name, one in found["probing"]["certificates"].items() if not one["holds"]]
-    return found["verdict"] + (f", {' and '.join(faults)} fails" if faults else "")
+    return found["verdict"] + (f", {' and '.join(faults)} fail{'s' if len(faults) == 1 else ''}" if faults else "")
 
 
 # ---- the rows ----

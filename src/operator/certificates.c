@@ -1,6 +1,7 @@
 /* Certificates of a code that is probed: what its answers to known questions should be. */
 #include "operator/certificates.h"
 #include "base/hash.h"
+#include <float.h>
 #include <math.h>
 
 #define SWITCHES 0.02 /* of smooth steps the response depends on its size by up to 2e-3 (a thousandfold curvature) */
@@ -11,6 +12,7 @@
 */
 #define KINKS 1e-5
 #define KINKS_SINGLE 1e-3
+#define ROUNDINGS 4       /* that one number of a response, of two sizes, has */
 #define SMALL 1e-3        /* the size at which switches are looked for */
 #define SMALL_SINGLE 0.01 /* larger, above rounding */
 #define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
@@ -149,6 +151,17 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
 }
 
 /*
+   What rounding a number of the state may make of a response, in scales, with perturbations of a size. Floats have a few digits
+   of a place left when its scale is the width of a cell.
+*/
+static PetscReal Rounding(const MpmProbe *p, PetscInt64 i, PetscReal size)
+{
+  const PetscReal epsilon = p->single ? FLT_EPSILON : PETSC_MACHINE_EPSILON;
+
+  return ROUNDINGS * epsilon * PetscAbsReal(p->stepper->base[i]) / p->scale[i % p->stepper->width] / size;
+}
+
+/*
    D(s) = (F(q + s r) + F(q - s r) - 2 F(q)) / (2 s) is of the order of s where F is smooth, and does not depend on s where
    F has a kink at q. So 2 D(s / 2) - D(s) shows the kink.
 */
@@ -177,7 +190,8 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
     }
   }
   c->value[MPM_CERTIFY_ONE_SIDED] = 0;
-  for (PetscInt64 i = 0; i < n && largest > 0; i++) Most(c, MPM_CERTIFY_ONE_SIDED, i, PetscAbsReal(kink[i]) / largest);
+  for (PetscInt64 i = 0; i < n && largest > 0; i++)
+    Most(c, MPM_CERTIFY_ONE_SIDED, i, (PetscAbsReal(kink[i]) - Rounding(p, i, size)) / largest);
   PetscCall(PetscFree4(amount, forward, central, kink));
   PetscCall(PetscFree(unknown));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -208,11 +222,15 @@ static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal re
 
 PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates *c)
 {
-  const PetscReal size = Small(p);
+  const PetscReal size     = Small(p);
+  PetscReal       coarsest = 0;
 
   PetscFunctionBegin;
   MpmCertificatesBegin(p->single, tolerance, c);
   c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = p->single ? KINKS_SINGLE : KINKS;
+  for (PetscInt64 i = 0; i < p->stepper->particles * p->stepper->width; i++)
+    coarsest = PetscMax(coarsest, Rounding(p, i, size));
+  c->bound[MPM_CERTIFY_COLUMNS] += coarsest;
   PetscCall(Repeat(p, c));
   PetscCall(Additivity(p, size, c));
   PetscCall(OneSided(p, size, c));
