@@ -32,6 +32,7 @@ typedef struct {
   PetscBool           is_part;
   MpmCriticalProgram *critical;
   MpmProgress        *progress;
+  PetscInt            expected; /* time steps to try, as it is said while they are */
 } Search;
 
 /* ---- growth at a time step ---- */
@@ -94,7 +95,8 @@ static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
     PetscCall(GrowthOfMatrix(p, &growth));
   *excess = growth - 1;
   PetscCall(MpmProgramForget(p));
-  PetscCall(MpmProgressUpdate(s->progress, ++s->critical->probes, 0));
+  s->critical->probes++;
+  PetscCall(MpmProgressUpdate(s->progress, s->critical->probes, PetscMax(s->expected, s->critical->probes + 1)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -331,7 +333,8 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
   const PetscBool bloch = p->kind == MPM_PROBE_BLOCH ? PETSC_TRUE : PETSC_FALSE;
   MpmProbe        sizes = p->probe;
   MpmProgress     progress;
-  Search          s = {.program = p, .critical = c, .progress = &progress};
+  const PetscInt  limits = bloch && p->stepper->any_count ? MPM_LIMIT_LONE - MPM_LIMIT_INTERIOR + 1 : 1;
+  Search          s = {.program = p, .critical = c, .progress = &progress, .expected = (TRIED + BELOW + 5) * limits};
   PetscReal       limit;
 
   PetscFunctionBegin;

@@ -39,7 +39,8 @@ PetscErrorCode MpmProgressUpdate(MpmProgress *progress, PetscInt64 done, PetscIn
   const PetscReal now = progress->enabled ? MPI_Wtime() : 0;
 
   PetscFunctionBegin;
-  if (!progress->enabled || done < 1 || now < progress->last + progress->between) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!progress->enabled || done < 1 || total < done || now < progress->last + progress->between)
+    PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(stderr, "%s%s %" PetscInt64_FMT " of %" PetscInt64_FMT ", %.0f%%, %.0f s left%s", progress->lines ? "" : "\r",
           progress->unit, done, total, 100.0 * (double)done / (double)total,
           (now - progress->started) * (double)(total - done) / (double)done, progress->lines ? "\n" : "   ");
