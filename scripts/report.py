@@ -5,6 +5,7 @@ report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work
 
 The script runs the tasks spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples)
 and measures error against run time on three grids. Where a task does not support a scene, the page quotes its refusal.
+A scene may name a program or a plugin: the page then says which time steps the code takes, and how well that is known.
 The page holds its pictures and needs no network. The files of the runs stay in FOLDER (by default report-files beside
 the page). The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
@@ -24,6 +25,7 @@ import tempfile
 
 import picture_files
 import picture_scenes
+import report_code
 import report_html
 import report_page
 import report_runs
@@ -133,7 +135,7 @@ def main():
     require_program()
     texts = [read_scene(scene) for scene in arguments.scenes]
     for scene, text in zip(arguments.scenes, texts):
-        other = re.search(r"^(program|plugin|matrix|matrix_blocks)\s*:", text, re.M)
+        other = re.search(r"^(matrix|matrix_blocks)\s*:", text, re.M)
         if other:
             refuse(f"{scene}: {other[1]} takes the place of a scene, and a report is of a scheme that is run; allowed: scenes")
     with open(os.path.join(ROOT, "scripts", "report", "report.css"), encoding="utf-8") as file:
@@ -141,11 +143,16 @@ def main():
     names = names_of(arguments.scenes)
     require_places(arguments, names)
     known = report_runs.options_known()
-    entries = [examine(scene, name, text, arguments, known)
-               for scene, name, text in zip(arguments.scenes, names, texts)]
+    entries, codes = [], []
+    for scene, name, text in zip(arguments.scenes, names, texts):
+        if re.search(r"^(program|plugin)\s*:", text, re.M):
+            found = report_code.ask_all(scene, os.path.join(arguments.work, name), arguments.ranks)
+            codes.append({"name": name, "file": os.path.abspath(scene), "text": text, **found})
+        else:
+            entries.append(examine(scene, name, text, arguments, known))
     report_runs.progress("the page")
-    body = report_page.body(entries, facts(arguments))
-    write_whole(arguments.output, report_html.page(f"mpmstab: {len(entries)} scenes", style, body))
+    body = report_page.body(entries, codes, facts(arguments))
+    write_whole(arguments.output, report_html.page(f"mpmstab: {len(arguments.scenes)} scenes", style, body))
     print(f"written: {arguments.output}; files of the runs: {report_runs.shown(arguments.work)}")
 
 

@@ -1,6 +1,7 @@
 """Writes what a report says of each scene and of all in its overview. examine() in report.py makes the entries."""
 import math
 
+import report_code
 import report_html as html
 import report_pictures
 from report_html import escaped, number
@@ -254,11 +255,11 @@ def overview(entries):
             "does.</p>\n" + html.table("all scenes", head, rows, (3, 4, 5, 6, 7, 8, 9, 10)))
 
 
-def body(entries, facts):
+def body(entries, codes, facts):
     rows = [[escaped(name), escaped(value)] for name, value in facts]
     return "\n".join([
         "<header>", f"<h1>{QUESTION}</h1>",
         '<p class="quiet">A report of mpmstab, from what the program itself computed.</p>', "</header>",
-        "<main>", '<section aria-label="overview">', overview(entries), "</section>",
-        *map(scene_section, entries), '<section aria-label="how this was made">', "<h2>How this was made</h2>",
+        "<main>", *(['<section aria-label="overview">', overview(entries), "</section>"] if entries else []),
+        *map(scene_section, entries), *map(report_code.section, codes), '<section aria-label="how this was made">', "<h2>How this was made</h2>",
         html.table("versions and machine", [], rows), "</section>", "</main>"])

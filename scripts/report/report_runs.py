@@ -48,8 +48,8 @@ def complaint_of(done):
 class Asker:
     """Runs tasks on one scene. Each task has files of its own in the scene's folder."""
 
-    def __init__(self, scene, folder, ranks):
-        self.scene, self.folder, self.ranks = scene, folder, ranks
+    def __init__(self, scene, folder, ranks, where=ROOT):
+        self.scene, self.folder, self.ranks, self.where = scene, folder, ranks, where
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -66,7 +66,8 @@ class Asker:
         progress(f"{shown(self.scene)}: {name}")
         command = command_of(words, self.ranks)
         try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE, cwd=ROOT)
+            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE,
+                                  cwd=self.where)
         except subprocess.TimeoutExpired:
             return Answer(typed(command), None, {}, "", f"stopped after {PATIENCE} s")
         result = result_of(self.path(f"{name}.json"))

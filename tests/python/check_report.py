@@ -22,7 +22,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
 os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
-from checks import SCRIPTS, check, check_one_line, run_script, text_of
+from checks import ROOT, SCRIPTS, check, check_one_line, run_script, text_of
 import report_page  # noqa: E402 (which program it runs comes first)
 import report_runs  # noqa: E402
 
@@ -232,11 +232,24 @@ def look(driver, path, width, height, screenshots):
             file.write(base64.b64decode(picture["data"]))
 
 
+def check_code():
+    """A code that is probed has an article with its limits and certificates."""
+    adapter = os.path.join(ROOT, "examples", "your-code", "line.py")
+    with open("probed.yaml", "w", encoding="utf-8") as scene:
+        scene.write(f"program: {sys.executable} {adapter}\n")
+    done = report("probed.yaml", "-o", "probed.html")
+    check(done.returncode == 0, done.stderr)
+    text = article(text_of("probed.html"), "probed")
+    for words in ("dt up to <data value=", ">0.000306186<", "65.32%", "two sizes", "holds"):
+        check(words in text, f"the article of a code has no {words}")
+    check(text.count("<figure>") == 3 and "not drawn" not in text, f"{text.count('<figure>')} pictures of a code")
+
+
 def check_refusals():
     with open("code.yaml", "w", encoding="utf-8") as scene:
-        scene.write("program: python3 code.py\n")
+        scene.write("matrix: a.mtx\n")
     for arguments, says in ((("none.yaml",), "none.yaml: no such file or directory; allowed: a scene in YAML"),
-                            (("code.yaml",), "code.yaml: program takes the place of a scene"),
+                            (("code.yaml",), "code.yaml: matrix takes the place of a scene"),
                             (("rests.yaml", "-n", "0"), "-n 0: allowed: 1 or more ranks"),
                             (("rests.yaml", "-o", "nowhere/page.html", "--no-work-precision", "--work", "files2"),
                              "nowhere: No such file"),
@@ -277,6 +290,7 @@ def main():
     page = make()
     check_text(page)
     check_browser("page.html")
+    check_code()
     check_refusals()
     check_second_line()
     check_places()
