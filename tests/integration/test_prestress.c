@@ -11,9 +11,9 @@
 #include "symbol/predict.h"
 #include <slepcsys.h>
 
-#define LEAST 1.02         /* growth per step; slower rows would need long runs */
-#define LEAST_ON_RANKS 1.3 /* the same, where steps wait for messages */
-#define TIMES 1e90         /* by which a state grows in a run */
+#define LEAST 1.02          /* growth per step; slower rows would need long runs */
+#define LEAST_ON_RANKS 1.15 /* the same, where steps wait for messages */
+#define TIMES 1e90          /* by which a state grows in a run */
 
 static PetscInt marched;
 
@@ -118,11 +118,14 @@ static PetscErrorCode CheckClosedForms(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
+  PetscMPIInt size;
+
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "prestress FILE");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(OracleGrowthNonlinear(argv[1], 43, CheckRow));
-  CHECK(marched >= 3, "%d rows measured by marches", (int)marched);
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  CHECK(marched >= (size > 1 ? 3 : 10), "%d rows measured by marches", (int)marched);
   PetscCall(CheckRings());
   PetscCall(CheckClosedForms());
   PetscCall(SlepcFinalize());
