@@ -7,6 +7,7 @@
 #include "task/task.h"
 #include "task/words.h"
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 
 /*
@@ -33,7 +34,7 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
   PetscCall(CheckTrap());
   *status = MPM_EXIT_DONE;
   if (argc > 1 && !strcmp(argv[1], "version")) {
-    MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
+    PetscCall(MpmPrintVersion());
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (argc > 2 && !strcmp(argv[1], "help")) {
@@ -59,15 +60,19 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
 int main(int argc, char **argv)
 {
   int            status = MPM_EXIT_FAILED;
+  char         **words;
   PetscErrorCode ierr;
 
   MpmLaunchStandardFiles();
   if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
   if (MpmWordsRead(&argc, &argv)) return MPM_EXIT_FAILED; /* PETSc would answer -help and -version by itself */
+  words = argv;
   if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reader, not the work; PETSc would print a stack trace */
   (void)signal(SIGXFSZ, SIG_IGN); /* writing beyond 'ulimit -f' then fails like any other write */
   MpmStopClean();                 /* a signal that asks for an end leaves no stack trace either */
-  ierr = Dispatch(argc, argv, MPI_Wtime(), &status);
-  return MpmFinalize(ierr, status);
+  ierr   = Dispatch(argc, argv, MPI_Wtime(), &status);
+  status = MpmFinalize(ierr, status);
+  free(words);
+  return status;
 }

@@ -20,7 +20,7 @@ FLAGS = ["-O3", "-march=native"]
 SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl"), ("linear", "quadratic")
 PPC = 2
 NODES = {"linear": 2, "quadratic": 3, "cubic": 4}  # of a particle along a direction
-BOXES = {2: {"1e6": 500, "4e6": 1000}, 3: {"1e6": 50, "4e6": 80}}  # cells along each direction, by dimension and size
+BOXES = {2: {"1e3": 16, "1e6": 500, "4e6": 1000}, 3: {"1e3": 6, "1e6": 50, "4e6": 80}}  # cells along each direction, by dimension and size
 HISTORY = os.path.join(SOURCES, "history.jsonl")
 
 

@@ -27,9 +27,10 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
-   it reads. MpmPrintHelp refuses a name that is no task's.
+   it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version.
 */
 PetscErrorCode MpmPrintUsage(void);
+PetscErrorCode MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);

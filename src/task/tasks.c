@@ -73,6 +73,13 @@ PetscErrorCode MpmPrintUsage(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmPrintVersion(void)
+{
+  PetscFunctionBegin;
+  MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* An option of a list of this task's own, or of those that all tasks read. */
 static void PrintOptions(const char task[], PetscBool own)
 {

@@ -10,6 +10,6 @@
      help, --help, -h, TASK --help     help, or help TASK
      critical musl                     critical -formulation musl, unless there is a file of that name
 
-   Not collective. Returns 0, or 1 when memory ends.
+   Not collective. Returns 0, or 1 when memory ends. The new *argv is freed with free, after MpmFinalize.
 */
 int MpmWordsRead(int *argc, char ***argv);
