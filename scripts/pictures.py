@@ -4,7 +4,7 @@
   pictures.py spectrum SPECTRUM.h5 [RESULT.json]      eigenvalues, unit circle, the symbol's and the published factors
   pictures.py symbol SYMBOL.h5|CSV [SPECTRUM.h5] [RESULT.json]   abs(G) over the phase, in all columns that there are
   pictures.py damping SYMBOL.h5                       decay and frequency of waves over their length (symbol -damping)
-  pictures.py modes SPECTRUM.h5                       the leading eigenmodes over x (-n: how many)
+  pictures.py modes SPECTRUM.h5                       the leading eigenmodes over x (-n: how many, --null-space: all)
   pictures.py growth RUN.json...                      size over steps, predicted growth dashed (RUN.csv lies beside)
   pictures.py spacetime RUN.h5 [FIELD]                a particle field over place and time
   pictures.py frames RUN.h5 -o FOLDER                 a picture for each output step, and movie.gif
@@ -69,7 +69,7 @@ def draw(args):
         frames(paths[0], args.output or "frames")
         return None
     if kind == "modes":
-        return modes(paths[0], args.number)
+        return modes(paths[0], args.number, args.null_space)
     if kind in ("transient", "damping"):
         return {"transient": transient, "damping": damping}[kind](paths[0])
     return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
@@ -82,6 +82,8 @@ def parse():
     parser.add_argument("-o", "--output", metavar="NAME", help="what is written (by default the kind's name)")
     parser.add_argument("-n", "--number", type=int, choices=range(1, 5), default=2,
                         help="for modes: how many are drawn (2)")
+    parser.add_argument("--null-space", action="store_true",
+                        help="for modes: in a stable scene, also those that no node feels")
     parser.add_argument("-s", "--steps", type=int, help="for growth: the last step that is shown")
     args = parser.parse_args()
     if args.steps is not None and args.steps < 1:

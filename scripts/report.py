@@ -6,7 +6,8 @@ report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work
 The script runs the tasks spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples)
 and measures error against run time on three grids. Where a task does not support a scene, the page quotes its refusal.
 A scene may name a program or a plugin: the page then says which time steps the code takes, and how well that is known.
-The page holds its pictures and needs no network. The files of the runs stay in FOLDER (by default report-files beside
+The page holds its pictures and needs no network. The pictures are also saved in the folder report-pictures beside it.
+The files of the runs stay in FOLDER (by default report-files beside
 the page). The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
 # This import comes first, so that Ctrl-C during those below is one line too.
@@ -113,7 +114,14 @@ def facts(arguments):
             ("date", datetime.datetime.now().astimezone().isoformat(" ", "seconds")), ("command", command)]
 
 
-def require_places(arguments, names):
+def require_folder(folder):
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        refuse(f"{folder}: {error.strerror}; allowed: a folder that can be written")
+
+
+def require_places(arguments, names, album):
     """Refuses places that cannot be written, and to write over a scene. This comes before the runs, which take long."""
     require_outputs([arguments.output], [*arguments.scenes, PROGRAM])
     folders = [os.path.join(arguments.work, name) for name in names]
@@ -121,13 +129,10 @@ def require_places(arguments, names):
         real, ending = os.path.realpath(scene), os.path.splitext(scene)[1]
         if os.path.dirname(real) == os.path.realpath(folder) and ending in report_runs.ENDINGS:
             refuse(f"{scene}: lies among the files of the runs, which are written anew; allowed: another --work FOLDER")
-    for folder in (arguments.work, *folders):
+    require_folder(os.path.dirname(os.path.abspath(arguments.output)))
+    for folder in (arguments.work, album.folder, *folders):
         os.makedirs(folder, exist_ok=True)
-    for folder in (os.path.dirname(os.path.abspath(arguments.output)), *folders):
-        try:
-            tempfile.TemporaryFile(dir=folder).close()
-        except OSError as error:
-            refuse(f"{folder}: {error.strerror}; allowed: a folder that can be written")
+        require_folder(folder)
 
 
 def main():
@@ -138,10 +143,8 @@ def main():
         other = re.search(r"^(matrix|matrix_blocks)\s*:", text, re.M)
         if other:
             refuse(f"{scene}: {other[1]} takes the place of a scene, and a report is of a scheme that is run; allowed: scenes")
-    with open(os.path.join(ROOT, "scripts", "report", "report.css"), encoding="utf-8") as file:
-        style = file.read()
-    names = names_of(arguments.scenes)
-    require_places(arguments, names)
+    names, album = names_of(arguments.scenes), report_html.Album(arguments.output)
+    require_places(arguments, names, album)
     known = report_runs.options_known()
     entries, codes = [], []
     for scene, name, text in zip(arguments.scenes, names, texts):
@@ -151,9 +154,10 @@ def main():
         else:
             entries.append(examine(scene, name, text, arguments, known))
     report_runs.progress("the page")
-    body = report_page.body(entries, codes, facts(arguments))
-    write_whole(arguments.output, report_html.page(f"mpmstab: {len(arguments.scenes)} scenes", style, body))
-    print(f"written: {arguments.output}; files of the runs: {report_runs.shown(arguments.work)}")
+    body = report_page.body(entries, codes, facts(arguments), album)
+    write_whole(arguments.output, report_html.page(f"mpmstab: {len(arguments.scenes)} scenes", body))
+    print(f"written: {arguments.output}; pictures: {report_runs.shown(album.folder)}; "
+          f"files of the runs: {report_runs.shown(arguments.work)}")
 
 
 if __name__ == "__main__":

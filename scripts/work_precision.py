@@ -2,14 +2,19 @@
 """Runs a scene in all combinations of some of its parameters and says which is cheapest for an error.
 
 work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2] [--formulation gas1,gas2]
-                  [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 5] [--error 1e-2,1e-3]
-                  [--time T] [-o NAME]
+                  [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 6] [--most 30]
+                  [--error 1e-2,1e-3] [--time T] [-o NAME]
+
+Without --courant each scheme runs at five Courant numbers up to 0.95 of its limit for particles at rest, since schemes
+have different limits. Particles that move keep their velocity: the drift is in proportion to the Courant number.
 
 All combinations run to the same time, which is that of --time, or the end of the scene as it stands. The error is the
 largest l2 error over the fields at the end, against the exact solution and relative to its amplitude. In two and three
 dimensions --cells are those along x, and the other directions follow in the scene's proportion; --ppc are the particles
 of a cell in each direction. The time is that of the loop, without start-up. Each of the --repeats rounds runs all
-combinations once, in an order of its own, so that a slow machine slows all of them alike. NAME.runs.jsonl keeps each
+combinations once, in an order of its own, so that a slow machine slows all of them alike. Rounds of the first three
+schemes go on, up to --most, until their order is certain at each --error: until one is slower in so many rounds that it
+would be chance in one case of 40. NAME.runs.jsonl keeps each
 run as soon as it is done: give the same command again to resume after an interruption, or a wider range to add to it.
 NAME.csv has a row for each combination, NAME.png and NAME.svg have the picture. The environment variable MPMSTAB names
 the program (by default build/mpmstab).
@@ -17,6 +22,7 @@ the program (by default build/mpmstab).
 # This import comes first, so that Ctrl-C during those below is one line too.
 from program import (PROGRAM, Parser, end_in_one_line, launch, processor, refuse, require_input, require_outputs,
                      require_program, say, write_whole)
+from fractions import Fraction
 import fcntl
 import hashlib
 import itertools
@@ -30,9 +36,12 @@ import time
 
 import precision_picture
 from picture_style import save
-from precision_table import PARAMETERS, answer, csv_text, key, make_rows, remarks, table
+from precision_table import (PARAMETERS, SCHEME, answer, csv_text, key, make_rows, outstanding, remarks, table,
+                             uncertain_rows)
 
 MOST_PHASES = {1: None, 2: 64, 3: 12}  # of the symbol in each direction, by dimension; None: as many as cells
+SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)  # of a scheme's limit, the Courant numbers that are searched,
+PARTS = 8                            # in steps of this part of the scene's own
 KINDS = {"cells": int, "courant": float, "ppc": int, "ranks": int, "formulation": str, "transfer": str, "basis": str}
 
 
@@ -49,7 +58,8 @@ def parse():
     parser.add_argument("scene", metavar="SCENE.yaml")
     for name, kind in KINDS.items():
         parser.add_argument(f"--{name}", type=ranged(kind))
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=6)
+    parser.add_argument("--most", type=int, default=30)
     parser.add_argument("--error", type=ranged(float), default=[1e-3])
     parser.add_argument("--time", type=float)
     parser.add_argument("-o", "--output", metavar="NAME", default="work-precision")
@@ -57,8 +67,8 @@ def parse():
     for name in ("cells", "courant", "ppc", "ranks", "error"):
         if any(not 0 < value < float("inf") for value in getattr(arguments, name) or []):
             parser.error(f"--{name}: allowed: above 0")
-    if arguments.repeats < 1 or (arguments.time is not None and not 0 < arguments.time < float("inf")):
-        parser.error("--repeats, --time: allowed: above 0")
+    if arguments.repeats < 1 or arguments.most < 1 or (arguments.time is not None and not 0 < arguments.time < float("inf")):
+        parser.error("--repeats, --most, --time: allowed: above 0")
     return arguments
 
 
@@ -138,10 +148,52 @@ def read_runs(path, made_from):
     return [record for record in records if record["status"] != "failed"]
 
 
+def courants_of(arguments, combination, base):
+    """Returns the Courant numbers at which a scheme is run: those given, or the scene's own, or parts of its limit."""
+    if arguments.courant:
+        return arguments.courant
+    given = {name: combination[name] for name in ("formulation", "transfer", "basis", "ppc") if getattr(arguments, name)}
+    still = {"drift": 0} if moves(base) else {}
+    _, found, _ = launch("critical", arguments.scene, {**given, **still})
+    limit, own = found.get("critical", {}).get("critical_courant"), base["courant"]
+    if not isinstance(limit, (int, float)) or not 0 < limit < math.inf:
+        return [own]  # what has no limit, or is refused
+    steps = [math.floor(PARTS * share * limit / own) for share in SHARES]
+    return [own * count / PARTS for count in dict.fromkeys(steps) if count > 0] or [own]
+
+
+def moves(base):
+    return any(base["drift"] if isinstance(base["drift"], list) else [base["drift"]])
+
+
+def combine(arguments, base):
+    """Returns all combinations, those of each scheme at its own Courant numbers."""
+    own = {name: plain(base[name]) for name in PARAMETERS}
+    own["cells"] = base["cells"][0] if base["dim"] > 1 else base["cells"]
+    schemes = itertools.product(*(getattr(arguments, name) or [own[name]] for name in SCHEME))
+    combinations = []
+    for values in schemes:
+        scheme = dict(zip(SCHEME, values))
+        for courant, cells in itertools.product(courants_of(arguments, scheme, base), arguments.cells or [own["cells"]]):
+            combinations.append({**scheme, "courant": courant, "cells": cells})
+    return combinations
+
+
 def options_of(arguments, combination, base):
-    """Returns the options of a combination: those that the arguments vary."""
+    """Returns the options of a combination: those that the arguments vary, and the Courant number with its drift."""
     given = {name: combination[name] for name in KINDS if name != "ranks" and getattr(arguments, name)}
+    if combination["courant"] != base["courant"]:
+        given["courant"] = combination["courant"]
+        if not arguments.courant and moves(base):
+            given["drift"] = drift_at(base, combination["courant"])
     return {**given, "cells": as_option(base, given["cells"])} if "cells" in given else given
+
+
+def drift_at(base, courant):
+    """Returns the drift of the scene's velocity at another Courant number, as fractions."""
+    part = Fraction(round(PARTS * courant / base["courant"]), PARTS)
+    own = base["drift"] if isinstance(base["drift"], list) else [base["drift"]]
+    return ",".join(str(Fraction(one).limit_denominator(10000) * part) for one in own)
 
 
 def measure(arguments, combination, base, end, first):
@@ -173,13 +225,13 @@ def progress(done, total, begin, already):
         print(f"\rrun {done} of {total}, {left:.0f} s left   ", end=end, file=sys.stderr, flush=True)
 
 
-def run_all(arguments, combinations, base, end, records, path):
-    """Runs what is missing, round by round, and adds it to the records and to the file."""
+def run_rounds(arguments, combinations, base, end, records, path, rounds):
+    """Runs what is missing in these rounds, and adds it to the records and to the file."""
     have = {(key(record), record["round"]) for record in records}
     over = {key(record) for record in records if record["status"] == "refused"}
-    total, begin, already = arguments.repeats * len(combinations), time.monotonic(), 0
+    total, begin, already = len(rounds) * len(combinations), time.monotonic(), 0
     done = 0
-    for number in range(1, arguments.repeats + 1):
+    for number in rounds:
         order = list(combinations)
         random.Random(number).shuffle(order)
         for combination in order:
@@ -196,19 +248,34 @@ def run_all(arguments, combinations, base, end, records, path):
             progress(done, total, begin, already)
 
 
+def run_all(arguments, combinations, base, end, records, path):
+    """Runs the rounds that were asked for, and then those of the first schemes until their order is certain."""
+    run_rounds(arguments, combinations, base, end, records, path, range(1, arguments.repeats + 1))
+    for number in range(arguments.repeats + 1, arguments.most + 1):
+        rows = make_rows(records, combinations)
+        names = {key(row) for wanted in arguments.error for row in uncertain_rows(rows, wanted)}
+        if not names:
+            return
+        again = [combination for combination in combinations if key(combination) in names]
+        run_rounds(arguments, again, base, end, records, path, [number])
+
+
 def title(arguments, rows, end):
     scene = os.path.relpath(arguments.scene)
     names = [name for name in ("formulation", "basis", "transfer", "ppc", "courant", "drift")
              if len({row[name] for row in rows}) == 1 and rows[0][name] is not None]
     values = [f"{rows[0][name]:g}" if isinstance(rows[0][name], float) else rows[0][name] for name in names]
     same = [f"{'k' if name == 'courant' else name} {value}" for name, value in zip(names, values)]
+    if not arguments.courant:
+        same.append("Courant numbers up to 0.95 of each limit")
     return f"{scene} to time {end:g}\n{', '.join(same)}; best of {max(row['repeats'] for row in rows)}"
 
 
 def report(arguments, rows, base, end):
     """Prints the table and its conclusions; writes the CSV and the picture."""
     write_whole(f"{arguments.output}.csv", csv_text(rows))
-    save(precision_picture.draw(rows, title(arguments, rows, end)), arguments.output)
+    shown = rows if arguments.courant else outstanding(rows)
+    save(precision_picture.draw(shown, title(arguments, rows, end), not arguments.courant), arguments.output)
     print(f"error against run time: {arguments.scene} to time {end:g}"
           + ("" if arguments.time else f" (where the scene's {base['run']['steps']} steps end)"))
     print("error: largest l2 over fields (but apic's affine part) at the end / exact amplitude;\n"
@@ -218,10 +285,13 @@ def report(arguments, rows, base, end):
               f"{' x '.join(map(str, base['cells']))}; ppc is that of each direction;\n"
               f"the symbol has at most {MOST_PHASES[base['dim']]} phases in each direction")
     print()
-    print(table(rows))
+    print(table(shown))
+    if len(shown) < len(rows):
+        print(f"and {len(rows) - len(shown)} rows that another Courant number of the same scheme makes needless: "
+              f"{arguments.output}.csv has all")
     print()
     for wanted in arguments.error:
-        print(answer(rows, wanted, arguments.repeats))
+        print(answer(rows, wanted))
     for line in remarks(rows):
         print(f"note: {line}")
     print(f"\nwritten: {arguments.output}.csv, .png, .svg; each run: {arguments.output}.runs.jsonl")
@@ -236,10 +306,7 @@ def main():
     base, end, made_from = look_at(arguments)
     for cells in arguments.cells or []:
         as_option(base, cells)
-    as_it_stands = {name: plain(base[name]) for name in PARAMETERS}
-    as_it_stands["cells"] = base["cells"][0] if base["dim"] > 1 else base["cells"]
-    values = [getattr(arguments, name) or [as_it_stands[name]] for name in PARAMETERS]
-    combinations = [dict(zip(PARAMETERS, choice)) for choice in itertools.product(*values)]
+    combinations = combine(arguments, base)
     path = f"{arguments.output}.runs.jsonl"
     interrupted = False
     with lock(path):
@@ -248,7 +315,7 @@ def main():
             run_all(arguments, combinations, base, end, records, path)
         except KeyboardInterrupt:
             interrupted = True
-        rows = make_rows([record for record in records if record["round"] <= arguments.repeats], combinations)
+        rows = make_rows(records, combinations)
         if rows:
             report(arguments, rows, base, end)
     if interrupted:

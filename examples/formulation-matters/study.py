@@ -90,8 +90,8 @@ def run_times(formulations, transfers, quick, folder):
                  "--cells", "16,32" if quick else "32,64,128,256", "--basis", "linear" if quick else "linear,quadratic",
                  "--formulation", ",".join(filter(formulations.__contains__, schemes)),
                  "--transfer", ",".join(filter(transfers.__contains__, ways)),
-                 "--error", "1e-1" if quick else "1e-2,1e-3", "--repeats", "1" if quick else "5",
-                 "-o", os.path.join(folder, name)], stdout=subprocess.PIPE, text=True, check=False)
+                 "--error", "1e-1" if quick else "1e-2,1e-3", "--courant", "0.5",
+                 "--repeats", "1" if quick else "6", *(["--most", "1"] if quick else []), "-o", os.path.join(folder, name)], stdout=subprocess.PIPE, text=True, check=False)
             if done.returncode:
                 sys.exit(done.returncode)  # it has said why
             print(done.stdout[re.search("^(for )?error [0-9]", done.stdout, re.MULTILINE).start():].strip())

@@ -88,6 +88,7 @@ typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal wei
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
    curve_sum   - a bound of h^2 sum_i abs(d2phi_ip/dx2), and of h times the sum of the slopes of DIV_MLS's weights; 0 for
                  hats, whose slopes do not change but on nodes
+   moment      - sum_i phi_ip (x_i - x_p)^2 / h^2 where it is the same at all places; 0 where it is not
    smooth      - the slopes of the functions have slopes at any place of a particle
    kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
    p2g_mass    - P2G with the nodal masses
@@ -100,7 +101,7 @@ typedef struct {
   const char   *name, *summary, *reference;
   PetscInt      reach_left, reach_right, nodes, wall_nodes;
   MpmSplineEnds spline_ends;
-  PetscReal     slope_sum, curve_sum;
+  PetscReal     slope_sum, curve_sum, moment;
   PetscBool     smooth;
   MpmKernel     kernel[MPM_OP_KINDS];
   MpmMassKernel p2g_mass;

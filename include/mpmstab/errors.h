@@ -77,6 +77,15 @@ M*/
 PetscErrorCode MpmErrorsInstall(void);
 
 /*@C
+   MpmPrintFailure - prints a message of this program on standard error, as one line, from the first process.
+
+   Not collective.
+
+   Input Parameter: message - what ended the work, which is neither bad input nor an error of the program
+@*/
+void MpmPrintFailure(const char message[]);
+
+/*@C
    MpmPrint - prints on standard output, from the first process.
 
    Not collective.

@@ -25,8 +25,8 @@
    MPM_P2G_AFFINE - node = a sum_p phi_ip m_p particle (x_i - x_p) / h
    MPM_DIV        - node = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
    MPM_DIV_MLS    - node = a sum_p phi_ip (x_i - x_p) h / D_p V_p particle, the adjoint of GRAD_MLS
-   MPM_CURVE      - node = a h^2 sum_p d2phi_ip/dx2 V_p particle: the force that a prestress makes of displacements
-   MPM_CURVE_MLS  - the same with the slopes of DIV_MLS's weights
+   MPM_CURVE      - node = a h^2 sum_p d2phi_ip/dx_b dx_c V_p particle: the force that a prestress makes of displacements
+   MPM_CURVE_MLS  - the same with the slopes along c of the weights that DIV_MLS has along b
 
    From nodes to particles. These always accumulate:
    MPM_G2P        - particle += a sum_i phi_ip node
@@ -37,7 +37,14 @@
                     gradient of the affine field that fits the nodes best (Hu et al. 2018). For hats it is GRAD.
    MPM_G2P_SLOPE  - particle += a h sum_i dphi_ip/dx node: GRAD without the stiffness, for the slopes of a velocity
 
-   P2G_AFFINE, DIV, CURVE, LAP, G2P_AFFINE, G2P_SLOPE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that direction.
+   P2G_AFFINE, DIV, LAP, G2P_AFFINE, G2P_SLOPE, GRAD and WALL act along an axis: dx and (x_i - x_p) are of that
+   direction. CURVE and CURVE_MLS act along one axis or two (MpmAxes).
+
+   On particles, at finite deformation (table_finite.c); dst and src are the first registers of theirs:
+   MPM_STRESS     - tau = tau(F), the Kirchhoff stress of the material in units of rho0 c0^2, times E_p
+   MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h
+   MPM_STRETCH    - F <- (I + L) F
+   MPM_ADVANCE    - x_p += particle, in cells
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
@@ -71,12 +78,16 @@ typedef enum {
   MPM_GRAD,
   MPM_GRAD_MLS,
   MPM_G2P_SLOPE,
+  MPM_STRESS,
+  MPM_LOAD,
+  MPM_STRETCH,
   MPM_SCALE,
   MPM_ADD,
   MPM_LAP,
   MPM_COPY,
   MPM_SOLVE,
   MPM_WALL,
+  MPM_ADVANCE,
   MPM_DRIFT,
   MPM_FILTER,
   MPM_FILTER_BEFORE,
@@ -103,12 +114,14 @@ typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
 
    dst, src - the places of the registers that the operation writes and reads
    weight   - the property of particles that multiplies what they give or get
+   first, second - of a map along two different axes: the kinds of operation whose weights it has along either
    stencil  - of an operation between nodes: the numbers that multiply the nodes at -1, 0 and 1
    halo     - the reach of the stencil, in nodes
 S*/
 typedef struct {
   MpmPlace    dst, src;
   MpmProperty weight;
+  MpmOpKind   first, second;
   PetscInt    halo;
   PetscReal   stencil[3];
 } MpmOpTraits;
@@ -116,13 +129,48 @@ typedef struct {
 /* Not collective. The traits of a kind that occurs in an MpmTable. */
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind);
 
+/*
+   Axes - the direction or the two directions that an operation acts along, as one number: an axis stands for itself, and
+   two different ones for a number from MPM_MAX_DIM on. The second derivative along b and c has axes (b, c); with the
+   weights of DIV_MLS b is the direction of these, and c that of their slope.
+
+   Not collective. MpmAxes makes the number, MpmAxesFirst and MpmAxesSecond take it apart.
+*/
+#define MPM_AXES (MPM_MAX_DIM * MPM_MAX_DIM)
+static inline PetscInt MpmAxes(PetscInt first, PetscInt second)
+{
+  return first + MPM_MAX_DIM * ((second - first + MPM_MAX_DIM) % MPM_MAX_DIM);
+}
+static inline PetscInt MpmAxesFirst(PetscInt axes)
+{
+  return axes % MPM_MAX_DIM;
+}
+static inline PetscInt MpmAxesSecond(PetscInt axes)
+{
+  return (axes % MPM_MAX_DIM + axes / MPM_MAX_DIM) % MPM_MAX_DIM;
+}
+
+/*
+   MpmKindAlong - the kind of operation whose weights a map has along one direction: the weights of a map are products of
+   those over the directions. It is P2G, with the weights phi_ip, in directions that the map does not act along.
+
+   Not collective. MpmKindAlongOfTwo is MpmKindAlong for two different axes.
+*/
+MpmOpKind               MpmKindAlongOfTwo(MpmOpKind kind, PetscInt axes, PetscInt direction);
+static inline MpmOpKind MpmKindAlong(MpmOpKind kind, PetscInt axes, PetscInt direction)
+{
+  if (axes < MPM_MAX_DIM) return direction == axes ? kind : MPM_P2G;
+  return MpmKindAlongOfTwo(kind, axes, direction);
+}
+
 /* Names for powers of the Courant number k = c dt / h. An operation may carry any other power too. */
 enum { MPM_ONE, MPM_COURANT, MPM_COURANT_SQUARED };
 
 /*S
    MpmOp - one line of a table.
 
-   axis        - the direction that DIV, GRAD, LAP, the affine maps and WALL act along; formulations leave it at 0
+   axis        - the direction that DIV, GRAD, LAP, the affine maps and WALL act along, or the two of CURVE (MpmAxes);
+                 formulations leave it at 0
    dst, src    - the numbers of the registers that it writes and reads; the traits of the kind say whether they are
                  registers of particles or of nodes
    accumulates - the operation adds to dst instead of replacing it
@@ -181,6 +229,16 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
    A stress with a Poisson ratio of 1/2 is that of a fluid. It is the pressure alone, one number.
 E*/
 typedef enum { MPM_SCALAR, MPM_VECTOR, MPM_TENSOR } MpmRank;
+
+#define MPM_MAX_STRESS (MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2)
+
+/* Not collective. The number of the component ab of a stress in dim dimensions. */
+static inline PetscInt MpmStressComponent(PetscInt dim, PetscInt a, PetscInt b)
+{
+  const PetscInt least = a < b ? a : b, most = a < b ? b : a;
+
+  return least * dim - least * (least - 1) / 2 + most - least;
+}
 
 /*
    MpmEnergyTerm - a term of the energy per density, 1/2 int (...) dx: the square of a particle field, or of a node
@@ -249,9 +307,12 @@ typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
    published_slip  - says in a sentence what is wrong with the published formula
    published_centred - the published formula also takes particles for centred, C1 = C2
    corrected       - abs(G) at a phase, by the same analysis done right
+   sums_chi        - it is a function of kappa + chi, wherever particles move
    limit           - the largest stable Courant number at a phase, infinite where there is none
    published_text, corrected_text, limit_text - the formulas as text
    mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (THEORY.md, section 4)
+   leftmost        - with transfers that have leftmost too, particles at rest grow by real eigenvalues below -1 alone
+                     (THEORY.md, section 5)
 
    Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
    with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the
@@ -273,7 +334,7 @@ typedef struct {
   MpmTransfer         *transfer;
   PetscReal            published_limit;
   const char          *published_text, *published_slip, *corrected_text, *limit_text;
-  PetscBool            published_centred, mls_bound;
+  PetscBool            published_centred, mls_bound, leftmost, sums_chi;
   PetscReal (*published)(PetscReal courant, PetscReal beta);
   PetscReal (*corrected)(const MpmCellSymbols *cell, PetscReal courant);
   PetscReal (*limit)(const MpmCellSymbols *cell);

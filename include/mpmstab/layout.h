@@ -26,11 +26,12 @@ typedef struct {
    kind      - MPM_MATERIAL_UNIFORM: all are of the first material. MPM_MATERIAL_TWO: those that rest inside the
                inclusion are of the second. MPM_MATERIAL_GRADED: the ratios go as ratio^s, where s = x / L between ends
                and s = 1 - abs(2 x / L - 1) in a periodic domain; x is the place in direction 0.
+               MPM_MATERIAL_WAVE: the ratios go as ratio^sin(2 pi x / L), as in the gas of initial data simple_wave.
    density, stiffness - of the second material over those of the first
    inclusion - the box in which the second material is: for each direction two places, in cells
 S*/
-typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED } MpmMaterialKind;
-#define MPM_MATERIAL_KINDS 3
+typedef enum { MPM_MATERIAL_UNIFORM, MPM_MATERIAL_TWO, MPM_MATERIAL_GRADED, MPM_MATERIAL_WAVE } MpmMaterialKind;
+#define MPM_MATERIAL_KINDS 3 /* that the option material names */
 
 typedef struct {
   MpmMaterialKind kind;
@@ -46,6 +47,14 @@ typedef struct {
 E*/
 typedef enum { MPM_BALANCE_AUTO, MPM_BALANCE_CELLS, MPM_BALANCE_PARTICLES } MpmBalance;
 extern const char *const MpmBalanceNames[];
+
+/*S
+   MpmSpan - particles at sites that follow one another along direction 0, where particles do not fill a box: the number
+   of the first in the box, and its id. Spans are in the order of both, and end where the id of the next one begins.
+S*/
+typedef struct {
+  PetscInt64 box, id;
+} MpmSpan;
 
 /*S
    MpmLayout - a grid and the particles that rest in it. Lengths are in cells. Arrays have one entry for each direction.
@@ -66,7 +75,9 @@ extern const char *const MpmBalanceNames[];
    sites      - the number of sites
    first      - the first site that has a particle, in each direction. In one dimension particle id is at site
                 first + id.
-   row        - the number of particles in each direction; particles is their product
+   row        - the number of particles in each direction; particles is their product, but with spans
+   shape, spans, nspans - the word of the option shape, and the particles of the box that are in it; spans is NULL where
+                all are
    particles  - the number of particles
    seed       - jitter and random initial data are hashed from it
    offset, jitter - in particle spacings
@@ -90,6 +101,9 @@ typedef struct {
   PetscBool    varies[MPM_PROPERTIES];
   MpmBalance   balance;
   PetscInt     ranks[MPM_MAX_DIM];
+  const char  *shape;
+  PetscInt64   nspans;
+  MpmSpan     *spans;
 } MpmLayout;
 
 /* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */

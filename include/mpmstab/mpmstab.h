@@ -15,6 +15,7 @@
      layout.h       the grid and the particles at rest
      scheme.h       formulation.h with a basis (basis.h) and a transfer (transfer.h); Courant number and drift
      table.h        formulation, transfer and boundary (boundary.h) as one list of operations
+     material.h     materials at finite strain: stress, its differential, energy and wave speed
      wave.h         the continuous problem and its exact solutions
 
    fraction.h and compat.h serve the others.
@@ -31,6 +32,7 @@
 #include <mpmstab/fraction.h>
 #include <mpmstab/layout.h>
 #include <mpmstab/march.h>
+#include <mpmstab/material.h>
 #include <mpmstab/operator.h>
 #include <mpmstab/scene.h>
 #include <mpmstab/scheme.h>

@@ -79,9 +79,13 @@ PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op);
    Collective. A is op->A or the matrix of a step. Where particles are alike the result is A itself. It is destroyed
    with MatDestroy.
 
+   MpmOperatorWeights - the diagonal of W over that of unit, so that with it balanced becomes that result. NULL where
+   particles are alike. Collective. It is destroyed with VecDestroy.
+
    MpmOperatorNorm - says in a few words which norm that is. Not collective.
 */
 PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed);
+PetscErrorCode MpmOperatorWeights(const MpmOperator *op, Vec *weights);
 const char    *MpmOperatorNorm(const MpmOperator *op);
 
 /*

@@ -5,17 +5,24 @@
 #pragma once
 #include <mpmstab/errors.h>
 #include <mpmstab/layout.h>
+#include <mpmstab/material.h>
 #include <mpmstab/scheme.h>
 
-/*E
-   MpmLaw - the material of a stretched state: linear, that is none, compressible neo-Hookean, Saint Venant and Kirchhoff,
-   Tait's liquid, gas at constant temperature, or a power of density (src/scene/scene_prestress.c).
-E*/
-typedef enum { MPM_LAW_LINEAR, MPM_LAW_NEO, MPM_LAW_SVK, MPM_LAW_TAIT, MPM_LAW_GAS, MPM_LAW_POLYTROPIC } MpmLaw;
-extern const char *const MpmLawNames[];
+/* The words of the option kinematics: small or finite deformation. */
+extern const char *const MpmKinematicsNames[];
+
+typedef struct MpmScene_ MpmScene;
+
+/*
+   MpmBodyForce - a force per mass, in length / time^2, on the particle that rests at X at time t. X and force have a number
+   for each direction.
+
+   Not collective.
+*/
+typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscReal t, PetscReal force[]);
 
 /*S
-   MpmScene - one problem. Length and time are in units of the user's choice; everything else follows from them
+   MpmScene_ - one problem. Length and time are in units of the user's choice; everything else follows from them
    (THEORY.md, section 1).
 
    layout, scheme, step - the arguments of march, operator and symbol; they are in units of cells and steps
@@ -30,12 +37,14 @@ extern const char *const MpmLawNames[];
    polarisation         - which way the material moves in a mode
    stagger              - the field that is updated first starts half a step early
    written, own         - a scheme as text, and the formulation that was made of it; NULL where a formulation is named
-   law, stretch         - the material, and the stretch F0 that the scheme is linear about. They give the prestress
-                          (MpmSpace) and the wave speed in the stretched state.
+   law, stretch         - the material, and the stretch F0 in each direction that the scheme is linear about. They give
+                          the prestress (MpmSpace) and the wave speed in the stretched state.
    lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
+   gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
+                          and time, or NULL
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
-typedef struct {
+struct MpmScene_ {
   MpmLayout       layout;
   MpmScheme       scheme;
   MpmStep         step;
@@ -49,8 +58,10 @@ typedef struct {
   MpmFormulation *own;
   char            scheme_hash[17], parameters[512];
   MpmLaw          law;
-  PetscReal       stretch, lame_ratio, exponent;
-} MpmScene;
+  PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent;
+  PetscReal       gravity[MPM_MAX_DIM];
+  MpmBodyForce    body_force;
+};
 
 /*
    MpmSceneFromText - makes a scene from YAML text: the keys that 'mpmstab list options' prints, one 'key: value' a line
@@ -111,6 +122,12 @@ static inline PetscBool MpmSceneDrifts(const MpmScene *scene)
   return MpmStepDrifts(&scene->step);
 }
 
+/* Not collective. Whether a step of a run changes the places of particles: by the drift, or at finite deformation. */
+static inline PetscBool MpmSceneMoves(const MpmScene *scene)
+{
+  return MpmSceneDrifts(scene) || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Not collective. Whether the domain has no ends. */
 static inline PetscBool MpmSceneIsPeriodic(const MpmScene *scene)
 {
@@ -136,6 +153,19 @@ PetscBool MpmSceneChoosesFilter(const MpmScene *scene);
    that is filled from end to end, or in one dimension for a bar from the left end to a free end inside the domain.
 */
 PetscBool MpmSceneHasExact(const MpmScene *scene);
+
+/*
+   MpmSceneErrorFields - returns the number of the fields that have an error against the exact solution, and their names:
+   the particle fields, and at finite strain also the places, x, y and z. Of a gas the density, rho, takes the place of
+   places and F.
+
+   Not collective. The scene must have an exact solution. name has room for MPM_MOST_ERRORS.
+*/
+#define MPM_MOST_ERRORS (MPM_MAX_FIELDS + MPM_MAX_DIM)
+PetscInt MpmSceneErrorFields(const MpmScene *scene, const char *name[]);
+
+/* Not collective. The equations that an exact solution of the scene satisfies, as text. */
+const char *MpmSceneEquations(const MpmScene *scene);
 
 /*
    MpmSceneProfile - the exact solution of the scene, for an amplitude of the caller's choice.

@@ -37,6 +37,17 @@ typedef struct {
   MpmFraction drift[MPM_MAX_DIM];
 } MpmStep;
 
+/*
+   Not collective. The number of terms of a scheme's energy. About a prestressed state of a solid, in more dimensions, there
+   is none: the energy of a rotation in it is not in the stress that particles have.
+*/
+static inline PetscInt MpmSchemeEnergyTerms(const MpmScheme *scheme)
+{
+  const MpmSpace *space = &scheme->space;
+
+  return space->dim > 1 && MpmSpaceIsPrestressed(space) && !MpmSpaceIsFluid(space) ? 0 : scheme->formulation->nenergy;
+}
+
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmStepDrifts(const MpmStep *step)
 {

@@ -4,6 +4,7 @@
 */
 #pragma once
 #include <mpmstab/boundary.h>
+#include <mpmstab/material.h>
 #include <mpmstab/transfer.h>
 
 /*S
@@ -21,10 +22,13 @@
    unfiltered    - the number of state registers that no filter acts on
    fields        - the names of the state registers, NULL-terminated; with more than one dimension v_x, s_xy and so on
    field         - field[r]: the field of the formulation that state register r is a component of, MPM_NONE for an
-                   affine part, or MPM_DISPLACEMENT
+                   affine part, MPM_DISPLACEMENT or MPM_STRETCHED
    component     - component[r]: which of the field's components it is
    parity        - parity[n][a]: what node register n is beyond the ends of direction a
    filtered      - filtered[r]: the filter of the transfer acts on state register r
+   stretch       - at finite deformation the first register of the stretch F, which has dim rows of dim numbers; else
+                   MPM_NONE
+   material      - the material that gives a stress at a stretch
    displacement  - the first register of the displacement of particles, or MPM_NONE
    affine        - the first register of the vector that has an affine part, or MPM_NONE
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
@@ -41,12 +45,22 @@ struct MpmTable_ {
   PetscInt           field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
   MpmParity          parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
   PetscBool          filtered[MPM_MAX_FIELDS];
-  PetscInt           displacement, affine, affine_part;
+  PetscInt           stretch, displacement, affine, affine_part;
+  MpmMaterialNumbers material;
   MpmOpKind          affine_map;
   MpmEnd             ends[MPM_MAX_DIM][2];
   char               where[512];
   const MpmTransfer *transfer;
 };
+
+/* Collective. Refuses the table of finite deformation, for those who interpret linear operations alone. */
+PetscErrorCode MpmTableRequireLinear(const MpmTable *table);
+
+/* Not collective. Whether particles carry a stretch and move each by itself. */
+static inline PetscBool MpmTableIsFinite(const MpmTable *table)
+{
+  return table->stretch != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+}
 
 #define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */
 
@@ -88,11 +102,23 @@ extern const char *const MpmMoveNames[];
               it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
               lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
    filter   - when the transfer's filter acts, in formulations with FILTER_BEFORE and FILTER_AFTER
-   prestress - s0 = sigma0 / (rho c^2), the stress of the state that the scheme is linear about; 0: without one. c is the
-              speed of small waves about this state, c^2 = F0^2 P'(F0) / rho0.
-   displaced - particles carry their displacement, which the prestress makes a force of. Not with hats: their slopes
-              are the same all over a cell, so that there is none.
+   prestress - sigma0 / (rho c^2), the stress of the state that the scheme is linear about, with the components 00 01 02 11
+              12 22; 0: without one. c is the speed of small P waves along x about this state. In one dimension it is one
+              number s0, and c^2 = F0^2 P'(F0) / rho0.
+   lambda, mu, squares - with a prestress in more dimensions the stiffness of the state, in units of rho c^2:
+              c_abcd = lambda q_a q_c d_ab d_cd + mu q_a q_b (d_ac d_bd + d_ad d_bc), q = squares, d the identity. It is
+              that of the Truesdell rate (THEORY.md, section 9).
+   curved   - the slopes of the basis functions change within a cell. Those of hats do not along their own direction.
+   displaced - particles carry their displacement, which the prestress makes a force of. Not with hats in one dimension,
+              where there is none.
    move     - with a prestress, the velocity that particles move with
+   finite   - finite deformation: particles carry the stretch F and move with the grid's velocity. There is no prestress
+              then, and poisson has no effect beside that of the material.
+   loaded   - at finite deformation a body force acts
+   material - at finite deformation the material
+   stretch  - at finite deformation the uniform stretch of the start along each direction
+   stiffness - at finite deformation c0^2 / c^2, where c0 is the wave speed at rest, the unit of the material, and c that
+              of the Courant number
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
 S*/
@@ -101,16 +127,46 @@ typedef struct {
   MpmGradient   gradient;
   PetscReal     poisson;
   MpmFilterTime filter;
-  PetscReal     prestress;
-  PetscBool     displaced;
+  PetscReal     prestress[MPM_MAX_STRESS], lambda, mu, squares[MPM_MAX_DIM];
+  PetscBool     curved, displaced;
   MpmMove       move;
+  PetscBool     finite, loaded;
+  PetscReal     stretch[MPM_MAX_DIM], stiffness;
   MpmEnd        ends[MPM_MAX_DIM][2];
+
+  MpmMaterialNumbers material;
 } MpmSpace;
+
+/* Not collective. Whether the state that a scheme is linear about has a stress. */
+PetscBool MpmSpaceIsPrestressed(const MpmSpace *space);
+
+/* Not collective. The component ab of the prestress. */
+PetscReal MpmSpacePrestress(const MpmSpace *space, PetscInt a, PetscInt b);
+
+/*
+   MpmSpaceTangent - d s_ab / d (dv_c/dx_d), the change of the stress per change of the velocity's gradient in a step that
+   is linear about a prestress, in units of rho c^2:
+
+     c_abcd + d_ac sigma0_db + sigma0_ad d_bc
+
+   It multiplies the gradient in GRAD to a stress. Of a fluid it is (1 + s0) d_ab d_cd, of which GRAD has d_ab d_cd and DIV
+   the rest. Not collective. Source: THEORY.md, section 9.
+*/
+PetscReal MpmSpaceTangent(const MpmSpace *space, PetscInt a, PetscInt b, PetscInt c, PetscInt d);
+
+/*
+   MpmSpaceMirrors - whether a space is its own mirror image in direction a, MpmSpaceAlike whether it is the same when
+   directions a and b are exchanged. A prestress with shear is not.
+
+   Not collective.
+*/
+PetscBool MpmSpaceMirrors(const MpmSpace *space, PetscInt a);
+PetscBool MpmSpaceAlike(const MpmSpace *space, PetscInt a, PetscInt b);
 
 /* Not collective. Whether a space is that of a fluid, whose stress is one number, the pressure. */
 static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
 {
-  return space->dim > 1 && space->poisson == 0.5 ? PETSC_TRUE : PETSC_FALSE;
+  return space->dim > 1 && space->poisson == 0.5 && !space->finite ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /*
@@ -138,8 +194,12 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
      GRAD to a number        r += sum_a GRAD_a u_a
      LAP                     the sum over the directions
      MOVE                    x_a += k G2P_a, with a prestress, in cells
-     DIV of a stress, with a prestress s0 in one dimension (theory of the tangent, THEORY.md, section 9):
-                             a = (1 + s0) DIV s + s0 CURVE x
+     with a prestress (theory of the tangent, THEORY.md, section 9):
+     DIV of a stress         a_a = sum_b DIV_b s_ab + sum_bc sigma0_ab CURVE_bc x_c; in one dimension, and of a fluid,
+                             (1 + s0) DIV for DIV
+     GRAD to a stress        s_ab += sum_cd MpmSpaceTangent_abcd GRAD_d v_c; in one dimension, and of a fluid, as without
+
+   At finite deformation the operations on the stress become those of table_finite.c: STRESS, STRETCH and ADVANCE.
 
    With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
    that part, one for each direction. Particles take what a transfer's sharpen makes of node fields, in G2P and GRAD.

@@ -30,6 +30,8 @@ typedef struct {
                    node register *sharp; NULL: they take the node field itself
    sharp_symbol  - the symbol of sharpen, as a function of alpha; NULL where sharpen is NULL
    mls_bound     - with gradient mls, a formulation's mls_bound is proved for this transfer
+   leftmost      - a formulation's leftmost is proved for this transfer: F is a function of W P between W P and 1, or P F with
+                   its affine part is symmetric in the masses and between 0 and 1
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
                    NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
@@ -38,7 +40,7 @@ typedef struct {
 S*/
 struct MpmTransfer_ {
   const char *name, *summary, *reference, *option;
-  PetscBool   affine, taylor, mls_bound;
+  PetscBool   affine, taylor, mls_bound, leftmost;
   const char *same_as;
   PetscErrorCode (*filter)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node);
   PetscErrorCode (*sharpen)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sharp);

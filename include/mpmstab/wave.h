@@ -6,6 +6,7 @@
 #include <mpmstab/boundary.h>
 
 #define MPM_NONE -1         /* no field, no register */
+#define MPM_STRETCHED -3    /* the stretch F of particles at finite deformation */
 #define MPM_DISPLACEMENT -2 /* the displacement of particles in cells, a field that a prestress adds to all others */
 
 /*E
@@ -16,20 +17,37 @@
    MPM_INITIAL_PULSE     - a Gaussian pulse that travels to the right
    MPM_INITIAL_EIGENMODE - an eigenvector that the task spectrum has written
    MPM_INITIAL_STEP      - a bar at rest, whose free end is loaded from time 0 on
+
+   At finite strain (src/scene/solution_solid.c, solution_gas.c):
+
+   MPM_INITIAL_MANUFACTURED - a standing wave of large amplitude, which a body force makes exact
+   MPM_INITIAL_VORTEX       - a ring that turns, by more in its middle than at its edges; in the plane
+   MPM_INITIAL_SIMPLE_WAVE  - a wave in a gas that steepens
+   MPM_INITIAL_SHOCK_TUBE   - a gas at rest, 8 times denser left of the middle than right of it
+   MPM_INITIAL_COLLISION    - what is left of the middle of the domain has the velocity of the scene, and what is right of
+                              it the opposite
+   MPM_INITIAL_UNIFORM      - at rest, or with the velocity of the scene
 E*/
 typedef enum {
   MPM_INITIAL_MODE,
   MPM_INITIAL_RANDOM,
   MPM_INITIAL_PULSE,
   MPM_INITIAL_EIGENMODE,
-  MPM_INITIAL_STEP
+  MPM_INITIAL_STEP,
+  MPM_INITIAL_MANUFACTURED,
+  MPM_INITIAL_VORTEX,
+  MPM_INITIAL_SIMPLE_WAVE,
+  MPM_INITIAL_SHOCK_TUBE,
+  MPM_INITIAL_COLLISION,
+  MPM_INITIAL_UNIFORM
 } MpmInitial;
 extern const char *const MpmInitialNames[];
 
-/* Not collective. Whether the exact solution from these initial data is known. */
+/* Not collective. Whether the exact solution of the linear problem from these initial data is known. */
 static inline PetscBool MpmInitialHasExact(MpmInitial initial)
 {
-  return initial != MPM_INITIAL_RANDOM && initial != MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
+  return initial == MPM_INITIAL_MODE || initial == MPM_INITIAL_PULSE || initial == MPM_INITIAL_STEP ? PETSC_TRUE
+                                                                                                    : PETSC_FALSE;
 }
 
 /*E

@@ -4,8 +4,8 @@
   T(P) = t0 + tp N / P + messages latency + sums 8 ghosts / bandwidth + reductions log2(P) latency
 
 A rank has ghosts = product of (cells + 2 width) - product of cells nodes of its neighbours. A step sends all of them so
-many times (sums: each node field is summed and spread), and each time a message to each neighbour: 2 in slabs, 8 in
-pencils and in the blocks of a plane, 26 in blocks of a space. These counts are PETSc's (-log_view); that they follow this
+many times (sums: each node field is summed and spread), all fields in one message to each neighbour and one back. Neighbours
+are 2 in slabs, 8 in pencils and in the blocks of a plane, 26 in blocks of a space. These counts are PETSc's (-log_view); that they follow this
 rule is checked: sums is a whole number. Particles are at rest. scaling is the same in one dimension.
 """
 import json
@@ -110,7 +110,7 @@ def make_model(dim, args):
         part = [(COUNTED_CELLS[dim] / n, n > 1) for n in along]
         counts["sums"] = counts["bytes"] / 8 / ghosts_of_part(part, model["width"])
         model["shapes"][shape] = counts
-    cells = bench_runs.BOXES[dim]
+    cells = bench_runs.BOXES[dim]["1e6"]
     few = min(run_box(dim, 8, 2000, 1)["loop_s"] for _ in range(args.repeats)) / 2000
     many = min(run_box(dim, cells, 20, 1)["loop_s"] for _ in range(args.repeats)) / 20
     model["tp"] = (many - few) / (cells ** dim - 8 ** dim) / bench_runs.PPC ** dim
@@ -121,7 +121,7 @@ def make_model(dim, args):
 def check(model, args, network):
     """Measures strong and weak scaling on 1 and 2 ranks beside the model: the grid of the model, and half of it."""
     rows, dim = [], model["dim"]
-    cells = bench_runs.BOXES[dim]
+    cells = bench_runs.BOXES[dim]["1e6"]
     for along, ranks in ((f"{cells}", 1), (f"{cells}", 2), (",".join([str(cells)] * (dim - 1) + [str(cells // 2)]), 1)):
         run = min((run_box(dim, along, 20, ranks) for _ in range(args.repeats)), key=lambda run: run["loop_s"])
         particles = (bench_runs.PPC * cells) ** dim // (2 if "," in along else 1)

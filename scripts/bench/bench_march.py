@@ -9,6 +9,7 @@ import itertools
 import statistics
 import sys
 
+import bench_others
 import bench_runs
 from bench_runs import listed
 
@@ -18,6 +19,7 @@ MIGRATES = 250  # steps, in which particles move 75 cells and leave the ghost la
 SAME = 1e-9
 BOX_WORK, SPEED_UP, BOX_BYTES = 1e7, 1.85, 200  # particles x steps; targets in more dimensions
 MOST_BOX_STEPS = 200  # of a small box, which is run for its energy and not for its time
+FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
 BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
               f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
@@ -34,7 +36,9 @@ def arguments():
     parser.add_argument("--no-memory", action="store_true", help="leave out gas2 with 8e6 particles, for its memory")
     parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
     parser.add_argument("--boxes", type=listed(("1e3", "1e6", "4e6")), default=("1e6",), help="particles in 2-D and 3-D")
+    parser.add_argument("--finite", action="store_true", help="only marches at finite strain, in two and three dimensions")
     parser.add_argument("--only-boxes", action="store_true", help="leave out one dimension")
+    parser.add_argument("--others", action="store_true", help="beside Taichi and Warp too, which it installs for the time")
     args = parser.parse_args()
     if args.all:
         args.particles, args.drifts, args.boxes = PARTICLES, DRIFTS, ("1e6", "4e6")
@@ -130,6 +134,31 @@ def measure_box(row, repeats):
     return row
 
 
+def measure_finite(args):
+    """Measures marches at finite strain beside plain C loops of the same, and prints them."""
+    rows = []
+    print(f"usl at finite strain, neo, quadratic, {bench_runs.PPC} particles a cell in each direction\n"
+          f"ns per particle and step, best of {args.repeats}; ratio of 1 rank to plain C\n\n"
+          f"d {'cells':>5} {'drift':>5} {'plain C':>7} {'1 rank':>7}  {'ratio':>5} {'target':>6}")
+    for dim, size, drift in itertools.product(bench_runs.BOXES, args.boxes, FINITE_DRIFTS):
+        row = {"dim": dim, "cells": bench_runs.BOXES[dim][size], "drift": drift, "amplitude": "0.1",
+               "steps": min(MOST_BOX_STEPS, max(20, int(BOX_WORK // float(size))))}
+        times = {"plain": [], "1": []}
+        for _ in range(args.repeats):
+            ns, expected = bench_runs.run_plain_finite(row)
+            times["plain"].append(ns)
+            ns, energy = bench_runs.run_finite(row, 1)
+            times["1"].append(ns)
+            if abs(energy - expected) > SAME * expected:
+                sys.exit(f"bench: 1 does not do what plain C does: {row}: energy {energy} and {expected}")
+        best = row["best"] = {name: min(values) for name, values in times.items()}
+        row["ratio"], row["target"] = best["1"] / best["plain"], FINITE_TARGET
+        print(f"{dim} {row['cells']:5} {drift:>5} {best['plain']:7.1f} {best['1']:7.1f}  {row['ratio']:5.2f} "
+              f"{FINITE_TARGET:6.1f} {bench_runs.met(row['ratio'] <= FINITE_TARGET)}", flush=True)
+        rows.append(row)
+    return rows
+
+
 def measure_boxes(args):
     print(f"usl, {bench_runs.PPC} particles a cell in each direction, nu 0.3; apic has the gradients of MLS-MPM.\n"
           f"ns per particle and step, best of {args.repeats}; ratio of 1 rank to plain C; speed-up of 2 ranks, target "
@@ -163,6 +192,11 @@ def memory(ranks):
 def main():
     args = arguments()
     result = bench_runs.begin("march", args)
+    if args.finite:
+        bench_runs.compile_finite()
+        result["finite"] = measure_finite(args)
+        bench_runs.keep(result, args)
+        return
     bench_runs.compile_all()
     python, why = (None, "not asked") if args.no_numba else bench_runs.numba_python()
     if not python:
@@ -182,6 +216,8 @@ def main():
         result["rows"].append(row)
     print()
     result["boxes"] = measure_boxes(args)
+    if args.others:
+        result["others"] = bench_others.measure(args.repeats)
     if not args.no_memory:
         result["box_memory"] = box_memory()
     if not args.no_memory and not args.only_boxes:

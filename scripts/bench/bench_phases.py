@@ -22,6 +22,7 @@ def arguments():
     parser = bench_runs.parser(__doc__, 3)
     parser.add_argument("--plane", type=at_least(4), default=256, help="phases in each of two directions (256)")
     parser.add_argument("--space", type=at_least(4), default=32, help="phases in each of three directions (32)")
+    parser.add_argument("--turns", type=at_least(4), default=10, help="the same, of particles that move (10)")
     parser.add_argument("--drifts", type=listed(("0", "1/8")), default=("0", "1/8"), help="of critical (0,1/8)")
     parser.add_argument("--dims", type=listed((2, 3), int), default=(2, 3), help="of critical (2,3)")
     return parser.parse_args()
@@ -37,6 +38,11 @@ def rows(args, folder):
     yield f"symbol, {args.plane}^2 phases, offset 0.3", "symbol", plane | {"offset": 0.3}, 1, None
     yield f"symbol, {args.space}^3 phases", "symbol", space, 1, None
     yield f"symbol, {args.space}^3 phases, apic", "symbol", space | {"transfer": "apic"}, 1, None
+    turns = USL | {"dim": 3, "cells": args.turns, "phases": ",".join([str(args.turns)] * 3), "drift": "1/8"}
+    for transfer in ("apic", "pic"):
+        moving = turns | {"transfer": transfer}
+        yield f"symbol, {args.turns}^3 phases, {transfer}, drift 1/8", "symbol", moving, 1, None
+        yield "the same, all factors of the full blocks", "symbol", moving | {"output": kept}, 1, None
     for dim in args.dims:
         for drift in args.drifts:
             if dim == 3 and drift != "0":

@@ -135,6 +135,12 @@ def compile_all():
                 compile_one(f"apic-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}", "-DAFFINE"])
 
 
+def compile_finite():
+    os.makedirs(FOLDER, exist_ok=True)
+    for dim in BOXES:
+        compile_one(f"finite-{dim}d", ["plain_finite.c"], [f"-DDIM={dim}", "-DNODES=3"])
+
+
 def numba_python():
     """Returns the Python of an environment with numba, which it makes when needed; (None, why) when it cannot."""
     folder = os.path.join(FOLDER, "venv")
@@ -168,6 +174,21 @@ def run_box(row, ranks):
     """Returns ns per particle and step, and the energy at the end."""
     run = result_of_run("run", box_options(row), ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"]
+
+
+def run_finite(row, ranks):
+    """Returns ns per particle and step of a march at finite strain, and the energy at the end."""
+    chosen = {"dim": row["dim"], "cells": row["cells"], "formulation": "usl", "kinematics": "finite", "material": "neo",
+              "lame_ratio": 1, "basis": "quadratic", "ppc": PPC, "offset": 0.51, "courant": 0.1, "mode": 1,
+              "amplitude": row["amplitude"], "steps": row["steps"], "drift": row["drift"]}
+    run = result_of_run("run", chosen, ranks)["run"]
+    return run["ns_per_particle_step"], run["energy"]["final"]
+
+
+def run_plain_finite(row):
+    out = json.loads(said([os.path.join(FOLDER, f"finite-{row['dim']}d"),
+                           *[str(row[key]) for key in ("cells", "steps", "drift", "amplitude")]]))
+    return out["ns_per_particle_step"], out["energy"]
 
 
 def run_box_pair(row):

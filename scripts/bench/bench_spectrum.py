@@ -24,12 +24,10 @@ BESIDE = 1e-10                   # how far a shift is from the eigenvalue, relat
 SAME, SAME_GROWTH = 1e-8, 1e-6   # a defective pair at 1 splits by 1e-8 or more
 TIMES_ARPACK, TIMES_NUMPY, CRITICAL_S, MAP_S = 3, 2, 0.1, 10
 TIMES_ALL_PARTICLES = 5          # of the ensemble by the nodes' own operators, beside the particles'
-BAR = {"formulation": "usl", "courant": 0.5, "cells": 1000, "ppc": 4, "jitter": 0.9, "measure": "false"}
+BAR = {"formulation": "usl", "courant": 0.5, "ppc": 4, "jitter": 0.9, "measure": "false"}
 ENSEMBLE = {"formulation": "usl", "courant": 0.7, "cells": 100, "ppc": 4, "jitter": 0.9}
-PLANE = {"formulation": "usl", "courant": 0.5, "dim": 2, "cells": "256,256", "ppc": 2, "measure": "false"}
-SPACE = {"formulation": "usl", "courant": 0.5, "dim": 3, "cells": "24,24,24", "ppc": 2, "measure": "false"}
-NODAL = (("all eigenvalues of a jittered bar", BAR, 1, 5),
-         ("2-D 256 x 256 cells", PLANE, 2, 60), ("3-D 24 x 24 x 24 cells", SPACE, 2, 120))
+BOX = {"formulation": "usl", "courant": 0.5, "ppc": 2, "measure": "false"}
+BAR_CELLS, PLANE_CELLS, SPACE_CELLS, JITTER, POWERS = 1000, 256, 24, 0.8, 200
 SCHEMES, BASES, DRIFTS = ("gas2", "usl", "musl"), ("linear", "quadratic"), ("0", "1/8")
 
 
@@ -41,6 +39,9 @@ def arguments():
     parser.add_argument("--symbol", type=at_least(2), default=1_000_000, metavar="CELLS", help="(1000000)")
     parser.add_argument("--map", type=at_least(2), default=64, metavar="POINTS", help="of a map, along each axis (64)")
     parser.add_argument("--layouts", type=at_least(2), default=20, help="of the ensembles (20)")
+    parser.add_argument("--bar", type=at_least(8), default=BAR_CELLS, help=f"cells of a jittered bar ({BAR_CELLS})")
+    parser.add_argument("--plane", type=at_least(4), default=PLANE_CELLS, help=f"cells in each of two directions ({PLANE_CELLS})")
+    parser.add_argument("--space", type=at_least(4), default=SPACE_CELLS, help=f"cells in each of three ({SPACE_CELLS})")
     parser.add_argument("--all", action="store_true", 
                         help="orders 4e5 and 4e6, all of 2000 and 4000, the map of 256, 200 layouts")
     args = parser.parse_args()
@@ -171,18 +172,47 @@ def show_all(row):
           "eigvals")
 
 
-def nodal_rows():
+def nodal_scenes(args):
+    """Yields name, options, ranks and target of each row; None for a size that has no target."""
+    yield (f"all eigenvalues of a jittered bar, {args.bar} cells", BAR | {"cells": args.bar}, 1,
+           5 if args.bar == BAR_CELLS else None)
+    for dim, cells, full, target in ((2, args.plane, PLANE_CELLS, 60), (3, args.space, SPACE_CELLS, 120)):
+        for jitter in (0, JITTER):
+            yield (f"{dim}-D, {cells} cells in each direction{', jittered' if jitter else ''}",
+                   BOX | {"dim": dim, "cells": ",".join([str(cells)] * dim), "jitter": jitter}, 2,
+                   target if cells == full else None)
+
+
+def nodal_rows(args):
     """Measures what the nodes' own operator makes possible, once each, and prints each row at once."""
-    for name, options, ranks, target in NODAL:
+    for name, options, ranks, target in nodal_scenes(args):
         found = bench_runs.result_of_run("spectrum", options, ranks)
         row = {"what": name, "ranks": ranks, "seconds": found["wall_s"], "verdict": found["verdict"],
                "unknowns": found["spectrum"]["unknowns"], "nodal_unknowns": found["spectrum"].get("nodal_unknowns"),
                "listed": found["spectrum"]["listed"], "memory_bytes": found["spectrum"]["memory_bytes"]}
         nodal = f", of the nodes {row['nodal_unknowns']}" if row["nodal_unknowns"] else ""
         print(f"{name}, order {row['unknowns']}{nodal}, {ranks} rank{'s'[:ranks > 1]}: {row['listed']} found, "
-              f"{row['verdict']}, {row['seconds']:.3g} s in all, {row['memory_bytes'] / 1e6:.4g} MB; "
-              f"target {target} s: {met(row['seconds'] <= target)}", flush=True)
+              f"{row['verdict']}, {row['seconds']:.3g} s in all, {row['memory_bytes'] / 1e6:.4g} MB" +
+              (f"; target {target} s: {met(row['seconds'] <= target)}" if target else ""), flush=True)
         yield row
+
+
+def compare_powers(args):
+    """Measures norms of powers by the nodes' own operator and by the particles', in turn."""
+    options = BAR | {"cells": args.bar // 4, "powers": POWERS}
+    times, norms = {"true": [], "false": []}, {}
+    for _ in range(args.repeats):
+        for nodal in times:
+            found = bench_runs.result_of_run("spectrum", options | {"nodal": nodal})["transient"]
+            times[nodal].append(found["seconds"])
+            norms[nodal] = found["norm"]
+    row = {"cells": args.bar // 4, "powers": POWERS, "nodal": best_and_median(times["true"]),
+           "particles": best_and_median(times["false"]),
+           "apart": max(abs(a / b - 1) for a, b in zip(norms["true"], norms["false"]))}
+    row["ratio"], row["same"] = row["particles"]["best"] / row["nodal"]["best"], row["apart"] <= SAME
+    print(f"norm(A^n) for n up to {POWERS}, {row['cells']} cells, ppc {BAR['ppc']}: {told(row['nodal'])}; with -nodal false "
+          f"{told(row['particles'])}: {row['ratio']:.3g} times as fast, the same to {row['apart']:.1e}", flush=True)
+    return row
 
 
 def compare_ensembles(args):
@@ -250,10 +280,11 @@ def main():
         for order in args.dense:
             result["all"].append(compare_all(order, args, folder))
             show_all(result["all"][-1])
-    result["nodal"], result["ensemble"] = list(nodal_rows()), compare_ensembles(args)
+    result["nodal"], result["powers"] = list(nodal_rows(args)), compare_powers(args)
+    result["ensemble"] = compare_ensembles(args)
     result["tasks"] = list(small_tasks(args))
     bench_runs.keep(result, args)
-    if not all(row.get("same", True) for row in result["near"] + result["all"] + [result["ensemble"]]):
+    if not all(row.get("same", True) for row in result["near"] + result["all"] + [result["powers"], result["ensemble"]]):
         program.say("not the same eigenvalues, see above")
         sys.exit(1)
 

@@ -11,14 +11,11 @@
    With AFFINE it is apic with the weights of MLS-MPM in place of slopes, in that method's own form: stress and affine
    velocity are one matrix, and each sweep knows one vector a node. It needs NODES > 2, where D does not depend on the place.
 */
-#include <math.h>
-#include <stdint.h>
+#include "plain_nd.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#define PPC 2
 #define COURANT 0.01
 #define NU 0.3
 #define STRESSES (DIM * (DIM + 1) / 2)
@@ -38,71 +35,16 @@ typedef struct {
 #endif
 } Node;
 
-/* Nodes have indices -1 to cells + 1 in each direction; stride is the distance along each. */
-static long      cells, across, nodes, particles, stride[DIM];
+#if DIM == 2
+static const int component[DIM][DIM] = {{0, 1}, {1, 2}};
+#else
+static const int component[DIM][DIM] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+#endif
+
 static double    drift;
 static Particle *particle;
 static Node     *node;
 static double   *mass; /* and, when a step needs it, its inverse */
-
-#if DIM == 2
-static const int component[DIM][DIM] = {{0, 1}, {1, 2}};
-#define FOR_NODES(i)                                                                                                   \
-  for (int i[3] = {0, 0, 0}; i[1] < NODES; i[1]++)                                                                     \
-    for (i[0] = 0; i[0] < NODES; i[0]++)
-#else
-static const int component[DIM][DIM] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-#define FOR_NODES(i)                                                                                                   \
-  for (int i[3] = {0, 0, 0}; i[2] < NODES; i[2]++)                                                                     \
-    for (i[1] = 0; i[1] < NODES; i[1]++)                                                                               \
-      for (i[0] = 0; i[0] < NODES; i[0]++)
-#endif
-
-static double Now(void)
-{
-  struct timespec t;
-
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* The weights and slopes along a direction; returns the first node. */
-static inline long Along(double x, double phi[NODES], double slope[NODES])
-{
-#if NODES == 2
-  const long i = (long)x;
-
-  phi[0]   = 1 - (x - (double)i);
-  phi[1]   = x - (double)i;
-  slope[0] = -1;
-  slope[1] = 1;
-  return i;
-#elif NODES == 3
-  const long   i = (long)(x + 0.5); /* the nearest node */
-  const double d = x - (double)i;
-
-  phi[0]   = 0.5 * (0.5 - d) * (0.5 - d);
-  phi[1]   = 0.75 - d * d;
-  phi[2]   = 0.5 * (0.5 + d) * (0.5 + d);
-  slope[0] = d - 0.5;
-  slope[1] = -2 * d;
-  slope[2] = d + 0.5;
-  return i - 1;
-#else
-  const long   i = (long)x;
-  const double d = x - (double)i, e = 1 - d;
-
-  phi[0]   = e * e * e / 6;
-  phi[1]   = 2.0 / 3 - d * d + d * d * d / 2;
-  phi[2]   = 2.0 / 3 - e * e + e * e * e / 2;
-  phi[3]   = d * d * d / 6;
-  slope[0] = -e * e / 2;
-  slope[1] = -2 * d + 1.5 * d * d;
-  slope[2] = 2 * e - 1.5 * e * e;
-  slope[3] = d * d / 2;
-  return i - 1;
-#endif
-}
 
 /* The index of the first node that a particle sees, and the weights; with them slopes, or places from the particle. */
 static inline long Weights(const double x[], double phi[][NODES], double slope[][NODES])
@@ -120,57 +62,14 @@ static inline long Weights(const double x[], double phi[][NODES], double slope[]
   return first;
 }
 
-/* The weight of one node. */
-static inline double At(const int i[], double phi[][NODES])
-{
-#if DIM == 2
-  return phi[0][i[0]] * phi[1][i[1]];
-#else
-  return phi[0][i[0]] * phi[1][i[1]] * phi[2][i[2]];
-#endif
-}
-
-/* Its gradient, or weight times its place from the particle. */
+/* The gradient of the weight of one node, or weight times its place from the particle. */
 static inline void Gradient(const int i[], double phi[][NODES], double slope[][NODES], double g[])
 {
 #ifdef AFFINE
   for (int a = 0; a < DIM; a++) g[a] = At(i, phi) * slope[a][i[a]];
-#elif DIM == 2
-  g[0] = slope[0][i[0]] * phi[1][i[1]];
-  g[1] = phi[0][i[0]] * slope[1][i[1]];
 #else
-  g[0] = slope[0][i[0]] * phi[1][i[1]] * phi[2][i[2]];
-  g[1] = phi[0][i[0]] * slope[1][i[1]] * phi[2][i[2]];
-  g[2] = phi[0][i[0]] * phi[1][i[1]] * slope[2][i[2]];
+  Slope(i, phi, slope, g);
 #endif
-}
-
-static inline long Of(long first, const int i[])
-{
-#if DIM == 2
-  return first + i[0] + i[1] * stride[1];
-#else
-  return first + i[0] + i[1] * stride[1] + i[2] * stride[2];
-#endif
-}
-
-/* Adds up what is one node of a periodic grid (fold), or gives all of them its value: one direction after another. */
-static void Ends(int fold, double *values, long length)
-{
-  for (int a = 0; a < DIM; a++) {
-    for (long n = 0; n < nodes; n++) {
-      const long i    = n / stride[a] % across;
-      double    *here = values + n * length, *own = here + (i == 0 ? cells : -cells) * stride[a] * length;
-
-      if (i != 0 && i <= cells) continue; /* 1 to cells are its own */
-      for (long c = 0; c < length; c++) {
-        if (fold)
-          own[c] += here[c];
-        else
-          here[c] = own[c];
-      }
-    }
-  }
 }
 
 #define ENDS(fold) Ends(fold, (double *)node, sizeof(Node) / sizeof(double))
@@ -313,37 +212,13 @@ static double Energy(void)
   return sum / (double)(2 * particles);
 }
 
-/* Random numbers in [0, 1): those of THEORY.md, section 1, so that jittered particles are where mpmstab has them. */
-static double Hash(uint64_t seed, uint64_t id)
-{
-  uint64_t z = seed + (id + 1) * 0x9E3779B97F4A7C15u;
-
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* One wave along the first direction, in the order of cells. */
 static void Begin(double jitter)
 {
-  const double turn    = 2 * acos(-1) / (double)cells;
-  const int    of_cell = DIM == 2 ? PPC * PPC : PPC * PPC * PPC;
-  uint64_t     seed[3] = {1};
+  const double turn = 2 * acos(-1) / (double)cells;
 
-  for (int a = 1; a < DIM; a++) seed[a] = (uint64_t)(0x1p52 * Hash(2, (uint64_t)(-66 - a)));
   for (long p = 0; p < particles; p++) {
-    long cell = p / of_cell, site = p % of_cell, number = 0, row = 1;
-
-    for (int a = 0; a < DIM; a++, row *= cells * PPC, cell /= cells, site /= PPC)
-      number += row * (cell % cells * PPC + site % PPC);
-    cell = p / of_cell;
-    site = p % of_cell;
-    for (int a = 0; a < DIM; a++, cell /= cells, site /= PPC) {
-      const double shift = jitter * (Hash(seed[a], (uint64_t)number) - 0.5);
-
-      particle[p].x[a] =
-          fmod((double)(cell % cells + cells) + ((double)(site % PPC) + 0.51 + shift) / PPC, (double)cells);
-    }
+    Place(p, jitter, particle[p].x);
     particle[p].v[0] = sin(turn * particle[p].x[0]);
 #ifdef AFFINE
     particle[p].c[0][0] = turn * cos(turn * particle[p].x[0]);
@@ -359,16 +234,8 @@ int main(int argc, char **argv)
   }
   const long steps = atol(argv[2]);
 
-  cells     = atol(argv[1]);
-  drift     = atof(argv[3]);
-  across    = cells + 3;
-  nodes     = 1;
-  particles = 1;
-  for (int a = 0; a < DIM; a++) {
-    stride[a] = nodes;
-    nodes *= across;
-    particles *= cells * PPC;
-  }
+  SetSize(atol(argv[1]));
+  drift    = atof(argv[3]);
   particle = calloc((size_t)particles, sizeof *particle);
   node     = calloc((size_t)nodes, sizeof *node);
   mass     = calloc((size_t)nodes, sizeof *mass);

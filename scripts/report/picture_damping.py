@@ -28,19 +28,21 @@ def damping(path):
                 above.plot(lengths, shown, gid=gid, linestyle=line, markerfacecolor=fill, **look)
         below.plot(lengths, errors, gid="error", label=f"k = {courant:.6g}", **look)
     above.set_title("decay of waves along x (hollow, dotted: growth)")
-    above.set_ylabel("decay r / (c/h),\namplitude $e^{-rt}$")
+    above.set_ylabel("decay rate r (c / h),\namplitude $e^{-rt}$")
     if any(line.get_gid() for line in above.lines):
         above.set_yscale("log")
+        style.plain_powers(above.yaxis)
     else:
         above.text(0.5, 0.5, "no wave decays or grows by more than rounding", ha="center", transform=above.transAxes)
+        above.set_yticks([])
     below.set_title("error of their frequency")
-    below.set_ylabel("ω / (c |β|/h) - 1")
+    below.set_ylabel("frequency error\nω h / (c |β|) − 1")
     below.set_xscale("log")
-    below.set_xlabel("wavelength λ / cells")
+    below.set_xlabel("wavelength 2π / β (cells)")
     marks = [length for length in (3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256) if lengths.min() <= length <= lengths.max()]
     below.set_xticks(marks, labels=map(str, marks))
     below.minorticks_off()
     for axes in (above, below):
         axes.grid(True, alpha=0.3)
-    below.legend(loc="lower right", ncol=2)
+    below.legend(ncol=2)
     return figure

@@ -21,6 +21,7 @@ KINDS = {"task": str, "formulation": str, "basis": str, "transfer": str, "bounda
          "ppc": NUMBER, "particles": int, "courant": NUMBER, "drift": NUMBER, "growth": OPTIONAL, "predicted": dict,
          "run": dict, "spectrum": dict, "symbol": dict, "map": dict, "transient": dict, "pseudospectrum": dict}
 EACH = ("cells", "ppc", "drift")  # with more than one dimension these are lists, with a value for each direction
+CODE = ("program", "plugin")  # one of them stands for a code in the place of a scene
 SCENE = ("formulation", "basis", "transfer", "boundary", "cells", "ppc", "particles", "courant", "drift")
 
 
@@ -66,7 +67,8 @@ def is_of(value, kinds, dim):
     return isinstance(value, kinds) and not isinstance(value, bool)
 
 
-def read_json(path):
+def read_json(path, of_code=False):
+    """Returns a result of a scene, or of a code that was probed."""
     made = "a file that mpmstab has written with -json"
     require_file(path, made)
     try:
@@ -76,7 +78,8 @@ def read_json(path):
         return refuse(path, "is nested too deep", made)
     except ValueError:
         return refuse(path, "is not JSON", made)
-    if not isinstance(result, dict) or any(key not in result for key in (*SCENE, "task")):
+    whole = isinstance(result, dict) and "task" in result
+    if not whole or not (any(key in result for key in CODE) if of_code else all(key in result for key in SCENE)):
         refuse(path, "is not a result of mpmstab", made)
     for key, kinds in KINDS.items():
         dim = result.get("dim", 1) if key in EACH else 1

@@ -2,7 +2,6 @@
 import numpy
 from matplotlib import colors, patheffects
 from matplotlib.collections import LineCollection
-from matplotlib.ticker import MaxNLocator
 
 import picture_boxes as boxes
 import picture_files as files
@@ -10,9 +9,10 @@ import picture_scenes as scenes
 import picture_spectra as spectra
 import picture_style as style
 
-MAP_LABELS = {"courant": "Courant number k = c dt / h", "drift": "drift / cells per step",
-              "offset": "offset / particle spacings", "ppc": "particles per cell", "poisson": "Poisson's ratio",
-              "drift_angle": "direction of the drift / degrees from x"}
+MAP_LABELS = {"courant": "Courant number k = c dt / h", "drift": "drift U0 dt / h (cells per step)",
+              "offset": "offset of the first particle (particle spacings)", "ppc": "particles per cell, ppc",
+              "poisson": "Poisson's ratio ν", "drift_angle": "direction of the drift (degrees from x)",
+              "mach": "velocity U0 / c"}
 
 
 def transient(path):
@@ -23,7 +23,7 @@ def transient(path):
     growth = files.part(result, "growth", path, "spectrum -json")
     figure = style.new_figure(4.2, scenes.scene_text(result))
     axes = figure.add_subplot()
-    axes.plot(steps, norm, "o-", color=style.COLOURS[1], markersize=3, label="norm of $A^n$ (largest singular value)",
+    axes.plot(steps, norm, "o-", color=style.COLOURS[1], markersize=3, label="$||A^n||$, its largest singular value",
               gid="norm")
     with numpy.errstate(over="ignore"):
         axes.plot(steps, float(growth) ** steps, color=style.COLOURS[0], linestyle="--", gid="rho",
@@ -32,9 +32,10 @@ def transient(path):
         axes.plot([found["at_step"]], [found["largest"]], "D", color="black", markersize=7, markerfacecolor="none",
                   label=f"largest: {found['largest']:.4g} at step {found['at_step']}")
     axes.set_yscale("log")
-    axes.set_title("what the powers of the operator do before its eigenvalues decide")
+    style.plain_powers(axes.yaxis)
+    axes.set_title("norm of the powers of the operator A: how large a state can become")
     axes.set_xlabel("time step n")
-    axes.set_ylabel("norm of $A^n$")
+    axes.set_ylabel("norm of the n-th power, $||A^n||$")
     axes.grid(True, alpha=0.3)
     style.legend_below(axes)
     return figure
@@ -65,10 +66,9 @@ def pseudospectrum(path, result_path=None):
     axes = figure.add_subplot()
     filled = axes.contourf(real, imaginary, numpy.log10(numpy.maximum(sigma, floor)), levels=12, cmap="cividis")
     lines = axes.contour(filled, colors="white", linewidths=0.6, linestyles="solid")
-    axes.clabel(lines, fontsize=9, fmt="%.1f")
-    bar = figure.colorbar(filled, ax=axes, label="log10 of the smallest singular value of z - A", shrink=0.85)
-    bar.locator = MaxNLocator(7)
-    bar.update_ticks()
+    bar = figure.colorbar(filled, ax=axes, label="log10 of σ", shrink=0.85)
+    bar.add_lines(lines)
+    bar.set_ticks(filled.levels, labels=[f"{level:.4g}" for level in filled.levels])
     spectra.unit_circle(axes)
     axes.lines[-1].set(color="white", linewidth=1.5)
     inside = (values.real >= real[0]) & (values.real <= real[-1]) & (abs(values.imag) <= imaginary[-1])
@@ -76,11 +76,12 @@ def pseudospectrum(path, result_path=None):
               label="eigenvalues", gid="eigenvalues")
     if at is not None:
         axes.plot(at.real, at.imag, "D", color="black", markerfacecolor="#56B4E9", markersize=9, gid="kreiss",
-                  label=f"Kreiss point: (abs z - 1) / sigma = {kreiss:.4g}")
+                  label=f"Kreiss point: (|z| − 1) / σ = {kreiss:.4g}")
     else:
         axes.plot([], [], " ", label="no Kreiss point: " + ("an eigenvalue is outside the circle, so it is infinite"
                                                             if kreiss is None else "nothing above 1 was found"))
-    axes.set_title("the largest norm of $A^n$ is at least (abs z - 1) / sigma, anywhere")
+    axes.set_title("pseudospectrum: σ, the smallest singular value of z − A, over the plane of z\n"
+                   "(some $||A^n||$ is at least (|z| − 1) / σ, for every z outside the circle)")
     axes.set_xlabel("real part of z")
     axes.set_ylabel("imaginary part of z")
     axes.set_aspect("equal", adjustable="box")
@@ -91,10 +92,11 @@ def pseudospectrum(path, result_path=None):
 def growth_map(path, result_path=None, csv_path=None):
     """Draws growth - 1 over two axes, in colours on a log scale where it is unstable and plain where it is stable.
 
-    The JSON of the same map adds the limits at rest and the number of unstable points, the CSV the undecided points.
+    The axes are those of the map that the program prints: the first points up, the second to the right. The JSON of the
+    same map adds the limits at rest and the number of unstable points, the CSV the undecided points.
     """
     with files.open_hdf5(path) as file:
-        scene = scenes.attributes(file)
+        scene = scenes.attributes_or_code(file)
         result = scenes.result_beside(path, scene, result_path, "map") if result_path else None
         growth = files.array(file, "map/growth", "map -output")
         names = axes_of_map(file, growth.shape, result, result_path)
@@ -111,12 +113,13 @@ def growth_map(path, result_path=None, csv_path=None):
     open_points = numpy.isnan(growth) | undecided_of(path, csv_path, names, (first, second))
     if open_points.any():
         at = numpy.argwhere(open_points)
-        axes.plot(first[at[:, 0]], second[at[:, 1]], "x", color="black", markersize=4, label="undecided",
+        axes.plot(second[at[:, 1]], first[at[:, 0]], "x", color="black", markersize=4, label="undecided",
                   gid="undecided")
     draw_limits(axes, names, (first, second), found)
-    axes.set_title(f"unstable at {100 * found['unstable'] / growth.size:.1f}% of {growth.size} points "
+    waves = f", of {found['phases']} waves at each" if "phases" in found and not scenes.is_code(scene) else ""
+    axes.set_title(f"unstable at {100 * found['unstable'] / growth.size:.1f}% of {growth.size} points{waves}\n"
                    f"(growth beyond 1 + {tolerance:g} per step)")
-    for name, label in zip(names, (axes.set_xlabel, axes.set_ylabel)):
+    for name, label in zip(names, (axes.set_ylabel, axes.set_xlabel)):
         label(label_of(name, names, scene))
     if axes.get_legend_handles_labels()[0]:
         style.legend_below(axes, columns=1)
@@ -125,25 +128,28 @@ def growth_map(path, result_path=None, csv_path=None):
 
 def label_of(name, names, scene):
     """Names an axis. With more than one dimension a drift is along the axes that the scene's has, or along all."""
-    if name != "drift" or scenes.dimension(scene) == 1:
+    if scenes.is_code(scene):
+        return f"{name} (units of the code)"
+    if name not in ("drift", "mach") or scenes.dimension(scene) == 1:
         return MAP_LABELS.get(name, name)  # a parameter of a scheme as text has its own name
     if "drift_angle" in names:
-        return "size of the drift / cells per step"
+        return "size of the drift (cells per step)"
     own = [axis for axis, drift in zip(scenes.AXES, scenes.each(scene, "drift")) if drift]
-    return f"drift along {' and '.join(own or scenes.AXES[:scenes.dimension(scene)])} / cells per step"
+    along = f"along {' and '.join(own or scenes.AXES[:scenes.dimension(scene)])}"
+    return f"velocity U0 / c {along}" if name == "mach" else f"drift U0 dt / h {along} (cells per step)"
 
 
 def draw_growth(figure, axes, places, growth, beyond):
     """Draws the colours and the border between unstable and stable points."""
-    x, y = (boxes.edges_of(values) for values in places)
+    y, x = (boxes.edges_of(values) for values in places)
     excess = numpy.ma.masked_where(~beyond, growth - 1)
     if excess.count():
         low, top = files.finite_range(numpy.asarray(excess.compressed()))
         top = max(top, 2 * low)
         excess = numpy.ma.minimum(excess, 2 * top)  # infinite means beyond the range of doubles
-        mesh = axes.pcolormesh(x, y, excess.T, cmap="viridis", rasterized=True, norm=colors.LogNorm(low, top))
-        figure.colorbar(mesh, ax=axes, label="growth per step - 1 (grey: stable)")
-    axes.add_collection(LineCollection(boxes.outline(x, y, beyond), colors="black", linewidths=0.9))
+        mesh = axes.pcolormesh(x, y, excess, cmap="viridis", rasterized=True, norm=colors.LogNorm(low, top))
+        style.plain_powers(figure.colorbar(mesh, ax=axes, label="growth per step |G| − 1 (grey: stable)").ax.yaxis)
+    axes.add_collection(LineCollection(boxes.outline(x, y, beyond.T), colors="black", linewidths=0.9))
     axes.set_xlim(x[[0, -1]])
     axes.set_ylim(y[[0, -1]])
 
@@ -169,6 +175,8 @@ def require_axis(path, values, other_path, name, others):
 
 def map_footer(scene, names):
     """Describes the scene without the two parameters that the axes sweep."""
+    if scenes.is_code(scene):
+        return scenes.code_text(scene)
     parts = scenes.scene_parts({**scene, "parameters": ""} if any(name not in MAP_LABELS for name in names) else scene)
     if scenes.dimension(scene) > 1 and "ppc" in names:
         parts["cells"] += ", ppc the same in all directions"
@@ -176,7 +184,8 @@ def map_footer(scene, names):
         size = float(numpy.hypot.reduce(scenes.each(scene, "drift")))
         parts["drift"] = f"drift of {size:.6g} cells per step, turned"
     shown = [text for key, text in parts.items()
-             if key not in names and not (key == "layout" and "offset" in names)]
+             if key not in names and not (key == "layout" and "offset" in names)
+             and not (key == "drift" and "mach" in names)]
     return scenes.wrapped(", ".join(shown[:4]), ", ".join(shown[4:]))
 
 
@@ -209,7 +218,7 @@ def draw_limits(axes, names, values, found):
     if published is not None:
         inside = values[at].min() <= published <= values[at].max()
         label = f"published limit at rest: k = {published:.6g}" + ("" if inside else " (beyond the axis)")
-        line = (axes.axvline, axes.axhline)[at] if inside else (lambda _, **options: axes.plot([], [], **options))
+        line = (axes.axhline, axes.axvline)[at] if inside else (lambda _, **options: axes.plot([], [], **options))
         line(published, label=label, gid="published", **style.COLUMNS["published"], **look)
     corrected = numpy.array(found.get("corrected_limit", []), float)
     if corrected.shape == values[1 - at].shape and numpy.isfinite(corrected).any():
@@ -217,6 +226,6 @@ def draw_limits(axes, names, values, found):
         beyond = " (beyond the axis)" if outside[numpy.isfinite(corrected)].all() else ""
         label = f": k = {numpy.nanmax(corrected):.6g}, at rest only" if numpy.isfinite(corrected).sum() == 1 else ""
         corrected[outside] = numpy.nan
-        points = (corrected, values[1 - at]) if at == 0 else (values[1 - at], corrected)
+        points = (values[1 - at], corrected) if at == 0 else (corrected, values[1 - at])
         marked = {**style.COLUMNS["corrected"], "marker": "D" if label else None}
         axes.plot(*points, label=f"corrected limit{label}{beyond}", gid="corrected", clip_on=False, **marked, **look)

@@ -7,13 +7,45 @@ import picture_scenes as scenes
 import picture_style as style
 from picture_zone import in_words, wrapped
 
+SAME = 1e-6  # eigenvalues that are nearer than this, and smaller shares of the null space, are not told apart
 
-def leading_modes(file, count):
-    """Returns the names of the first modes, with one of each conjugate pair."""
+
+def idle(file, name):
+    """Says whether a mode stays as it is and is at least in part in the null space of P2G, data that no node feels."""
+    value = complex(file["modes"][name].attrs["re"], file["modes"][name].attrs["im"])
+    return abs(value - 1) < SAME and share_of(file, name) > SAME
+
+
+def share_of(file, name):
+    """Returns the part of a mode's norm that is in the null space of P2G."""
+    return float(numpy.ravel(files.array(file, "spectrum/null_share", "spectrum -output"))[int(name) - 1])
+
+
+def that_move(file, names):
+    """Returns the modes of a stable scene that are not idle, the largest growth first, of equal ones the longest wave."""
+    beta = files.array(file, "spectrum/beta", "spectrum -output")
+    size = numpy.hypot.reduce(abs(wrapped(beta)).reshape(len(beta), -1), axis=1)
+
+    def order(name):
+        return -round(float(file["modes"][name].attrs["growth"]) / SAME), numpy.nan_to_num(size[int(name) - 1], nan=9)
+
+    return sorted((name for name in names if not idle(file, name)), key=order)
+
+
+def leading_modes(file, scene, count, null_space):
+    """Returns the names of the first modes, with one of each conjugate pair.
+
+    In a stable scene idle modes are left out, unless null_space asks for them or there is no other: the eigenvalue 1 has
+    many vectors, each any mixture of what no node feels.
+    """
     if "modes" not in file:
         files.refuse(file.filename, "no /modes in it", "a file that 'mpmstab spectrum -output -modes n' has written")
+    names = sorted(key for key in file["modes"] if key.isdigit())
+    largest = max(float(file["modes"][name].attrs["growth"]) for name in names)
+    if largest <= 1 + float(scene.get("tolerance", 1e-6)) and not null_space:
+        names = that_move(file, names) or names
     chosen, pairs = [], []
-    for name in sorted(key for key in file["modes"] if key.isdigit()):
+    for name in names:
         value = complex(file["modes"][name].attrs["re"], file["modes"][name].attrs["im"])
         if value.imag and any(abs(value.conjugate() - other) <= 1e-9 * abs(value) for other in pairs):
             continue
@@ -32,7 +64,9 @@ def title_of_mode(file, name):
         wave = "its P2G is 0"
     else:
         wave = in_words(wrapped(beta)).replace(" π, ", " π\n") if beta.shape else f"β = {beta:.4g} radians per cell"
-    return f"mode {int(name)}\ngrowth {group.attrs['growth']:.9g}\neigenvalue {value}\n{wave}"
+    share = share_of(file, name)
+    null = f"\n{100 * share:.3g}% in the null space of P2G" if share > 0.5 else ""
+    return f"mode {int(name)}\ngrowth {group.attrs['growth']:.9g}\neigenvalue {value}\n{wave}{null}"
 
 
 def share_axes(grid):
@@ -46,10 +80,11 @@ def share_axes(grid):
         axes.tick_params(labelleft=False)
 
 
-def modes(path, count=2):
+def modes(path, count=2, null_space=False):
     """Draws the leading eigenmodes over their particles' places, a column for each, real and imaginary part."""
     with files.open_hdf5(path) as file:
-        scene, names = scenes.attributes(file), leading_modes(file, count)
+        scene = scenes.attributes(file)
+        names = leading_modes(file, scene, count, null_space)
         return (curves if scenes.dimension(scene) == 1 else planes)(file, scene, names)
 
 
@@ -76,9 +111,9 @@ def curves(file, scene, names):
             grid[row, column].grid(True, alpha=0.3)
             grid[row, column].set_xlim(0, 1)
     for row, field in enumerate(fields):
-        grid[row, 0].set_ylabel(f"{field} / norm of mode")
+        grid[row, 0].set_ylabel(f"{scenes.quantity(scene, field, None)}\n(norm of the mode 1)")
     for axes in grid[-1]:
-        axes.set_xlabel("x / L")
+        axes.set_xlabel("place x / L")
     below = figure.add_subplot(rows[-1, :])
     below.axis("off")
     below.legend(*grid[0, 0].get_legend_handles_labels(), loc="center", ncol=2)
@@ -131,12 +166,12 @@ def planes(file, scene, names):
                 plane.draw_arrows(axes, scene, x[kept], [values[one] for one in vector[:2]], sizes[1],
                                   f"{name}/{vector[0][0]}_{part}")
             plane.frame_axes(axes, scene)
-            axes.set_ylabel(f"{part} part, y / h" if not column else "")
+            axes.set_ylabel(f"{part} part, place y / h" if not column else "")
         for axes in grid[:-1, column]:
             axes.set_xlabel("")
         grid[0, column].set_title(title_of_mode(file, name), fontsize=9.5)
         arrows = f"; arrows: {vector[0][0]}, up to {sizes[1]:.3g}" if moves else ""
-        plane.add_bar(figure, discs, list(grid[:, column]), f"{shown} / norm of mode{arrows}")
+        plane.add_bar(figure, discs, list(grid[:, column]), f"{shown} (norm of the mode 1){arrows}")
     if where:
         figure.suptitle(where.lstrip(", "), fontsize=9.5)
     return style.settle(figure)

@@ -1,4 +1,6 @@
 """Draws particles in the plane: fields as colours, vectors as arrows. In three dimensions it is one layer of cells."""
+import math
+
 import numpy
 from matplotlib import colors
 from matplotlib.collections import EllipseCollection
@@ -23,15 +25,26 @@ def stress_of(names):
 
 
 def unit_of(names):
-    """Returns the unit of the fields. Those of the wave equation are lengths, others are velocities in any scheme."""
-    return "(length / time)" if vector_of(names) else "length"
+    """Returns the unit of the fields. Those of the wave equation are lengths, others are velocities in any scheme.
+
+    At finite strain, where particles carry F, velocities are in units of the wave speed.
+    """
+    if any(name.startswith("f_") for name in names):
+        return "c"
+    return "length / time" if vector_of(names) else "length"
 
 
 class Panel:
-    """What one panel shows: a label, whether the values have a sign, and values(registers), an array."""
+    """What one panel shows: a label, whether the values have a sign, and values(registers), an array.
 
-    def __init__(self, label, signed, values, vector=()):
-        self.label, self.signed, self.values, self.vector = label, signed, values, vector
+    A pure number has no unit, and other values have that of the velocity.
+    """
+
+    def __init__(self, label, signed, values, vector=(), pure=False):
+        self.label, self.signed, self.values, self.vector, self.pure = label, signed, values, vector, pure
+
+    def text(self, registers):
+        return self.label if self.pure else f"{self.label} ({unit_of(registers)})"
 
 
 def size_of(registers):
@@ -56,17 +69,33 @@ def invariants_of(stress):
             Panel(label, False, shear)]
 
 
+def stretches_of(names):
+    """Returns the panels of the deformation gradient F, which do not depend on the directions of axes."""
+    components = sorted(name for name in names if name.startswith("f_"))
+    dim = math.isqrt(len(components))
+
+    def matrices(found):
+        return numpy.array([found[name] for name in components]).T.reshape(-1, dim, dim)
+
+    def shear(found):
+        stretch = numpy.linalg.svd(matrices(found), compute_uv=False)
+        return (stretch[:, 0] - stretch[:, -1]) / 2
+
+    return [Panel("change of volume, det F - 1", True, lambda found: numpy.linalg.det(matrices(found)) - 1, pure=True),
+            Panel("shear, half the difference of the stretches", False, shear, pure=True)] if components else []
+
+
 def panels_of(names):
     """Returns the panels of a run with these registers: the vector's size with arrows, then the other fields.
 
-    A stress is shown by its mean and its shear. The affine part is left out.
+    A stress is shown by its mean and its shear, and F by volume and shear. The affine part is left out.
     """
     vector, stress = vector_of(names), stress_of(names)
     found = [Panel(f"size of {vector[0][0]}", False, lambda all_: size_of([all_[name] for name in vector]),
                    vector)] if vector else []
     found += [Panel(name, True, lambda all_, name=name: all_[name]) for name in names
-              if name not in vector and name not in stress.values() and not name.startswith("c")]
-    return found + (invariants_of(stress) if stress else [])
+              if name not in vector and name not in stress.values() and not name.startswith(("c", "f_"))]
+    return found + (invariants_of(stress) if stress else []) + stretches_of(names)
 
 
 def with_floor(sizes):
@@ -136,5 +165,5 @@ def frame_axes(axes, scene):
             axis.grid(True, which="both", color="#cccccc", linewidth=0.5)
     axes.set_box_aspect(cells[1] / cells[0])
     axes.tick_params(which="minor", length=0)
-    axes.set_xlabel("x / h")
-    axes.set_ylabel("y / h")
+    axes.set_xlabel("place x / h")
+    axes.set_ylabel("place y / h")

@@ -86,9 +86,10 @@ def growth(paths, last=None):
     if labelled:
         axes.plot([], [], "k--", linewidth=1, label="predicted growth")
     axes.set_yscale("log")
+    style.plain_powers(axes.yaxis)
     axes.set_title("measured growth")
-    axes.set_xlabel("time step")
-    axes.set_ylabel("square root of energy / at the start")
+    axes.set_xlabel("time step n")
+    axes.set_ylabel("size of the state, $\\sqrt{E / E_0}$ (E: energy)")
     axes.set_xlim(0, last)
     axes.grid(True, alpha=0.3)
     style.legend_below(axes, columns=1)
@@ -154,13 +155,13 @@ def spacetime(path, field=None):
     figure = style.new_figure(4.8, scenes.scene_text(scene))
     axes = figure.add_subplot()
     axes.add_collection(picture)
-    label = f"{field} / its largest value at that step" if own_scale else f"{field} of particles"
+    label = f"{field} over its largest value at that step" if own_scale else scenes.quantity(scene, field)
     figure.colorbar(picture, ax=axes, label=label)
     axes.set_xlim(0, 1)
     axes.set_ylim(edges[0], edges[-1])
     axes.set_title(f"{field} over place and time ({shown} output steps)")
-    axes.set_xlabel("x / L")
-    axes.set_ylabel("time step")
+    axes.set_xlabel("place x / L")
+    axes.set_ylabel("time step n")
     return figure
 
 
@@ -192,14 +193,14 @@ def frame(scene, step, group, fields, limits):
                   zorder=3)
         axes.plot(x[order], files.array(group, f"particles/{field}", OUTPUT)[order], "o", color=style.COLOURS[1],
                   markersize=3.5, label="particles", gid=f"particles/{field}")
-        axes.set_ylabel(field)
+        axes.set_ylabel(scenes.quantity(scene, field, "\n"))
         axes.set_xlim(0, 1)
         if limits[field]:
             axes.set_ylim(-1.1 * limits[field], 1.1 * limits[field])
         axes.grid(True, alpha=0.3)
     rows[0].set_title(f"time step {step}, t = {float(group.attrs['time']):.4g}", loc="left")
     rows[0].legend(loc="lower right", bbox_to_anchor=(1, 1), ncol=2, borderaxespad=0.2, frameon=False)
-    rows[-1].set_xlabel("x / L")
+    rows[-1].set_xlabel("place x / L")
     return figure
 
 
@@ -239,8 +240,7 @@ def plane_frame(scene, step, group, panels, limits):
             plane.draw_arrows(axes, scene, x[kept], [registers[name][kept] for name in panel.vector[:2]], largest,
                               "arrows")
         plane.frame_axes(axes, scene)
-        plane.add_bar(figure, discs, axes, f"{panel.label} / {plane.unit_of(registers)}",
-                      "right" if down else "bottom")
+        plane.add_bar(figure, discs, axes, panel.text(registers), "right" if down else "bottom")
     figure.suptitle(f"time step {step}, t = {float(group.attrs['time']):.4g}{where}", fontsize=10.5)
     return style.settle(figure)
 

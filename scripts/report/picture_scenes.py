@@ -34,6 +34,25 @@ def attributes(file):
     return scene
 
 
+def attributes_or_code(file):
+    """Returns the scene of a file, or of a map of a code its command and parameters, which are no scene."""
+    if "formulation" in file.attrs or not any(key in file.attrs for key in files.CODE):
+        return attributes(file)
+    return {key: value.decode() if isinstance(value, bytes) else value for key, value in file.attrs.items()}
+
+
+def is_code(scene):
+    """Says whether this is a code that was probed, in the place of a scene."""
+    return "formulation" not in scene
+
+
+def code_text(scene):
+    """Describes a code by its command and the parameters that were set."""
+    kind = next(key for key in files.CODE if key in scene)
+    given = f", {scene['program_set']}" if scene.get("program_set") else ""
+    return wrapped(f"{kind} {scene[kind]}{given}")
+
+
 def dimension(scene):
     """Returns the number of space dimensions; files that do not say it are of one."""
     dim = int(scene.get("dim", 1))
@@ -93,8 +112,9 @@ def layout_text(scene):
     kind = material if isinstance(material, str) else material["kind"]
     if kind != "uniform":
         ratios = scene if isinstance(material, str) else material
-        layout.append(f"material {kind} (density ratio {ratios['density_ratio']:.6g}, "
-                      f"stiffness ratio {ratios['stiffness_ratio']:.6g})")
+        given = [f"{name} ratio {ratios[f'{name}_ratio']:.6g}" for name in ("density", "stiffness")
+                 if kind in ("two", "graded") or ratios.get(f"{name}_ratio", 1) != 1]
+        layout.append(f"material {kind}" + (f" ({', '.join(given)})" if given else ""))
     return ", ".join(layout)
 
 
@@ -148,8 +168,8 @@ def compared(scene):
 
 
 def require_same(path, scene, other_path, other):
-    """Refuses two files that are of different scenes."""
-    ours, theirs = compared(scene), compared(other)
+    """Refuses two files that are of different scenes, or of different codes."""
+    ours, theirs = ({"code": code_text(one)} if is_code(one) else compared(one) for one in (scene, other))
     differs = [f"{ours[key]} and {theirs[key]}" for key in ours if ours[key] != theirs[key]]
     if differs:
         files.refuse(f"{path} and {other_path}", f"of different scenes: {differs[0]}", "files of one scene")
@@ -160,12 +180,26 @@ def result_beside(path, scene, result_path, *tasks):
 
     The scene is None when that file does not say it.
     """
-    result = files.read_json(result_path)
+    result = files.read_json(result_path, bool(scene) and is_code(scene))
     if result["task"] not in tasks:
         files.refuse(f"{path} and {result_path}", f"the second is of the task {result['task']}", " or ".join(tasks))
     if scene:
         require_same(path, scene, result_path, result)
     return result
+
+
+# What the fields are, and their units, by the formulation's own registers.
+GAS = {"u": ("velocity u", "length / time"), "r": ("density r = −(a/ρ0) ρ", "length / time")}
+BAR = {"u": ("displacement u", "length"), "w": ("velocity w = v h / c", "length")}
+MOMENTUM = {"v": ("velocity v", "length / time"), "s": ("stress s = σ / (ρ0 c)", "length / time"),
+            "c": ("affine velocity c", "length / time")}
+
+
+def quantity(scene, field, between=" "):
+    """Names a field of particles with its symbol and, unless between is None, its unit. Of a scheme as text: its symbol."""
+    known = {} if scene.get("scheme") else {"gas": GAS, "elastic": BAR}.get(scene["formulation"].rstrip("12"), MOMENTUM)
+    name, unit = known.get(field, (field, None))
+    return f"{name}{between}({unit})" if unit and between else name
 
 
 def wrapped(*lines):

@@ -58,7 +58,7 @@ def draw_symbol(figure, axes, file):
                           cmap="cividis", vmin=0, vmax=numpy.pi * dim**0.5, zorder=3,
                           label="symbol, over its phases")
     what = "phase β of the symbol" if dim == 1 else "length of the phase vector β"
-    bar = figure.colorbar(points, ax=axes, shrink=0.75, label=f"{what} / radians per cell")
+    bar = figure.colorbar(points, ax=axes, shrink=0.75, label=f"{what} (radians per cell)")
     bar.set_ticks([part * numpy.pi for part, _ in style.PHASES], labels=[text for _, text in style.PHASES])
 
 
@@ -98,8 +98,8 @@ def spectrum(path, result_path=None):
             draw_symbol(figure, axes, file)
     axes.plot(values.real, values.imag, label="eigenvalues", zorder=4, gid="eigenvalues", **style.EIGENVALUES)
     axes.set_title(of_what(scene, growth))
-    axes.set_xlabel("real part")
-    axes.set_ylabel("imaginary part")
+    axes.set_xlabel("real part of the eigenvalue λ")
+    axes.set_ylabel("imaginary part of λ")
     look_at(axes, numpy.concatenate((values, published)))
     axes.grid(True, alpha=0.3)
     style.legend_below(axes)
@@ -127,6 +127,8 @@ def curves_of(path):
         scene, beta = scenes.attributes(file), files.array(file, "symbol/beta", "symbol -output")
         half = slice(0, len(beta) // 2 + 1 if scenes.dimension(scene) == 1 else None)
         names = {"symbol": "growth", "published": "published", "corrected": "corrected"}
+        if "symbol/growth_seen" in file:
+            names["growth_seen"] = "growth_seen"
         columns = {key: files.array(file, f"symbol/{name}", "symbol -output")[half] for key, name in names.items()}
         if "symbol/factors" in file:
             factors = files.complex_pairs(files.array(file, "symbol/factors", "symbol -output"))[half]
@@ -139,7 +141,7 @@ def curves_of(path):
 def phase_axis(axes):
     axes.set_xlim(-0.05, numpy.pi + 0.05)
     axes.set_xticks([part * numpy.pi for part, _ in style.PHASES], labels=[text for _, text in style.PHASES])
-    axes.set_xlabel("phase β / radians per cell")
+    axes.set_xlabel("phase β (radians per cell)")
     axes.grid(True, alpha=0.3)
 
 
@@ -174,8 +176,8 @@ def curve(beta, columns, footer, eigenvalues, measured):
             label = "symbol, largest" if name == "symbol" else name
             axes.plot(beta, columns[name], label=label, gid=name, **style.COLUMNS[name])
     if "growth_seen" in columns:
-        axes.plot(beta, columns["growth_seen"], label="symbol, of what nodes see", color="#56B4E9",
-                  linestyle=(0, (1, 1)))
+        axes.plot(beta, columns["growth_seen"], label="symbol, of what nodes see", gid="growth_seen", color="#CC79A7",
+                  linestyle=(0, (4, 2)), linewidth=1.8)
     if eigenvalues:
         axes.plot(*eigenvalues, label="eigenvalues", zorder=4, gid="eigenvalues",
                   **{**style.EIGENVALUES, "markersize": 4})
@@ -183,7 +185,7 @@ def curve(beta, columns, footer, eigenvalues, measured):
         axes.axhline(measured, label=f"measured, {measured:.6f}", **style.COLUMNS["measured"])
     missing = [name for name in ("published", "corrected") if not numpy.isfinite(columns[name]).any()]
     axes.set_title("growth per step over the phase" + (f" (no {' or '.join(missing)} formula)" if missing else ""))
-    axes.set_ylabel("abs(G) per step")
+    axes.set_ylabel("growth per step |G|")
     axes.ticklabel_format(axis="y", useOffset=False)
     phase_axis(axes)
     style.legend_below(axes, columns=3)

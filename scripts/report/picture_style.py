@@ -3,6 +3,7 @@ import io
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterSciNotation
 
 from whole_files import write_whole
 
@@ -39,6 +40,20 @@ def settle(figure):
     for _ in range(4):
         figure.get_layout_engine().execute(figure)
     return figure
+
+
+class PlainPowers(LogFormatterSciNotation):
+    """Labels a logarithmic axis: 1.025 as it is, 1e-7 as a power. Which ticks have a label is as usual."""
+
+    def __call__(self, value, position=None):
+        text = super().__call__(value, position)
+        return f"{value:.6g}" if text and 1e-3 <= abs(value) < 1e5 else text
+
+
+def plain_powers(axis):
+    """Gives a logarithmic axis labels without needless powers of ten."""
+    axis.set_major_formatter(PlainPowers())
+    axis.set_minor_formatter(PlainPowers(minor_thresholds=(2, 0.6)))
 
 
 def legend_below(axes, columns=2, **options):

@@ -81,17 +81,16 @@ def planes_of(axes, fastest):
 def panels_of(path, places, columns, fastest):
     """Returns what the panels show: title, the phases of two directions, growth over them, and the third phase.
 
-    In two dimensions there is one panel, and one of the closed form where that is not the same: it leaves out what no
-    node sees. In three dimensions there are planes of the third phase.
+    In two dimensions there is one panel, and one of what nodes see where that grows otherwise. In three dimensions there are planes of the third phase.
     """
     axes, grid = on_grid(path, places, columns["symbol"])
     if len(axes) == 3:
         return [(f"$β_z$ = {PARTS.get(axes[2][plane], f'{axes[2][plane]:.4g} π')}", axes[:2], grid[:, :, plane],
                  axes[2][plane]) for plane in planes_of(axes, fastest)]
-    _, formula = on_grid(path, places, columns["corrected"])
-    if not numpy.isfinite(formula).any() or numpy.nanmax(abs(formula - grid)) < SAME:
+    _, seen = on_grid(path, places, columns.get("growth_seen", columns["corrected"]))
+    if not numpy.isfinite(seen).any() or numpy.nanmax(abs(seen - grid)) < SAME:
         return [("", axes, grid, None)]
-    return [("all that particles hold", axes, grid, None), ("what nodes see (closed form)", axes, formula, None)]
+    return [("all that particles hold", axes, grid, None), ("what nodes see", axes, seen, None)]
 
 
 def draw_plane(panel, axes, growth, look, tolerance):
@@ -142,9 +141,9 @@ def title_of(growth, fastest, tolerance, measured, with_eigenvalues):
 def name_axes(panels, columns):
     for number, panel in enumerate(panels):
         if number % columns == 0:
-            panel.set_ylabel("$β_y$ / π per cell")
+            panel.set_ylabel("phase $β_y$ (π per cell)")
         if number + columns >= len(panels):
-            panel.set_xlabel("$β_x$ / π per cell")
+            panel.set_xlabel("phase $β_x$ (π per cell)")
 
 
 def zone(path, beta, columns, footer, tolerance, eigenvalues=None, measured=None):
@@ -171,7 +170,7 @@ def zone(path, beta, columns, footer, tolerance, eigenvalues=None, measured=None
     for panel in panels[len(shown):]:
         panel.axis("off")
     name_axes(panels[:len(shown)], across)
-    bar = figure.colorbar(mesh, ax=panels, label="largest abs(G) per step (grey: 1)", shrink=0.9)
+    bar = figure.colorbar(mesh, ax=panels, label="growth per step |G| (grey: 1)", shrink=0.9)
     if isinstance(look["norm"], colors.TwoSlopeNorm):
         ticks = [*numpy.linspace(look["norm"].vmin, 1, 4), *numpy.linspace(1, look["norm"].vmax, 4)[1:]]
         bar.set_ticks(ticks, labels=[f"{tick:.6g}" for tick in ticks])

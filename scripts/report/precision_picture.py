@@ -5,7 +5,7 @@ from matplotlib import ticker
 from matplotlib.figure import Figure
 
 import picture_style as style
-from precision_table import families, frontier, name_of, seconds, usable, varying
+from precision_table import SCHEME, families, frontier, name_of, seconds, usable, varying
 
 UNSTABLE, *COLOURS = *style.COLOURS, "#000000"
 MARKERS = style.MARKERS + "<>*h"
@@ -15,7 +15,8 @@ def draw_family(axes, number, members, names):
     points = [row for row in members if usable(row)]
     if not points:
         return
-    order = points[-1]["order"]
+    points.sort(key=lambda row: row["best_s"])
+    order = points[-1]["order"] if "courant" in names or len({row["courant"] for row in points}) == 1 else None
     label = name_of(points[0], names) + ("" if order is None else f", order {order:.2f}")
     axes.loglog([row["best_s"] for row in points], [row["error_l2"] for row in points], color=COLOURS[number % 6],
                 marker=MARKERS[number % 10], linestyle=("-", "--", ":")[number // 6 % 3], label=label, linewidth=1.2,
@@ -34,11 +35,12 @@ def draw_unstable(axes, rows, names, top):
                                   + " (at the top: error beyond the scale)" * (top in heights), 40))
 
 
-def draw(rows, title):
+def draw(rows, title, searched=False):
+    """Returns the figure. searched: a line joins the rows of a scheme, which are at different Courant numbers."""
     figure = Figure(figsize=(8.4, 5), constrained_layout=True)
     axes = figure.add_subplot()
-    names = varying(rows)
-    for number, members in enumerate(families(rows).values()):
+    names = [name for name in varying(rows) if name != "courant" or not searched]
+    for number, members in enumerate((families(rows, SCHEME) if searched else families(rows)).values()):
         draw_family(axes, number, members, names)
     best = frontier(rows)
     axes.loglog([row["best_s"] for row in best], [row["error_l2"] for row in best], color="0.75", linewidth=6, zorder=1,
@@ -50,8 +52,9 @@ def draw(rows, title):
     axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if max(times) < 50 * min(times) else (1,)))
     axes.xaxis.set_major_formatter(lambda value, _: seconds(value))
     axes.xaxis.set_minor_formatter(ticker.NullFormatter())
-    axes.set_xlabel(f"time of the loop, best of repeats ({', '.join(map(str, ranks))} rank{'s' * (ranks != [1])})")
-    axes.set_ylabel("largest l2 error over fields / exact amplitude")
+    style.plain_powers(axes.yaxis)
+    axes.set_xlabel(f"run time of the loop, best of repeats ({', '.join(map(str, ranks))} rank{'s' * (ranks != [1])})")
+    axes.set_ylabel("largest l2 error over the fields, over the exact amplitude")
     axes.set_title(title, fontsize=10)
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)

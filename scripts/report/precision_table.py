@@ -1,8 +1,9 @@
 """Turns repeated runs into rows, orders, the efficient frontier, and the cheapest scheme for an error, in words.
 
-A row is one combination. A family is a set of rows that differ in cells only, a line of error over time. The times are
-those of the loop, best and median over repeats. Between two grids of a family log(time) is interpolated linearly in
-log(error). Beyond its grids nothing is extrapolated.
+A row is one combination. A family is a set of rows that differ in cells only, a line of error over time. A scheme is a
+set of families that differ in the Courant number only. The times are those of the loop, best and median over repeats.
+Between two grids of a family log(time) is interpolated linearly in log(error). Beyond its grids nothing is
+extrapolated. Schemes are compared round by round, since what slows one round slows all of its runs.
 """
 import csv
 import io
@@ -11,11 +12,14 @@ import statistics
 
 PARAMETERS = ("formulation", "basis", "transfer", "ppc", "courant", "cells", "ranks")
 FAMILY = tuple(name for name in PARAMETERS if name != "cells")
+SCHEME = tuple(name for name in FAMILY if name != "courant")
 COLUMNS = (*PARAMETERS, "dim", "drift", "steps", "time", "particles", "status", "verdict", "growth", "growth_all_waves",
            "error_l1", "error_l2", "error_linf", "field", "order", "best_s", "median_s", "repeats", "frontier", "note")
 SHORT = 1e-3  # seconds; a shorter loop is measured badly
 FLOOR = 0.5   # below this order errors are said to fall slowly
 AS_GOOD = 1.01  # errors within this factor count as equally good
+CHANCE = 0.025  # of two schemes that take as long, one is called slower with at most this probability
+FIRST = 3       # so many schemes are put in an order that is certain
 
 
 def key(record, names=PARAMETERS):
@@ -49,7 +53,8 @@ def make_rows(records, combinations):
         row = {name: first.get(name) for name in COLUMNS}
         row.update(error_of(first))
         row.update(best_s=min(loops, default=None), median_s=statistics.median(loops) if loops else None,
-                   repeats=len(loops), order=None, frontier=0)
+                   repeats=len(loops), order=None, frontier=0,
+                   loops={record["round"]: record["loop_s"] for record in repeats if record.get("loop_s") is not None})
         rows.append(row)
     set_orders(rows)
     for row in frontier(rows):
@@ -57,11 +62,11 @@ def make_rows(records, combinations):
     return rows
 
 
-def families(rows):
-    """Returns the rows by family, from coarse to fine."""
+def families(rows, names=FAMILY):
+    """Returns the rows by family, or by scheme, from coarse to fine."""
     found = {}
     for row in rows:
-        found.setdefault(key(row, FAMILY), []).append(row)
+        found.setdefault(key(row, names), []).append(row)
     return {name: sorted(members, key=lambda row: row["cells"]) for name, members in found.items()}
 
 
@@ -96,19 +101,46 @@ def unit_of(row):
 
 def cheapest_of(members, wanted):
     """
-    Returns where a family reaches an error in the least time: best, median, grids around it, whether the coarsest.
+    Returns where a family reaches an error in the least time: best, median, time of each round, and the rows it rests on.
 
     It looks at the grids that reach the error, and between neighbours that are both usable where the error is crossed.
     None: the family does not reach it.
     """
-    found = [{"best_s": row["best_s"], "median_s": row["median_s"], "cells": (row["cells"],), "unit": unit_of(row),
+    found = [{"best_s": row["best_s"], "median_s": row["median_s"], "loops": row["loops"], "rows": (row,),
               "coarsest": row is members[0]} for row in members if usable(row) and row["error_l2"] <= wanted]
     for coarse, fine in zip(members, members[1:]):
         if usable(coarse) and usable(fine) and fine["error_l2"] <= wanted < coarse["error_l2"]:
             part = math.log(coarse["error_l2"] / wanted) / math.log(coarse["error_l2"] / fine["error_l2"])
             between = {name: coarse[name] ** (1 - part) * fine[name] ** part for name in ("best_s", "median_s")}
-            found.append({**between, "cells": (coarse["cells"], fine["cells"]), "unit": unit_of(fine)})
+            loops = {number: coarse["loops"][number] ** (1 - part) * fine["loops"][number] ** part
+                     for number in coarse["loops"] if number in fine["loops"]}
+            found.append({**between, "loops": loops, "rows": (coarse, fine), "coarsest": False})
     return min(found, key=lambda point: point["best_s"], default=None)
+
+
+def ranking(rows, wanted):
+    """Returns the points at which schemes reach an error, from the cheapest on, each at its best Courant number."""
+    best = {}
+    for members in families(rows).values():
+        point = cheapest_of(members, wanted)
+        scheme = key(members[0], SCHEME)
+        if point and (scheme not in best or point["best_s"] < best[scheme]["best_s"]):
+            best[scheme] = point
+    return sorted(best.values(), key=lambda point: point["best_s"])
+
+
+def slower(point, other):
+    """Says whether a point takes longer than another in so many rounds that it is no chance (a sign test)."""
+    rounds = [number for number in point["loops"] if number in other["loops"]]
+    wins = sum(point["loops"][number] > other["loops"][number] for number in rounds)
+    return sum(math.comb(len(rounds), many) for many in range(wins, len(rounds) + 1)) <= CHANCE * 2 ** len(rounds)
+
+
+def uncertain_rows(rows, wanted):
+    """Returns the rows that have to be repeated until the order of the first schemes is certain; none when it is."""
+    first = ranking(rows, wanted)[:FIRST]
+    pairs = [pair for pair in zip(first, first[1:]) if not slower(pair[1], pair[0])]
+    return [row for pair in pairs for point in pair for row in point["rows"]]
 
 
 def seconds(value):
@@ -131,39 +163,34 @@ def name_of(row, names):
     return " ".join(WORDS.get(name, "{}").format(row[name]) for name in names).replace(" 1 ranks", " 1 rank")
 
 
-def at(point, name):
+def at(point, names):
     """Says in words where a family reaches an error."""
-    cells = point["cells"]
-    if len(cells) == 1:
+    *_, fine = point["rows"]
+    name = name_of(fine, names)
+    if len(point["rows"]) == 1:
         coarsest = " (its coarsest grid, so perhaps less)" if point["coarsest"] else ""
-        return f"{name} with {cells[0]} {point['unit']}: {seconds(point['best_s'])}{coarsest}"
-    return (f"{name}: {seconds(point['best_s'])} (interpolated between {cells[0]} and {cells[1]} "
-            f"{point['unit']})")
+        return f"{name} with {fine['cells']} {unit_of(fine)}: {seconds(point['best_s'])}{coarsest}"
+    return (f"{name}: {seconds(point['best_s'])} (interpolated between {point['rows'][0]['cells']} and {fine['cells']} "
+            f"{unit_of(fine)})")
 
 
-def answer(rows, wanted, repeats):
-    """Says which family is cheapest for an error, and which comes next."""
+def answer(rows, wanted):
+    """Says which scheme is cheapest for an error, and which come next."""
     names = varying(rows)
-    found = []
-    for members in families(rows).values():
-        point = cheapest_of(members, wanted)
-        if point:
-            found.append((point, name_of(members[0], names)))
-    found.sort(key=lambda pair: pair[0]["best_s"])
+    found = ranking(rows, wanted)
     if not found:
         best = min(filter(usable, rows), key=lambda row: (row["error_l2"], row["best_s"]), default=None)
         said = f"error {wanted:g}: nothing that is stable reaches it here"
         return said if best is None else (f"{said}; the smallest is {best['error_l2']:.3g}, by {name_of(best, names)} "
                                           f"with {best['cells']} {unit_of(best)} in {seconds(best['best_s'])}")
-    said = [f"for error {wanted:g} the cheapest here is {at(*found[0])}"]
-    first = found[0][0]
+    first = found[0]
+    said = [f"for error {wanted:g} the cheapest here is {at(first, names)}"]
     if first["best_s"] < SHORT:
         said[0] += "; a loop under 1 ms: its time is rough"
-    for point, name in found[1:4]:
-        ratio = point["best_s"] / first["best_s"]
-        tie = repeats > 1 and ratio <= min(p["median_s"] / p["best_s"] for p in (first, point))
-        said.append(f"  next {at(point, name)}, "
-                    + ("no slower within the scatter of repeats" if tie else f"{ratio:.2g} times as long"))
+    for before, point in zip(found, found[1:4]):
+        said.append(f"  next {at(point, names)}, {point['best_s'] / first['best_s']:.3g} times as long"
+                    + ("" if slower(point, before) else "; no difference to the one before beyond the scatter of "
+                       f"{len(point['loops'])} rounds"))
     if len(found) > 4:
         said.append(f"  and {len(found) - 4} more")
     return "\n".join(said)
@@ -202,6 +229,12 @@ def text(value, form):
     return "-" if value is None else format(value, form)
 
 
+def outstanding(rows):
+    """Returns the rows that no faster row of their scheme matches in accuracy, and all of a scheme that has none."""
+    found = [row for members in families(rows, SCHEME).values() for row in frontier(members) or members]
+    return [row for row in rows if row in found]
+
+
 def table(rows):
     """Returns the rows as aligned text."""
     names = [name for name in PARAMETERS if name == "cells" or name in varying(rows)]
@@ -219,7 +252,7 @@ def table(rows):
 
 def csv_text(rows):
     out = io.StringIO()
-    writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
+    writer = csv.DictWriter(out, COLUMNS, lineterminator="\n", extrasaction="ignore")
     writer.writeheader()
     writer.writerows(rows)  # None becomes empty, and floats keep all their digits
     return out.getvalue()

@@ -1,6 +1,5 @@
 """Says what is known of a code that is probed, in the place of a scene: program or plugin. Its answers are those of symbol,
 spectrum and critical, with powers where the operator is small."""
-import math
 import os
 
 import numpy
@@ -8,7 +7,7 @@ import numpy
 import picture_files as files
 import picture_style as style
 import report_html as html
-from picture_spectra import eigenvalues_of, unit_circle
+from picture_spectra import eigenvalues_of, phase_axis, unit_circle
 from report_html import escaped, number
 from report_runs import SMALL, Asker, each, shown
 
@@ -73,7 +72,8 @@ def draw_eigenvalues(entry):
     axes = figure.subplots()
     unit_circle(axes)
     axes.plot(values.real, values.imag, **style.EIGENVALUES, label="eigenvalues")
-    axes.set(xlabel="real part of G", ylabel="imaginary part of G", aspect="equal")
+    axes.set(xlabel="real part of the eigenvalue λ", ylabel="imaginary part of λ", aspect="equal")
+    axes.locator_params(nbins=5)
     style.legend_below(axes)
     return style.settle(figure)
 
@@ -87,7 +87,8 @@ def draw_growth(entry):
     figure = style.new_figure(3.6, f"largest growth {growth.max():.9g} per step")
     axes = figure.subplots()
     axes.plot(beta[order], growth[order], **style.COLUMNS["symbol"])
-    axes.set(xlabel="phase β / radians per cell", ylabel="growth per step, |G|", xlim=(0, math.pi))
+    phase_axis(axes)
+    axes.set_ylabel("growth per step |G|")
     axes.set_ylim(min(0.95, growth.min()), max(1.05, 1.02 * growth.max()))
     return figure
 
@@ -97,13 +98,13 @@ def draw_powers(entry):
     figure = style.new_figure(3.6, f"largest {found['largest']:.6g} at step {found['at_step']}")
     axes = figure.subplots()
     axes.plot(found["steps"], found["norm"], **style.COLUMNS["symbol"])
-    axes.set(xlabel="steps n", ylabel="norm of the n-th power, ||A^n||",
+    axes.set(xlabel="time step n", ylabel="norm of the n-th power, $||A^n||$",
              yscale="log" if found["largest"] > 100 else "linear")
     axes.set_ylim(bottom=None if found["largest"] > 100 else 0)
     return figure
 
 
-def pictures(entry):
+def pictures(entry, album):
     answers, pieces = entry["answers"], []
     wanted = (("symbol", draw_growth, "Growth of each wave of the interior."),
               ("spectrum", draw_eigenvalues, "Eigenvalues; stable ones do not leave the unit circle."),
@@ -113,13 +114,13 @@ def pictures(entry):
             continue
         if name == "symbol" and len(each(answers[name].result["symbol"].get("beta_at_max", 0))) > 1:
             continue  # a surface over two or three phases is told in the table
-        pieces.append(html.drawn(draw(entry), caption, escaped(caption)))
+        pieces.append(album.draw(f"{entry['name']}-{name}", draw(entry), caption, escaped(caption)))
     return f'<div class="pictures">\n{chr(10).join(pieces)}\n</div>' if pieces else "<p>Nothing to draw.</p>"
 
 
-def section(entry):
+def section(entry, album):
     answers = entry["answers"]
-    commands = "\n".join(answer.command for answer in answers.values())
+    commands = "\n".join(html.command(answer.command) for answer in answers.values())
     missed = [f"<li><b>{escaped(name)}</b>: <q>{escaped(answer.complaint)}</q></li>"
               for name, answer in answers.items() if not answer.done or answer.status == 3]
     tables = [f"<details>\n<summary>What {escaped(name)} prints</summary>\n{html.preformatted(answer.table)}</details>"
@@ -127,7 +128,7 @@ def section(entry):
     return "\n".join([
         f'<article id="{entry["name"]}">', f"<h2>{escaped(entry['name'])}</h2>", verdict_box(entry),
         "<h3>For which time step?</h3>", limits(entry), "<h3>Is the operator that of the code?</h3>", certificates(entry),
-        "<h3>Pictures</h3>", pictures(entry), *tables,
+        "<h3>Pictures</h3>", pictures(entry, album), *tables,
         f"<h3>Refused, failed or unexpected</h3>\n<ul>\n{chr(10).join(missed)}\n</ul>" if missed else "",
         f"<h3>The code</h3>\n<p>{escaped(shown(entry['file']))}</p>", html.preformatted(entry["text"]),
-        "<h3>The same again</h3>", html.preformatted(commands), "</article>"])
+        "<h3>The same again</h3>", commands, "</article>"])

@@ -1,8 +1,11 @@
 """Makes pieces of HTML: numbers that keep their full precision, tables that scroll, pictures inside the page."""
 import base64
 import html
+import os
+import urllib.parse
 
 from picture_style import encoded
+from whole_files import write_whole
 
 LARGEST_SVG = 400_000  # bytes; a larger picture is embedded as PNG
 SIGNS = {"stable": "✓", "unstable": "✗", "undecided": "?"}
@@ -42,22 +45,43 @@ def preformatted(text):
     return f'<pre tabindex="0">{escaped(text)}</pre>'
 
 
-def picture(data, kind, alt, caption):
-    """Embeds the bytes of a picture into the page."""
-    mime = {"svg": "image/svg+xml", "png": "image/png"}[kind]
-    source = f"data:{mime};base64,{base64.b64encode(data).decode()}"
-    return f'<figure><img src="{source}" alt="{escaped(alt)}"><figcaption>{caption}</figcaption></figure>'
+def command(text):
+    """Returns a command that wraps, with a button that copies it."""
+    return (f'<div class="command"><button type="button" class="copy">Copy</button>'
+            f'<pre><code>{escaped(text)}</code></pre></div>')
 
 
-def drawn(figure, alt, caption):
-    data, kind = encoded(figure, "svg"), "svg"
-    if len(data) > LARGEST_SVG:
-        data, kind = encoded(figure, "png"), "png"
-    return picture(data, kind, alt, caption)
+class Album:
+    """Puts pictures into the page, and saves each in a folder beside it."""
+
+    def __init__(self, page):
+        self.folder = os.path.splitext(page)[0] + "-pictures"
+
+    def add(self, name, data, kind, alt, caption):
+        """Saves the bytes of a picture, embeds them, and links to the file. A tap opens the picture large."""
+        file = f"{name}.{kind}"
+        write_whole(os.path.join(self.folder, file), data)
+        mime = {"svg": "image/svg+xml", "png": "image/png"}[kind]
+        source = f"data:{mime};base64,{base64.b64encode(data).decode()}"
+        link = escaped(urllib.parse.quote(f"{os.path.basename(self.folder)}/{file}"))
+        return (f'<figure><button type="button" class="enlarge" title="Enlarge"><img src="{source}" alt="{escaped(alt)}">'
+                f'</button><figcaption>{caption} <a href="{link}">{kind.upper()}</a></figcaption></figure>')
+
+    def draw(self, name, figure, alt, caption):
+        data, kind = encoded(figure, "svg"), "svg"
+        if len(data) > LARGEST_SVG:
+            data, kind = encoded(figure, "png"), "png"
+        return self.add(name, data, kind, alt, caption)
 
 
-def page(title, style, body):
+def asset(name):
+    """Returns a file of this folder that goes into pages."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), name), encoding="utf-8") as file:
+        return file.read()
+
+
+def page(title, body):
     return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            f'<link rel="icon" href="data:,">\n<title>{escaped(title)}</title>\n<style>\n{style}</style>\n</head>\n'
-            f"<body>\n{body}\n</body>\n</html>\n")
+            f'<link rel="icon" href="data:,">\n<title>{escaped(title)}</title>\n<style>\n{asset("report.css")}</style>\n</head>\n'
+            f'<body>\n{body}\n<script>\n{asset("page.js")}</script>\n</body>\n</html>\n')

@@ -197,24 +197,23 @@ def missed(entry):
     return f"<h3>Refused, failed, unexpected or left out</h3>\n<ul>\n{chr(10).join(items)}\n</ul>" if items else ""
 
 
-def work_precision(entry):
+def work_precision(entry, album):
     answer = entry["answers"].get("error against run time")
     if not answer or not answer.done:
         return ""
-    return (f"<h3>Error against run time</h3>\n{report_pictures.of_work_precision(entry['asker'])}\n"
+    return (f"<h3>Error against run time</h3>\n{report_pictures.of_work_precision(entry, album)}\n"
             f"{html.preformatted(answer.table)}")
 
 
-def scene_section(entry):
-    commands = "\n".join(answer.command for answer in entry["answers"].values())
+def scene_section(entry, album):
+    commands = "\n".join(html.command(answer.command) for answer in entry["answers"].values())
     return "\n".join([
         f'<article id="{entry["name"]}">', f"<h2>{escaped(entry['name'])}</h2>", verdict_box(entry),
         answers_list(entry), "<h3>Growth per step</h3>", five_columns(entry), "<h3>Pictures</h3>",
-        report_pictures.all_of(entry["asker"], entry["answers"]), damping_words(entry),
-        transient_words(entry), work_precision(entry),
+        report_pictures.all_of(entry, album), damping_words(entry), transient_words(entry), work_precision(entry, album),
         missed(entry), f"<h3>The scene</h3>\n<p>{escaped(shown(entry['file']))}</p>", html.preformatted(entry["text"]),
         "<details>\n<summary>As the program has read it, with defaults</summary>", parameters(entry), "</details>",
-        "<h3>The same again</h3>", html.preformatted(commands), "</article>"])
+        "<h3>The same again</h3>", commands, "</article>"])
 
 
 def largest_stable(critical):
@@ -255,11 +254,12 @@ def overview(entries):
             "does.</p>\n" + html.table("all scenes", head, rows, (3, 4, 5, 6, 7, 8, 9, 10)))
 
 
-def body(entries, codes, facts):
-    rows = [[escaped(name), escaped(value)] for name, value in facts]
+def body(entries, codes, facts, album):
+    rows = [[escaped(name), html.command(value) if name == "command" else escaped(value)] for name, value in facts]
     return "\n".join([
         "<header>", f"<h1>{QUESTION}</h1>",
         '<p class="quiet">A report of mpmstab, from what the program itself computed.</p>', "</header>",
         "<main>", *(['<section aria-label="overview">', overview(entries), "</section>"] if entries else []),
-        *map(scene_section, entries), *map(report_code.section, codes), '<section aria-label="how this was made">', "<h2>How this was made</h2>",
+        *(scene_section(entry, album) for entry in entries), *(report_code.section(entry, album) for entry in codes),
+        '<section aria-label="how this was made">', "<h2>How this was made</h2>",
         html.table("versions and machine", [], rows), "</section>", "</main>"])

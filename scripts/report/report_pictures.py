@@ -14,7 +14,7 @@ CAPTIONS = {
     "zone": "Growth of each wave over the phases of the directions: grey where nothing grows; circles at the fastest.",
     "damping": "How fast waves decay, and how far their frequency is off: at the scene's time step and at parts of it.",
     "frame": "Particles at the end of the run.",
-    "modes": "The leading eigenmodes: what grows fastest, or in a stable scene what stays.",
+    "modes": "The leading eigenmodes: what grows fastest, or in a stable scene what oscillates and decays most slowly.",
     "growth": "Size of the state as it was marched, and the growth that is predicted.",
     "spacetime": "A particle field, each value where its particle is.",
     "map": "Growth over Courant number and drift: what moves is not what rests.",
@@ -59,7 +59,8 @@ def wanted(asker, answers):
         yield ("spacetime", lambda: pictures.spacetime(path("output.h5")),
                f"Particle values over place and time, {scheme}.")
     if spectrum:
-        yield ("modes", lambda: pictures.modes(path("spectrum.h5")),
+        every = "transient" in answers and answers["transient"].done
+        yield ("modes", lambda: pictures.modes(path("transient.h5" if every else "spectrum.h5")),
                f"The two leading eigenmodes over {places}, {scheme}.")
     if "transient" in answers and answers["transient"].done:
         found = answers["transient"].result
@@ -71,22 +72,23 @@ def wanted(asker, answers):
                    f"Contours of the smallest singular value; Kreiss constant {found['pseudospectrum']['kreiss']}.")
 
 
-def all_of(asker, answers):
+def all_of(entry, album):
     """Returns the pictures as HTML, and words in place of a picture that cannot be drawn."""
     pieces = []
-    for kind, draw, alt in wanted(asker, answers):
+    for kind, draw, alt in wanted(entry["asker"], entry["answers"]):
         try:
-            pieces.append(html.drawn(draw(), alt, html.escaped(CAPTIONS[kind])))
+            pieces.append(album.draw(f"{entry['name']}-{kind}", draw(), alt, html.escaped(CAPTIONS[kind])))
         except Exception as error:  # the other pictures and the page are still of use
             pieces.append(f'<p class="undecided">Picture of {kind}: not drawn: {html.escaped(error)}</p>')
     return f'<div class="pictures">\n{chr(10).join(pieces)}\n</div>' if pieces else "<p>Nothing to draw.</p>"
 
 
-def of_work_precision(asker):
+def of_work_precision(entry, album):
     """Returns the picture that work_precision.py has written, or nothing when there is none."""
-    path = asker.path("work-precision.svg")
+    path = entry["asker"].path("work-precision.svg")
     if not os.path.exists(path):
         return ""
     caption = "Error against run time: time of the loop alone, error against the exact solution at the end."
     with open(path, "rb") as file:
-        return html.picture(file.read(), "svg", "Error over run time on log axes for three grids.", caption)
+        return album.add(f"{entry['name']}-work-precision", file.read(), "svg",
+                         "Error over run time on log axes for three grids.", caption)

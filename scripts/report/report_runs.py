@@ -131,7 +131,7 @@ def ask_all(scene, folder, ranks, known):
         answers["output"] = ask_for_output(asker, answers["run"].result)
     small = spectrum.done and spectrum.result["spectrum"].get("unknowns", SMALL + 1) <= SMALL
     if small and {"powers", "pseudospectrum"} <= known:
-        more = ["-measure", "false", "-powers", "400", "-pseudospectrum", "48"]
+        more = ["-measure", "false", "-powers", "400", "-pseudospectrum", "48", "-modes", str(SMALL)]
         answers["transient"] = asker.ask("spectrum", "transient", more, ("json", "h5"))
     if symbol.done and "map_axes" in known and dimension(symbol.result) < 3:
         fewer = MAP_IN_THE_PLANE if dimension(symbol.result) == 2 else []
@@ -150,7 +150,8 @@ def work_precision(scene, asker, result):
     name = asker.path("work-precision")
     grids = [max(2, cells // 2)] if len(own) == 1 or halves else []
     grids = ",".join(map(str, [*grids, cells, *([2 * cells] if len(own) < 3 else [])]))
-    words = [script, os.path.abspath(scene), "--cells", grids, "--repeats", "3", "-o", name]
+    words = [script, os.path.abspath(scene), "--cells", grids, "--courant", str(result["courant"]),
+             "--repeats", "3", "--most", "3", "-o", name]
     progress(f"{shown(scene)}: error against run time")
     if os.path.exists(f"{name}.runs.jsonl"):
         os.remove(f"{name}.runs.jsonl")  # it may be of another build or scene

@@ -6,6 +6,7 @@
 #include "analysis/compare_program.h"
 #include "analysis/worst_phase.h"
 #include "base/progress.h"
+#include "scene/settings.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>
@@ -183,7 +184,7 @@ static PetscErrorCode MakeScene(const MpmProgram *p, MpmScene **scene)
   if (!Says(text, "cells")) PetscCall(Add(yaml, "cells", 1, value));
   PetscCall(AddParticles(p, text, yaml));
   PetscCall(AddStep(p, text, yaml));
-  PetscCall(MpmSceneFromText(yaml, scene));
+  PetscCall(MpmSceneFromNamedText("-compare", yaml, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -66,7 +66,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
   if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
-      scheme->space.prestress == 0) {
+      !MpmSpaceIsPrestressed(&scheme->space)) {
     PetscCall(layout->dim == 1 ? ClosedOnLine(&predictor, c) : MpmCriticalClosedInSpace(&predictor, c));
     if (!isnan(c->closed)) KeepSymbols(&predictor, c);
   }

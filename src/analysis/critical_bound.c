@@ -33,7 +33,7 @@ PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
   const MpmSpace *space = &scheme->space;
   PetscReal       least = INFINITY, chi = 1;
 
-  if (space->prestress != 0 || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
+  if (MpmSpaceIsPrestressed(space) || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
       space->gradient != MPM_GRADIENT_MLS || layout->material.kind != MPM_MATERIAL_UNIFORM ||
       MpmBasisIsAltered(scheme->basis))
     return 0;

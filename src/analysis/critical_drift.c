@@ -74,8 +74,8 @@ static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
   p->log_tolerance = log1p(of->tolerance);
   p->least         = (Limit){INFINITY, INFINITY, NAN};
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
-  PetscCall(MpmSmallEigenCreate(p->bloch.size, &p->eigen));
-  PetscCall(MpmFollowCreate(p->bloch.size, p->bloch.turn, of->tolerance, FactorsAt, p, &p->follow));
+  PetscCall(MpmSmallEigenCreate(p->bloch.turn_size, &p->eigen));
+  PetscCall(MpmFollowCreate(p->bloch.turn_size, p->bloch.turn, of->tolerance, FactorsAt, p, &p->follow));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

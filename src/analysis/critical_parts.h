@@ -60,7 +60,7 @@ PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphi
    MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
                          matrices are large
    MpmCriticalBound    - bound of MpmCritical, for particles at rest
-   MpmCriticalZoom     - a search over phases with the symmetries of a layout and a drift, and nothing else set
+   MpmCriticalZoom     - a search over phases with the symmetries of a layout, a prestress and a drift, and nothing else set
 
    Not collective.
 */
@@ -68,7 +68,7 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
                                    MpmWaveType *wave);
 PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
-MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmFraction drift[]);
+MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[]);
 
 /* Not collective. The type of modes whose shares along beta are from least to most. */
 static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)

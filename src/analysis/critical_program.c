@@ -310,6 +310,7 @@ static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
 PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
 {
   const MpmStepper *stepper = p->stepper;
+  char              names[512];
   PetscBool         found;
 
   PetscFunctionBegin;
@@ -317,11 +318,12 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
       .name = p->request->program_dt[0] ? p->request->program_dt : "dt", .dim = stepper->dim, .critical = NAN};
   for (int i = 0; i < MPM_LIMIT_KINDS; i++) c->limit[i] = NAN;
   PetscCall(MpmStepperParameterOf(stepper, c->name, &c->given, &found));
+  PetscCall(MpmStepperParameterNames(stepper, sizeof names, names));
   MpmCheckInput(
-      found && c->given > 0,
-      "%s: it has no parameter %s above 0, which would be its time step; allowed: -program_dt NAME with one that "
-      "it describes",
-      stepper->where, c->name);
+      found, "-program_dt %s: the code has no parameter of this name, and so no time step to search for; allowed: %s",
+      c->name, names);
+  MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,
+                (double)c->given);
   PetscCall(MpmProgramPrepare(p));
   if (p->kind == MPM_PROBE_BLOCH && stepper->any_count) c->block = BlockOf(p);
   c->expected = Expected(p, c);

@@ -48,8 +48,8 @@ static PetscErrorCode SamplesCreate(const MpmCriticalCase *of, Samples *s)
   PetscFunctionBegin;
   *s = (Samples){.of = of};
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &s->bloch));
-  PetscCall(MpmSmallEigenCreate(s->bloch.size, &s->eigen));
-  s->zoom        = MpmCriticalZoom(of->layout, of->step.drift);
+  PetscCall(MpmSmallEigenCreate(s->bloch.turn_size, &s->eigen));
+  s->zoom        = MpmCriticalZoom(of->layout, &of->scheme->space, of->step.drift);
   s->zoom.points = MpmCriticalSamples(of->layout, of->scheme);
   s->zoom.starts = starts[of->layout->dim];
   s->zoom.within = WITHIN;
@@ -155,9 +155,28 @@ static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
 
   for (PetscInt a = 0; a < axis; a++)
     if (l->ppc[a] == l->ppc[axis] && l->offset[a].value == l->offset[axis].value &&
-        of->step.drift[a].value == of->step.drift[axis].value)
+        of->step.drift[a].value == of->step.drift[axis].value && MpmSpaceAlike(&of->scheme->space, a, axis))
       return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+/*
+   The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
+   it depends on the direction (THEORY.md, section 9).
+*/
+static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
+{
+  const PetscReal sigma0 = MpmSpacePrestress(of, axis, axis);
+  PetscReal       square = 1;
+
+  *along     = *of;
+  along->dim = 1;
+  if (!MpmSpaceIsPrestressed(of)) return 1;
+  square = MpmSpaceTangent(of, axis, axis, axis, axis) - sigma0;
+  for (PetscInt c = 0; c < MPM_MAX_STRESS; c++) along->prestress[c] = 0;
+  along->prestress[0] = sigma0 / square;
+  along->displaced    = sigma0 != 0 && of->curved ? PETSC_TRUE : PETSC_FALSE;
+  return sqrt(square);
 }
 
 /* Finds the limit of the waves along one axis. */
@@ -166,19 +185,25 @@ static PetscErrorCode LimitOfAxis(const MpmCriticalCase *of, PetscInt axis, MpmC
   MpmLayout       layout = *of->layout;
   MpmScheme       scheme = *of->scheme;
   MpmCriticalCase along  = *of;
+  PetscReal       speed;
 
   PetscFunctionBegin;
   layout.dim       = 1;
   layout.grid[0]   = layout.grid[axis];
   layout.offset[0] = layout.offset[axis];
   MpmLayoutSetPpc(&layout, layout.ppc[axis]);
-  scheme.space.dim = 1;
+  speed = AlongAxis(&of->scheme->space, axis, &scheme.space);
   PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
   along.layout = &layout;
   along.scheme = &scheme;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along.step.drift[a] = (MpmFraction){.den = 1};
   along.step.drift[0] = of->step.drift[axis];
+  along.step.courant *= speed;
   PetscCall(MpmCriticalFind(&along, PETSC_TRUE, c));
+  c->stable_at /= speed;
+  c->unstable_at /= speed;
+  c->courant /= speed;
+  c->doubtful /= speed;
   PetscCall(MpmTableDestroy(&scheme.table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -324,7 +349,7 @@ static double complex Sent(const MpmBloch *b, const MpmOp *op, const double comp
     PetscInt       rest = j;
 
     for (PetscInt a = 0; a < b->layout->dim; a++) {
-      tie *= MpmTie(&b->ties[a], 0, a == op->axis ? op->kind : MPM_P2G, rest % b->ties[a].n, b->wave[a]);
+      tie *= MpmTie(&b->ties[a], 0, MpmKindAlong(op->kind, op->axis, a), rest % b->ties[a].n, b->wave[a]);
       rest /= b->ties[a].n;
     }
     sum += conj(tie) * mode[b->fields * j + op->src];
@@ -368,23 +393,26 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
   PetscReal      largest = 0, least = 1, most = 0, excess;
   PetscInt       exponent;
   Samples        s;
+  MpmSmallEigen  whole;
 
   PetscFunctionBegin;
   *wave = MPM_WAVE_NONE;
   if (vector == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(SamplesCreate(of, &s));
-  PetscCall(MpmBlochMatrix(&s.bloch, courant, beta, PETSC_FALSE, s.eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&s.eigen, PETSC_TRUE));
-  for (PetscInt i = 0; i < s.eigen.n; i++) largest = fmax(largest, cabs(s.eigen.value[i]));
+  PetscCall(MpmSmallEigenCreate(s.bloch.size, &whole));
+  PetscCall(MpmBlochMatrix(&s.bloch, courant, beta, PETSC_FALSE, whole.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&whole, PETSC_TRUE));
+  for (PetscInt i = 0; i < whole.n; i++) largest = fmax(largest, cabs(whole.value[i]));
   excess = log(largest) + (PetscReal)exponent * M_LN2;
-  for (PetscInt i = 0; i < s.eigen.n; i++) {
-    const PetscReal share = ShareAlong(&s.bloch, s.eigen.right + s.eigen.n * i, vector, beta);
+  for (PetscInt i = 0; i < whole.n; i++) {
+    const PetscReal share = ShareAlong(&s.bloch, whole.right + whole.n * i, vector, beta);
 
-    if (log(cabs(s.eigen.value[i])) + (PetscReal)exponent * M_LN2 < NEARLY * excess || isnan(share)) continue;
+    if (log(cabs(whole.value[i])) + (PetscReal)exponent * M_LN2 < NEARLY * excess || isnan(share)) continue;
     least = PetscMin(least, share);
     most  = PetscMax(most, share);
   }
   if (excess > 0 && most >= least) *wave = MpmCriticalWaveOf(least, most);
+  PetscCall(MpmSmallEigenDestroy(&whole));
   PetscCall(SamplesDestroy(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -23,15 +23,18 @@
 
 const char *const MpmWaveTypeNames[] = {"", "P", "S", "mixed", "MpmWaveType", "MPM_WAVE_", NULL};
 
-MpmZoom MpmCriticalZoom(const MpmLayout *layout, const MpmFraction drift[])
+MpmZoom MpmCriticalZoom(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[])
 {
-  MpmZoom zoom = {.dim = layout->dim, .alike = PETSC_TRUE};
+  MpmZoom zoom = {.dim = layout->dim};
 
   for (PetscInt a = 0; a < layout->dim; a++) {
-    zoom.mirror[a] = layout->offset[a].value == 0.5 && drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
-    if (layout->ppc[a] != layout->ppc[0] || layout->offset[a].value != layout->offset[0].value ||
-        drift[a].value != drift[0].value)
-      zoom.alike = PETSC_FALSE;
+    zoom.mirror[a] =
+        layout->offset[a].value == 0.5 && drift[a].value == 0 && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
+    zoom.alike[a] = a;
+    for (PetscInt b = a - 1; b >= 0; b--)
+      if (layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
+          drift[a].value == drift[b].value && MpmSpaceAlike(space, a, b))
+        zoom.alike[a] = b;
   }
   return zoom;
 }
@@ -44,12 +47,15 @@ typedef struct {
   PetscReal           tolerance, least;
 } Closed;
 
-static MpmZoom ClosedZoom(const MpmLayout *layout)
+static MpmZoom ClosedZoom(const MpmPredictor *predictor)
 {
   const MpmFraction rest[MPM_MAX_DIM] = {{.den = 1}, {.den = 1}, {.den = 1}};
-  MpmZoom           zoom              = MpmCriticalZoom(layout, rest);
+  const MpmLayout  *layout            = predictor->layout;
+  MpmZoom           zoom              = MpmCriticalZoom(layout, &predictor->scheme->space, rest);
 
-  zoom.points = layout->dim == 2 ? PLANE_POINTS : zoom.alike && zoom.mirror[0] ? WEDGE_POINTS : SPACE_POINTS;
+  zoom.points = layout->dim == 2                                             ? PLANE_POINTS
+                : zoom.alike[1] == 0 && zoom.alike[2] == 0 && zoom.mirror[0] ? WEDGE_POINTS
+                                                                             : SPACE_POINTS;
   zoom.starts = MPM_ZOOM_STARTS;
   zoom.within = WITHIN;
   zoom.finest = FINEST;
@@ -75,7 +81,7 @@ static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *
 /* The limits of long waves may go to 0 with beta (gas1 with xpic). Then the least one is 0, and at no phase. */
 PetscErrorCode MpmCriticalClosedInSpace(const MpmPredictor *predictor, MpmCritical *c)
 {
-  const MpmZoom zoom    = ClosedZoom(predictor->layout);
+  const MpmZoom zoom    = ClosedZoom(predictor);
   Closed        closed  = {.predictor = predictor};
   PetscReal     largest = 0, beta[MPM_MAX_DIM], shorter;
 
@@ -131,7 +137,7 @@ static PetscErrorCode ToleratedAt(void *context, const PetscReal beta[], PetscRe
 static PetscErrorCode FindTolerated(const MpmPredictor *predictor, PetscReal tolerance, const MpmCritical *c,
                                     PetscReal beta[], PetscReal *courant)
 {
-  const MpmZoom zoom   = ClosedZoom(predictor->layout);
+  const MpmZoom zoom   = ClosedZoom(predictor);
   Closed        closed = {.predictor = predictor, .tolerance = tolerance, .least = INFINITY};
 
   PetscFunctionBegin;

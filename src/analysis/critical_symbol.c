@@ -160,7 +160,7 @@ PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, 
   PetscFunctionBegin;
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
   c->order = probe.bloch.size;
-  PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
+  PetscCall(MpmSmallEigenCreate(probe.bloch.turn_size, &probe.eigen));
   PetscCall(MpmProgressBegin("phase", &probe.progress));
   PetscCall(isfinite(unstable) ? Below(&probe, unstable, beta, c) : Search(&probe, c));
   PetscCall(MpmProgressEnd(&probe.progress));
@@ -177,7 +177,7 @@ PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal cou
 
   PetscFunctionBegin;
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
-  PetscCall(MpmSmallEigenCreate(probe.bloch.size, &probe.eigen));
+  PetscCall(MpmSmallEigenCreate(probe.bloch.turn_size, &probe.eigen));
   PetscCall(GrowthAt(&probe, courant, beta, growth));
   PetscCall(MpmSmallEigenDestroy(&probe.eigen));
   PetscCall(MpmBlochDestroy(&probe.bloch));

@@ -4,6 +4,7 @@
 #include "linalg/eigen.h"
 #include "operator/nodal_matrix.h"
 #include "analysis/ensemble.h"
+#include "analysis/nodal_choice.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
 #include <math.h>
@@ -35,6 +36,7 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request, Pe
   char           size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmNodalChoiceCheck(scene, request));
   if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &unknowns));
   *nodal = (PetscInt)PetscMin(unknowns, PETSC_MAX_INT);
   if (!unknowns) unknowns = scene->scheme.table->nstate * scene->layout.particles;

@@ -116,7 +116,7 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   PetscBool             bounded = PETSC_TRUE;
 
   PetscFunctionBegin;
-  *lone = (MpmLone){.known = scheme->space.prestress == 0 && f->limit && f->corrected &&
+  *lone = (MpmLone){.known = !MpmSpaceIsPrestressed(&scheme->space) && f->limit && f->corrected &&
                                      MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
                                  ? PETSC_TRUE
                                  : PETSC_FALSE};

@@ -253,6 +253,33 @@ PetscErrorCode MpmModesDestroy(MpmModes *modes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether an operation is an earlier one again, as the second P2G of musl. */
+static PetscBool IsRepeated(const MpmTable *table, PetscInt o)
+{
+  const MpmOp *op = &table->ops[o];
+
+  for (const MpmOp *before = table->ops; before < op; before++)
+    if (before->kind == op->kind && before->axis == op->axis && before->dst == op->dst && before->src == op->src)
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Adds a map, times a factor, to a sum of maps, which NULL begins. */
+static PetscErrorCode AddMap(MpmRegisters *registers, const MpmOp *op, PetscReal factor, Mat *sum)
+{
+  Mat map;
+
+  PetscFunctionBegin;
+  PetscCall(MpmRegistersMap(registers, op->kind, op->axis, registers->scheme->table->parity[op->dst], 0, &map));
+  if (factor != 1) PetscCall(MatScale(map, factor));
+  if (*sum) {
+    PetscCall(MatAXPY(*sum, 1, map, DIFFERENT_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&map));
+  } else
+    *sum = map;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register. */
 static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscInt n, Mat *map)
 {
@@ -260,6 +287,7 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
   PetscInt        rows                  = 0;
   Mat             block[MPM_MAX_FIELDS] = {NULL}, nest;
   PetscInt        row_of[MPM_MAX_FIELDS];
+  PetscReal       factor[MPM_MAX_FIELDS];
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) row_of[i] = MPM_NONE;
@@ -269,11 +297,14 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
 
     if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || op->src < first || op->src >= first + n)
       continue;
-    if (row_of[op->dst] == MPM_NONE) row_of[op->dst] = rows++;
+    if (IsRepeated(table, o)) continue;
+    if (row_of[op->dst] == MPM_NONE) {
+      factor[rows]    = op->factor;
+      row_of[op->dst] = rows++;
+    }
     PetscCheck(rows * n <= MPM_MAX_FIELDS, registers->comm, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
-    if (block[row_of[op->dst] * n + op->src - first]) continue; /* a later sum of the same */
-    PetscCall(MpmRegistersMap(registers, op->kind, op->axis, table->parity[op->dst], 0,
-                              &block[row_of[op->dst] * n + op->src - first]));
+    PetscCall(
+        AddMap(registers, op, op->factor / factor[row_of[op->dst]], &block[row_of[op->dst] * n + op->src - first]));
   }
   PetscCall(MatCreateNest(registers->comm, rows, NULL, n, NULL, block, &nest));
   PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, map));

@@ -63,7 +63,7 @@ static const char *WhyNot(const MpmScene *scene)
   if (layout->counts.n > 1 || layout->cluster[1] - layout->cluster[0] < 1)
     return "the search is for particles at equal distances, not for counts and cluster";
   if (layout->material.kind != MPM_MATERIAL_UNIFORM) return "the search is for one material";
-  if (scene->scheme.space.prestress != 0) return "a particle with nothing around it holds no prestress";
+  if (MpmSpaceIsPrestressed(&scene->scheme.space)) return "a particle with nothing around it holds no prestress";
   return NULL;
 }
 

@@ -71,13 +71,15 @@ static PetscErrorCode Refine(Search *s, MpmZoom *zoom, PetscBool to_finest, MpmR
 */
 static PetscErrorCode FindError(Search *s, MpmRefined *r)
 {
-  MpmSmallEigen  *e     = &s->eigen;
-  double complex *noisy = e->left, overlap = 0; /* vectors come later */
+  MpmSmallEigen   whole, *e      = &whole;
+  double complex *noisy, overlap = 0;
   PetscReal       norm = 0, moved = 0;
   PetscInt        largest = 0, exponent, other;
 
   PetscFunctionBegin;
   if (isnan(r->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSmallEigenCreate(s->bloch.size, e));
+  noisy = e->left; /* vectors come later */
   PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_TRUE, noisy, &other));
   PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_FALSE, e->matrix, &exponent));
   for (PetscInt i = 0; i < e->n * e->n; i++) {
@@ -91,6 +93,7 @@ static PetscErrorCode FindError(Search *s, MpmRefined *r)
     if (cabs(e->value[i]) > cabs(e->value[largest])) largest = i;
   for (PetscInt i = 0; i < e->n; i++) overlap += conj(e->left[e->n * largest + i]) * e->right[e->n * largest + i];
   r->uncertainty = MpmUncertaintyOf(r->growth, moved / cabs(overlap) / cabs(e->value[largest]), s->bloch.period);
+  PetscCall(MpmSmallEigenDestroy(e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -112,7 +115,7 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
                                 PetscBool to_finest, MpmRefined *r)
 {
   Search  s    = {.courant = step->courant};
-  MpmZoom zoom = MpmCriticalZoom(layout, step->drift);
+  MpmZoom zoom = MpmCriticalZoom(layout, &scheme->space, step->drift);
 
   PetscFunctionBegin;
   *r          = (MpmRefined){.beta = {NAN, NAN, NAN}};
@@ -122,7 +125,7 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
   zoom.least  = LEAST_BETA;
   zoom.comm   = comm;
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &s.bloch));
-  PetscCall(MpmSmallEigenCreate(s.bloch.size, &s.eigen));
+  PetscCall(MpmSmallEigenCreate(s.bloch.turn_size, &s.eigen));
   PetscCall(Refine(&s, &zoom, to_finest, r));
   PetscCall(FindError(&s, r));
   PetscCallMPI(MPI_Allreduce(&s.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));

@@ -22,6 +22,8 @@
 
 #define SQUARES_END 1e154 /* beyond it squares are out of range */
 
+#define SMALL 0.01 /* of a cell, of the wave speed, and relative to F0 */
+
 #define LEAST_MASS 0x1p-52 /* of a node, in particles, when the layout is not uniform */
 
 static const MpmRunCallbacks no_callbacks;
@@ -36,7 +38,22 @@ typedef struct {
   PetscInt64              gap;         /* steps between samples */
   PetscReal               aside_s;     /* time that does not count as time of the loop */
   MpmConserved            start;
+  PetscBool               large; /* at finite deformation the state has left the uniform one that it starts near */
 } Loop;
+
+/* Whether a run at finite deformation starts from noise, which has a growth. Other motions have none. */
+static PetscBool IsNoise(const Loop *loop)
+{
+  return loop->random || loop->run->scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The steps between samples at finite deformation, where states are of order 1: for growth, or for the rows of a file. */
+static PetscInt64 FiniteGap(const Loop *loop)
+{
+  const PetscInt64 steps = loop->request->steps;
+
+  return PetscMax(1, IsNoise(loop) || loop->request->csv[0] ? steps / MOST_SAMPLES : steps);
+}
 
 /*
    Chooses the steps between samples. One step enlarges the state by at most a bound known from the table, so no run can
@@ -80,6 +97,26 @@ static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 }
 
 /*
+   Records norm and energy of a sampled step at finite deformation. Its state is not rescaled, since it is not linear. Noise
+   has a growth as long as it is small.
+*/
+static PetscErrorCode SampleFinite(Loop *loop)
+{
+  MpmRun  *run = loop->run;
+  MpmNorms norms;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchNorms(loop->march, &norms));
+  run->energy_final = norms.energy;
+  if (loop->march->step == 0) run->energy_initial = norms.energy;
+  run->energy_ratio = run->energy_initial > 0 ? run->energy_final / run->energy_initial : NAN;
+  if (norms.state > SMALL) loop->large = PETSC_TRUE;
+  if (!loop->large) PetscCall(MpmSeriesAppend(&run->series, loop->march->step, log(norms.state), log(norms.grid)));
+  PetscCall(Record(loop, log(norms.state), run->energy_final));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
    Records norm and energy of a sampled step and rescales the state. follow: whether the run can go on to follow the
    state.
 */
@@ -92,9 +129,13 @@ static PetscErrorCode Sample(Loop *loop, PetscBool *follow)
   MpmNorms        norms;
 
   PetscFunctionBegin;
+  if (march->particles->own) {
+    PetscCall(SampleFinite(loop));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmMarchNorms(march, &norms));
   *follow = isfinite(norms.state) && !isinf(norms.energy) && isfinite(norms.grid) ? PETSC_TRUE : PETSC_FALSE;
-  if (march->scheme->formulation->nenergy && isnan(norms.energy)) *follow = PETSC_FALSE;
+  if (MpmSchemeEnergyTerms(march->scheme) && isnan(norms.energy)) *follow = PETSC_FALSE;
   log_state = log(norms.state) + ln2;
   if (run->blew_up_at_step == MPM_NEVER && !(log_state <= log(PETSC_MAX_REAL))) run->blew_up_at_step = march->step;
   run->energy_final = TrueEnergy(march, norms.energy);
@@ -129,6 +170,18 @@ static PetscErrorCode TellStep(Loop *loop, PetscBool *stop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Takes small perturbations through the next step. This time does not count as time of the loop. */
+static PetscErrorCode Perturb(Loop *loop)
+{
+  const PetscReal begin = MPI_Wtime();
+
+  PetscFunctionBegin;
+  if (!loop->run->tangents) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTangentsStep(loop->run->tangents, loop->march));
+  loop->aside_s += MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode March(Loop *loop)
 {
   const MpmRequest *request = loop->request;
@@ -149,11 +202,15 @@ static PetscErrorCode March(Loop *loop)
     const PetscInt64 step   = loop->march->step + 1;
     const PetscBool  sample = step % loop->gap == 0 || step == request->steps ? PETSC_TRUE : PETSC_FALSE;
 
+    PetscCall(Perturb(loop));
     PetscCall(MpmMarchStep(loop->march, sample));
+    if (loop->march->failure[0]) break;
     if (sample) PetscCall(Sample(loop, &follow));
     PetscCall(TellStep(loop, &stop));
     PetscCall(MpmProgressUpdate(&progress, step, request->steps));
   }
+  PetscCall(PetscStrncpy(loop->run->failure, loop->march->failure, sizeof loop->run->failure));
+  if (loop->run->failure[0]) loop->run->lost = PETSC_TRUE;
   loop->run->stopped = stop && loop->march->step < request->steps ? PETSC_TRUE : PETSC_FALSE;
   loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
   PetscCall(MpmProgressEnd(&progress));
@@ -171,6 +228,7 @@ static PetscErrorCode Begin(Loop *loop)
   loop->run->from = loop->march->step;
   PetscCall(MpmConservedSum(loop->march, &loop->start));
   PetscCall(MpmTransferDiagnosticsCreate(loop->march, loop->request, &loop->diagnostics));
+  if (loop->request->tangent) PetscCall(MpmTangentsCreate(loop->march, loop->request, &loop->run->tangents));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,6 +263,10 @@ static PetscErrorCode Conclude(Loop *loop)
     r->transfer_last  = loop->diagnostics->last;
     r->transfer_most  = loop->diagnostics->most;
   }
+  if (scene->scheme.space.finite && !IsNoise(loop)) {
+    r->verdict = MPM_UNDECIDED;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmGrowthFit(&r->series, loop->request->tolerance, r->has_errors ? PETSC_FALSE : PETSC_TRUE, &r->growth));
   r->verdict = r->lost ? MPM_UNSTABLE : MpmGrowthVerdict(&r->growth, loop->request->tolerance);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -227,7 +289,7 @@ static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
   r->eigenmode       = NAN;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
   loop->run = r;
-  loop->gap = SampleGap(scene, loop->request->steps);
+  loop->gap = scene->scheme.space.finite ? FiniteGap(loop) : SampleGap(scene, loop->request->steps);
   PetscCall(Begin(loop));
   PetscCall(March(loop));
   PetscCall(Check(loop));
@@ -245,7 +307,10 @@ PetscErrorCode MpmRunCreate(const MpmScene *scene, const MpmRequest *request, co
 
   PetscFunctionBegin;
   PetscCall(Run(scene, &loop, run));
-  PetscCall(MpmPredict(scene, &(*run)->predictions));
+  if (scene->scheme.space.finite) /* the closed forms are those of linear schemes */
+    (*run)->predictions = (MpmPredictions){.published = NAN, .corrected = NAN, .corrected_mode = NAN};
+  else
+    PetscCall(MpmPredict(scene, &(*run)->predictions));
   (*run)->wall_s = MPI_Wtime() - started;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -267,6 +332,7 @@ PetscErrorCode MpmRunDestroy(MpmRun **run)
 {
   PetscFunctionBegin;
   PetscCall(MpmSeriesDestroy(&(*run)->series));
+  PetscCall(MpmTangentsDestroy(&(*run)->tangents));
   PetscCall(PetscFree(*run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,6 +3,7 @@
 #include "march/diagnostics.h"
 #include "march/transfer_diagnostics.h"
 #include "analysis/growth.h"
+#include "analysis/tangents.h"
 #include "symbol/predict.h"
 
 /*S
@@ -16,7 +17,8 @@
    the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
    what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
    per particle and step, if known (traffic.h). load: the largest number of particles that a rank had, over the mean. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
-   in scenes that ask for weights, source term or ringing (transfer_diagnostics.h).
+   in scenes that ask for weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for
+   its tangent, else NULL.
 S*/
 #define MPM_NEVER -1
 typedef struct {
@@ -27,11 +29,13 @@ typedef struct {
   PetscReal         loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
   PetscReal         mass_change, momentum_change, growth_above, bytes, load;
   PetscBool         has_errors, lost, stopped;
-  MpmError          error[MPM_MAX_FIELDS];
+  char              failure[512]; /* which particle ended a run at finite deformation, and why; empty: none */
+  MpmError          error[MPM_MOST_ERRORS];
   MpmSeries         series;
   MpmGrowth         growth;
   MpmVerdict        verdict;
   MpmPredictions    predictions;
+  MpmTangents      *tangents;
 
   MpmTransferDiagnosticsSample transfer_first, transfer_last, transfer_most;
 } MpmRun;

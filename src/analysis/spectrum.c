@@ -4,8 +4,11 @@
 */
 #include "scene/layout.h"
 #include "base/progress.h"
+#include "linalg/singular.h"
 #include "operator/nodal_matrix.h"
 #include "analysis/bloch_modes.h"
+#include "analysis/leftmost.h"
+#include "analysis/nodal_choice.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>
@@ -76,24 +79,33 @@ static PetscErrorCode SolveBloch(MpmSpectrum *s)
 
 /*
    The method that the operator allows. On a layout with a symbol all eigenvalues are those of its small blocks, and some
-   of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none) allows it.
-   assembled: the particles' operator is a matrix, which has room for eigenvalues near a target.
+   of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none) allows it,
+   and of a larger one the leftmost, where these decide. assembled: the particles' operator is a matrix, which has room for
+   eigenvalues near a target. scene: NULL for a matrix that was given.
 */
-static MpmEigenMethod MethodOf(PetscInt order, PetscInt n, PetscBool symbol, PetscBool assembled)
+static MpmEigenMethod MethodOf(const MpmScene *scene, PetscInt order, PetscInt n, PetscBool symbol, PetscBool assembled)
 {
-  return MpmEigenChoose(n && !symbol ? n : order, symbol && assembled ? PETSC_TRUE : PETSC_FALSE);
+  const MpmEigenMethod method =
+      MpmEigenChoose(n && !symbol ? n : order, symbol && assembled ? PETSC_TRUE : PETSC_FALSE);
+
+  return method == MPM_EIGEN_LARGEST && n && !symbol && scene && MpmLeftmostDecides(scene) ? MPM_EIGEN_LEFTMOST
+                                                                                           : method;
 }
 
-/* Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. */
+/*
+   Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. What Krylov's
+   method does not find in the smaller operator it does not find in the larger one.
+*/
 static PetscErrorCode SolveMatrix(MpmSpectrum *s, MpmEigenMethod method)
 {
   PetscFunctionBegin;
   if (s->nodal) {
     PetscCall(MpmEigenSolveReduced(s->op->balanced, s->nodal, NULL, method, s->target, &s->eigen));
-    if (s->eigen->n && (method != MPM_EIGEN_DENSE || s->eigen->complete)) PetscFunctionReturn(PETSC_SUCCESS);
+    if (method == MPM_EIGEN_LEFTMOST || (s->eigen->n && (method != MPM_EIGEN_DENSE || s->eigen->complete)))
+      PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmEigenDestroy(&s->eigen));
     PetscCall(MpmReducedDestroy(&s->nodal));
-    method = MethodOf(s->op->order, 0, s->symbol ? PETSC_TRUE : PETSC_FALSE, s->op->assembled);
+    method = MethodOf(s->scene, s->op->order, 0, s->symbol ? PETSC_TRUE : PETSC_FALSE, s->op->assembled);
   }
   PetscCall(MpmEigenSolve(s->op->balanced, NULL, method, s->target, &s->eigen));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,7 +127,7 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
   bloch = !assembled && symbol && !asked ? PETSC_TRUE : PETSC_FALSE;
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
-  method = assembled || s->scene ? MethodOf(s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;
+  method = assembled || s->scene ? MethodOf(s->scene, s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
                           method == MPM_EIGEN_DENSE ? "all" : "leading", n ? n : s->op->order));
   PetscCall(MpmProgressBegin("", &progress));
@@ -178,6 +190,19 @@ static PetscErrorCode Sensitivity(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Whether growth could only be hidden at -1, and no eigenvalue is there. Rounding splits pairs at 1, but where the leftmost
+   eigenvalues decide this is no growth. error: by which rounding may move a defective eigenvalue.
+*/
+static PetscBool HidesNoGrowth(const MpmSpectrum *s, PetscReal error)
+{
+  PetscReal least = INFINITY;
+
+  if (!s->scene || !(s->eigen->complete || s->eigen->leftmost) || !MpmLeftmostDecides(s->scene)) return PETSC_FALSE;
+  for (PetscInt j = 0; j < s->eigen->n; j++) least = PetscMin(least, s->eigen->re[j]);
+  return least > error - 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Returns whether an eigenvalue was found where the symbol predicts one, and not just the eigenvalue 1 beside it. */
 static PetscBool FoundTarget(const MpmSpectrum *s)
 {
@@ -208,6 +233,8 @@ static PetscErrorCode Judge(MpmSpectrum *s)
     evidence = "all eigenvalues";
   } else if (!s->symbol && s->eigen->largest) {
     evidence = "eigenvalues of largest magnitude (no proof that none is larger)";
+  } else if (!s->symbol && s->eigen->leftmost && s->growth >= 1) {
+    evidence = "the leftmost eigenvalues; at rest this scheme grows by real ones below -1 alone";
   } else if (agrees && s->eigen->converged) {
     f->growth = s->symbol->growth;
     evidence  = "the symbol, confirmed by those of the operator's eigenvalues that were sought";
@@ -228,6 +255,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   if (f->growth == s->growth)
     f->defective_error =
         PetscMax(f->defective_error, MpmDefectiveErrorOf(OperatorError(s), s->op->exponent, s->op->period));
+  if (HidesNoGrowth(s, f->defective_error)) f->defective_error = 0;
   if (s->scene && !(s->step_mismatch <= MPM_MISMATCH)) f->defective_error = INFINITY;
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one is wrong */
@@ -265,6 +293,18 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Norms of powers, by the nodes' operator where there is one. A search among modes of the symbol has made none. */
+static PetscErrorCode Powers(MpmSpectrum *s, PetscReal growth)
+{
+  MpmReduced *nodal = NULL;
+
+  PetscFunctionBegin;
+  if (!s->nodal && s->scene && s->request->nodal) PetscCall(MpmNodalMatrixOf(s->op, &nodal));
+  PetscCall(MpmTransientCreate(s->op, s->nodal ? s->nodal : nodal, s->request->powers, growth, &s->transient));
+  PetscCall(MpmReducedDestroy(&nodal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes norms of powers. Where the verdict counts the growth as 1, they are compared with 1. */
 static PetscErrorCode Transient(MpmSpectrum *s)
 {
@@ -275,7 +315,7 @@ static PetscErrorCode Transient(MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!isfinite(s->eigen->norm)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->request->powers) PetscCall(MpmTransientCreate(s->op, s->request->powers, growth, &s->transient));
+  if (s->request->powers) PetscCall(Powers(s, growth));
   if (!s->request->pseudospectrum) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmOperatorWeigh(s->op, s->op->A, &weighed));
   PetscCall(MatDuplicate(weighed, MAT_COPY_VALUES, &A));
@@ -302,14 +342,16 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
 }
 
 /* Refuses options of the solvers, and too many unknowns, before the work. SLEPc reads its options when it solves. */
-static PetscErrorCode TryOptions(const char what[], PetscInt64 order, PetscInt64 nodal, PetscBool has_symbol,
+static PetscErrorCode TryOptions(const char what[], const MpmScene *scene, PetscInt64 order, PetscInt64 nodal,
                                  const MpmRequest *request)
 {
+  const PetscBool symbol = scene && !MpmSymbolWhyNot(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
+
   PetscFunctionBegin;
-  PetscCall(
-      MpmEigenTryOptions(MethodOf((PetscInt)PetscMin(order, PETSC_MAX_INT), (PetscInt)nodal, has_symbol, PETSC_TRUE)));
+  PetscCall(MpmEigenTryOptions(
+      MethodOf(scene, (PetscInt)PetscMin(order, PETSC_MAX_INT), (PetscInt)nodal, symbol, PETSC_TRUE)));
   if (request->pseudospectrum) PetscCall(MpmPseudospectrumCheck(what, order));
-  if (request->powers) PetscCall(MpmTransientTryOptions());
+  if (request->powers) PetscCall(MpmSingularTryOptions());
   PetscCall(MpmEigenRefuseUnread());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -374,9 +416,10 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   MpmSpectrum     *s;
 
   PetscFunctionBegin;
+  PetscCall(MpmNodalChoiceCheck(scene, request));
   PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
   if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &nodal));
-  PetscCall(TryOptions(size, order, nodal, MpmSymbolWhyNot(&scene->layout) ? PETSC_FALSE : PETSC_TRUE, request));
+  PetscCall(TryOptions(size, scene, order, nodal, request));
   PetscCall(Begin(request, spectrum));
   s        = *spectrum;
   s->scene = scene;
@@ -393,7 +436,7 @@ PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, co
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(A, &order, NULL));
-  PetscCall(TryOptions(what, order, 0, PETSC_FALSE, request));
+  PetscCall(TryOptions(what, NULL, order, 0, request));
   MpmCheckInput(!request->powers || request->powers >= period,
                 "-powers %" PetscInt_FMT ": %s covers %" PetscInt_FMT " steps, and its powers whole multiples of them; "
                 "allowed: at least %" PetscInt_FMT,

@@ -4,6 +4,7 @@
 #include "base/farm.h"
 #include "scene/layout.h"
 #include "scheme/language.h"
+#include "analysis/refined.h"
 #include "analysis/stability_map.h"
 #include <math.h>
 
@@ -226,6 +227,24 @@ static PetscErrorCode Check(const MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Growth between the phases of the symbol, where it is larger there. */
+static PetscErrorCode RefinePoint(MpmStabilityMap *map, const Point *at, PetscInt i, MpmFinding *f)
+{
+  MpmRefined r;
+
+  PetscFunctionBegin;
+  PetscCall(MpmRefinedGrowth(PETSC_COMM_SELF, &at->layout, &at->scheme, &at->step, PETSC_TRUE, &r));
+  if (r.growth <= f->growth) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmRefinedFinding(&r, map->request->tolerance, f));
+  map->growth[i] = r.growth;
+  for (PetscInt a = 0; a < at->layout.dim; a++) {
+    const PetscReal beta = r.beta[0] < 0 ? -r.beta[a] : r.beta[a]; /* the growth of beta and of -beta is the same */
+
+    map->beta[a][i] = beta < 0 ? beta + 2 * PETSC_PI : beta;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode SolvePoint(void *context, PetscInt i)
 {
   MpmStabilityMap    *map = context;
@@ -249,6 +268,7 @@ static PetscErrorCode SolvePoint(void *context, PetscInt i)
     map->beta[a][i] = symbol->beta_at_max[a];
     PetscCall(MpmFindingOfPhases(&f, symbol->phases[a], at.layout.grid[a].cells));
   }
+  if (map->request->refine) PetscCall(RefinePoint(map, &at, i, &f));
   map->verdict[i] = f.verdict;
   PetscCall(MpmSymbolDestroy(&symbol));
   PetscCall(PointDestroy(&at));
@@ -308,6 +328,8 @@ static PetscErrorCode Explain(MpmStabilityMap *map)
                           "the symbol at %" PetscInt64_FMT " phases of each of %" PetscInt_FMT " points",
                           MpmStabilityMapPhases(map), map->points[0] * map->points[1]));
   if (leaves_out) PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
+  if (map->request->refine)
+    PetscCall(PetscStrlcat(f->evidence, ", and refined phases between them", sizeof f->evidence));
   if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
     PetscCall(
         PetscStrlcat(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));

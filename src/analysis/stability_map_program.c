@@ -7,21 +7,18 @@
 
 static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
 {
-  const MpmStepper *s          = map->program->stepper;
-  char              names[512] = "";
+  const MpmStepper *s = map->program->stepper;
+  char              names[512];
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < s->nparameters; i++) {
-    if (i) PetscCall(PetscStrlcat(names, ", ", sizeof names));
-    PetscCall(PetscStrlcat(names, s->parameters[i].name, sizeof names));
-  }
+  PetscCall(MpmStepperParameterNames(s, sizeof names, names));
   for (int a = 0; a < 2; a++) {
     PetscBool found;
     PetscReal value;
 
     PetscCall(MpmStepperParameterOf(s, map->request->axes[a].name, &value, &found));
     MpmCheckInput(found, "-map_axes %s: %s has no such parameter; allowed: %s", map->request->axes[a].name, s->where,
-                  names[0] ? names : "none, it names no parameters");
+                  names);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

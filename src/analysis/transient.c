@@ -3,35 +3,40 @@
 
      x -> A(n-1) ... A(0) x,   y -> A(0)^T ... A(n-1)^T y
 
-   by SLEPc's thick-restart Lanczos bidiagonalization (Hernandez, Roman and Tomas 2008). After some steps the product is
-   divided by a power of two, so that growth over any number of steps stays in range. One vector is followed once to
-   find these powers.
+   by Lanczos bidiagonalization (linalg/singular.h). After some steps the product is divided by a power of two, so that
+   growth over any number of steps stays in range. One vector is followed once to find these powers. Where a smaller
+   matrix has the powers of A, its products take the place of those of A (linalg/reduced_powers.h).
 */
 #include "base/power_of_two.h"
+#include "linalg/singular.h"
 #include "scene/layout.h"
 #include <mpmstab/errors.h>
 #include "base/progress.h"
 #include "analysis/transient.h"
+#include "linalg/reduced_powers.h"
 #include <math.h>
-#include <slepcsvd.h>
 
-#define EVERY 16       /* norms are computed at all steps up to this one, and later at spaced ones */
-#define SPACING 1.25   /* ratio of spaced steps */
-#define RESCALE_AT 64  /* exponent of two at which the product is rescaled */
-#define BASIS 32       /* vectors of the Krylov space */
-#define TOLERANCE 1e-6 /* relative residual; the error is about its square over the gap */
-#define RESTARTS 500
+#define EVERY 16          /* norms are computed at all steps up to this one, and later at spaced ones */
+#define SPACING 1.25      /* ratio of spaced steps */
+#define RESCALE_AT 64     /* exponent of two at which the product is rescaled */
+#define BASIS 32          /* vectors of the Krylov space */
+#define TOLERANCE 1e-6    /* relative residual; the error is about its square over the gap */
 #define OF_NONZERO 12     /* bytes of a nonzero */
 #define NORMS_DIFFER 1e-9 /* norms whose logarithms differ by less count as equal */
 #define LATE 4            /* the power is fitted from step last / LATE on */
 #define FEWEST 4          /* norms needed for a fit */
 
-/* The steps of a period, and the power of two that is taken out after each of the product's n steps. */
+/*
+   The steps of a period, and the power of two that is taken out after each of the product's n steps. powers: those of a
+   smaller matrix, where there is one.
+*/
 typedef struct {
-  PetscInt  n, period, exponent, *shift;
-  Mat      *step;
-  Vec       work[2];
-  PetscReal nonzeros;
+  PetscInt         n, period, exponent, *shift;
+  Mat             *step;
+  Vec              work[2], weights;
+  PetscReal        nonzeros;
+  PetscBool        smaller;
+  MpmReducedPowers powers;
 } Product;
 
 static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
@@ -41,6 +46,10 @@ static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(matrix, &p));
+  if (p->smaller) {
+    PetscCall(MpmReducedPowersMult(&p->powers, p->n, p->shift, PETSC_FALSE, x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt k = 0; k < p->n; k++) {
     Vec out = k == p->n - 1 ? y : p->work[k % 2];
 
@@ -58,6 +67,10 @@ static PetscErrorCode MultiplyTranspose(Mat matrix, Vec x, Vec y)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(matrix, &p));
+  if (p->smaller) {
+    PetscCall(MpmReducedPowersMult(&p->powers, p->n, p->shift, PETSC_TRUE, x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt k = p->n - 1; k >= 0; k--) {
     Vec out = k == 0 ? y : p->work[k % 2];
 
@@ -68,10 +81,10 @@ static PetscErrorCode MultiplyTranspose(Mat matrix, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Product *p)
+static PetscErrorCode ProductCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, Product *p)
 {
   PetscFunctionBegin;
-  *p = (Product){.period = PetscMin(op->parts, last)};
+  *p = (Product){.period = PetscMin(op->parts, last), .smaller = nodal ? PETSC_TRUE : PETSC_FALSE};
   PetscCall(PetscMalloc2(p->period, &p->step, last, &p->shift));
   for (PetscInt k = 0; k < p->period; k++) {
     Mat     A;
@@ -87,6 +100,10 @@ static PetscErrorCode ProductCreate(const MpmOperator *op, PetscInt last, Produc
                                      OF_NONZERO * p->nonzeros * p->period, "powers, with all steps of the period,"));
   }
   PetscCall(MatCreateVecs(p->step[0], &p->work[0], &p->work[1]));
+  if (nodal) {
+    PetscCall(MpmOperatorWeights(op, &p->weights));
+    PetscCall(MpmReducedPowersCreate(nodal, p->weights, &p->powers));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,20 +114,8 @@ static PetscErrorCode ProductDestroy(Product *p)
   PetscCall(PetscFree2(p->step, p->shift));
   PetscCall(VecDestroy(&p->work[0]));
   PetscCall(VecDestroy(&p->work[1]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Fills the start vector with components in every direction, the same on any number of ranks. */
-static PetscErrorCode SetStart(Vec start)
-{
-  PetscInt   begin, end;
-  PetscReal *x;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetOwnershipRange(start, &begin, &end));
-  PetscCall(VecGetArray(start, &x));
-  for (PetscInt row = begin; row < end; row++) x[row - begin] = MpmHash(0, row) - 0.5;
-  PetscCall(VecRestoreArray(start, &x));
+  if (p->smaller) PetscCall(MpmReducedPowersDestroy(&p->powers));
+  PetscCall(VecDestroy(&p->weights));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,55 +146,6 @@ static PetscErrorCode FindShifts(Product *p, Vec start, PetscInt last, PetscBool
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CreateSolver(PetscInt order, SVD *svd)
-{
-  PetscErrorCode error;
-
-  PetscFunctionBegin;
-  PetscCall(SVDCreate(PETSC_COMM_WORLD, svd));
-  PetscCall(SVDSetImplicitTranspose(*svd, PETSC_TRUE));
-  PetscCall(SVDSetType(*svd, SVDTRLANCZOS));
-  PetscCall(SVDSetDimensions(*svd, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
-  PetscCall(SVDSetTolerances(*svd, TOLERANCE, RESTARTS));
-  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = SVDSetFromOptions(*svd);
-  PetscCall(PetscPopErrorHandler());
-  MpmCheckInput(!error, "-svd_*: SLEPc refuses one of them; allowed: see its manual pages");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTransientTryOptions(void)
-{
-  SVD svd;
-
-  PetscFunctionBegin;
-  PetscCall(CreateSolver(1, &svd));
-  PetscCall(SVDDestroy(&svd));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the largest singular value, or NaN when the solver does not converge. */
-static PetscErrorCode LargestSingularValue(Mat matrix, Vec start, PetscInt order, PetscReal *sigma)
-{
-  SVD            svd;
-  PetscInt       found = 0;
-  PetscErrorCode error;
-
-  PetscFunctionBegin;
-  PetscCall(CreateSolver(order, &svd));
-  PetscCall(SVDSetOperators(svd, matrix, NULL));
-  PetscCall(SVDSetInitialSpaces(svd, 1, &start, 0, NULL));
-  PetscCall(SVDSetWhichSingularTriplets(svd, SVD_LARGEST)); /* overrides the options */
-  PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = SVDSolve(svd);
-  PetscCall(PetscPopErrorHandler());
-  if (!error) PetscCall(SVDGetConverged(svd, &found));
-  *sigma = NAN;
-  if (found) PetscCall(SVDGetSingularTriplet(svd, 0, sigma, NULL, NULL));
-  PetscCall(SVDDestroy(&svd));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscInt Next(PetscInt step, PetscInt last)
 {
   return PetscMin(step < EVERY ? step + 1 : (PetscInt)ceil(SPACING * step), last);
@@ -205,7 +161,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(p->step[0], &start, NULL));
-  PetscCall(SetStart(start));
+  PetscCall(MpmSingularStart(0, start));
   PetscCall(FindShifts(p, start, last, &finite));
   PetscCall(VecGetLocalSize(start, &rows));
   PetscCall(MatCreateShell(PetscObjectComm((PetscObject)start), rows, rows, op->order, op->order, p, &matrix));
@@ -217,7 +173,7 @@ static PetscErrorCode Norms(const MpmOperator *op, Product *p, PetscInt last, Mp
     PetscReal sigma = NAN;
 
     for (; p->n < t->steps[i]; p->n++) exponent += p->shift[p->n] + p->exponent;
-    if (finite) PetscCall(LargestSingularValue(matrix, start, op->order, &sigma));
+    if (finite) PetscCall(MpmSingularLargest(matrix, start, BASIS, TOLERANCE, &sigma));
     t->norm[i]     = scalbn(sigma, (int)exponent);
     t->log_norm[i] = log(sigma) + exponent * log(2);
     if (isinf(t->norm[i])) t->norm[i] = NAN;
@@ -262,7 +218,8 @@ static void Judge(PetscReal growth, MpmTransient *t)
   t->power  = points >= FEWEST ? (product - points * mean[0] * mean[1]) / (square - points * mean[0] * mean[0]) : NAN;
 }
 
-PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient)
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, PetscReal growth,
+                                  MpmTransient **transient)
 {
   const PetscReal begin = MPI_Wtime();
   const PetscInt  each  = op->period / op->parts;
@@ -280,7 +237,7 @@ PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscRea
   t->norm[0]     = 1;
   t->log_norm[0] = 0;
   for (PetscInt i = 1; i < t->n; i++) t->steps[i] = Next(t->steps[i - 1], last);
-  PetscCall(ProductCreate(op, last, &product));
+  PetscCall(ProductCreate(op, nodal, last, &product));
   PetscCall(Norms(op, &product, last, t));
   PetscCall(ProductDestroy(&product));
   for (PetscInt i = 0; i < t->n; i++) t->steps[i] *= each;

@@ -1,5 +1,6 @@
 /* Transient growth: how large a state can become within n steps, even if no eigenvalue shows growth. */
 #pragma once
+#include "linalg/reduced.h"
 #include <mpmstab/operator.h>
 
 /*S
@@ -23,11 +24,10 @@ typedef struct {
    MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter. Of
    a matrix that was given and covers several steps, these are periods, and last is at least one period.
 
-   Collective; needs SLEPc initialized. growth: per step, that of the spectrum (NaN: not known). The relative error of a
+   Collective; needs SLEPc initialized. nodal: NULL, or the nodes' operator of op, whose powers then take the place of
+   those of the particles' (linalg/reduced_powers.h). growth: per step, that of the spectrum (NaN: not known). The relative error of a
    norm is at most 1e-6, and that of rounding where it is separate from the next singular value.
 */
-PetscErrorCode MpmTransientCreate(const MpmOperator *op, PetscInt last, PetscReal growth, MpmTransient **transient);
+PetscErrorCode MpmTransientCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, PetscReal growth,
+                                  MpmTransient **transient);
 PetscErrorCode MpmTransientDestroy(MpmTransient **transient);
-
-/* Collective. Refuses options -svd_* that SLEPc refuses, before the work. */
-PetscErrorCode MpmTransientTryOptions(void);

@@ -20,13 +20,14 @@ typedef PetscErrorCode (*MpmZoomFunction)(void *context, const PetscReal beta[],
    least   - phases that are all smaller than this are left out: a wave that is longer has the limit of long waves, and
              rounding makes it worse
    mirror  - mirror[a]: the function is the same at -beta[a]
-   alike   - and it does not change when directions are exchanged
+   alike   - and it does not change when directions with the same number alike[a] are exchanged
    comm    - the ranks that share the work. On PETSC_COMM_SELF each does all of it.
 S*/
 typedef struct {
   PetscInt  dim, points, starts;
   PetscReal within, finest, least;
-  PetscBool mirror[MPM_MAX_DIM], alike;
+  PetscBool mirror[MPM_MAX_DIM];
+  PetscInt  alike[MPM_MAX_DIM];
   MPI_Comm  comm;
 } MpmZoom;
 

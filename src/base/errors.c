@@ -148,6 +148,14 @@ PetscErrorCode MpmErrorsInstall(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPrintFailure(const char message[])
+{
+  PetscMPIInt rank = 0;
+
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank == 0) PrintLine(message);
+}
+
 void MpmPrint(const char format[], ...)
 {
   PetscMPIInt rank = 0;

@@ -351,15 +351,17 @@ static PetscErrorCode ReadField(MpmHdf5 *s, const Share *share, const MpmParticl
 
 static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *march, PetscInt a)
 {
-  PetscInt   *cell;
-  PetscInt64 *global;
+  const PetscInt most = march->particles->own ? march->grid->axis[a].cells : 0; /* they may be in ghosts */
+  PetscInt      *cell;
+  PetscInt64    *global;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(share->n, &global));
   PetscCall(MpmHdf5Read(s, MpmFieldCell[a], H5T_NATIVE_INT64, share->begin, share->n, global));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
   for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off and is refused later */
-    cell[p] = (PetscInt)PetscClipInterval(global[p], -2, march->grid->axis[a].cells) - march->grid->axis[a].first;
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2 - most, march->grid->axis[a].cells + most) -
+              march->grid->axis[a].first;
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
   PetscCall(PetscFree(global));
   PetscFunctionReturn(PETSC_SUCCESS);

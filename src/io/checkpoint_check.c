@@ -61,7 +61,7 @@ static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *
 /* Checks the step first, before anything is computed from it. */
 static PetscErrorCode CheckStep(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file)
 {
-  const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneDrifts(scene) ? step : 0;
+  const PetscInt64 step = file->where[MPM_AT_STEP], places = MpmSceneMoves(scene) ? step : 0;
 
   PetscFunctionBegin;
   MpmCheckInput(step <= steps,
@@ -83,12 +83,13 @@ static PetscErrorCode CheckWhere(const MpmScene *scene, const MpmCheckpoint *fil
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
-    const PetscInt64 slack = scene->step.drift[a].value != 0 ? scene->layout.grid[a].cells : 0;
-    const PetscInt64 has   = where[MpmAtRebased(a)];
-    PetscInt64       cells;
+    const PetscBool  drifts = scene->step.drift[a].value != 0 && !scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
+    const PetscInt64 slack  = drifts ? scene->layout.grid[a].cells : 0;
+    const PetscInt64 has    = where[MpmAtRebased(a)];
+    PetscInt64       cells  = 0;
     PetscReal        part;
 
-    MpmFractionMultiple(&scene->step.drift[a], where[MPM_AT_PLACES], &cells, &part);
+    if (drifts) MpmFractionMultiple(&scene->step.drift[a], where[MPM_AT_PLACES], &cells, &part);
     Allow(has >= cells - slack && has <= cells + slack, file->path,
           "its particles have not drifted as the scene's have");
   }
@@ -202,16 +203,18 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 /*
    Counts the particles that are where none can be along an axis. A particle must be within its cell. The cell must be in
    this rank's part of the grid, or in the grid if another rank wrote it. Drift may have moved the particle away from its
-   cell by less than slack. A cell of -1 belongs to a particle that drift had already moved into cell 0. In one dimension
+   cell by less than slack, and so may its own velocity have done. A cell of -1 belongs to a particle that drift had already moved into cell 0. In one dimension
    particles must be in the order of their cells, since passes rely on it.
 */
 static PetscErrorCode CountMisplaced(const MpmMarch *march, PetscBool same, PetscInt a, PetscInt64 *bad)
 {
   const MpmGridAxis *axis    = &march->grid->axis[a];
   const PetscBool    drifts  = march->particles->drift[a].value != 0 ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool    ordered = same && march->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
-  const PetscInt     least   = (drifts ? -1 : 0) - (same ? 0 : axis->first);
-  const PetscInt     most    = same ? axis->count - 1 : axis->cells - 1 - axis->first;
+  const PetscBool    own     = march->particles->own;
+  const PetscBool    ordered = same && march->layout->dim == 1 && !own ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt     beyond  = !own ? 0 : same ? march->slack : axis->periodic ? axis->cells : 0;
+  const PetscInt     least   = (drifts ? -1 : 0) - (same ? 0 : axis->first) - beyond;
+  const PetscInt     most    = (same ? axis->count - 1 : axis->cells - 1 - axis->first) + beyond;
   PetscInt           whole;
   PetscReal          part, place;
   const PetscInt    *cell;

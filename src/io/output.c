@@ -72,6 +72,15 @@ static PetscErrorCode SetById(const MpmMarch *march, PetscInt width, const Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The number that turns the values of a field in a march into the scene's units. */
+static PetscReal UnitOf(const MpmMarch *march, PetscInt field)
+{
+  const MpmTable *table = march->scheme->table;
+
+  if (MpmTableIsFinite(table)) return table->field[field] == MPM_STRETCHED ? 1 : march->scene->wave_speed;
+  return scalbn(1, (int)march->exponent);
+}
+
 /* Writes a vector as PLACE/NAME of the file. A block is a row, of n dimensions; 0: a number. */
 static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, PetscInt n, const PetscInt row[], const char place[],
                                   const char name[])
@@ -146,14 +155,14 @@ static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], cons
     PetscCall(MpmParticlesGet(march->particles, name, &q));
     PetscCall(SetById(march, 1, q, output->by_id));
     PetscCall(MpmParticlesRestore(march->particles, name, &q));
-    PetscCall(VecScale(output->by_id, scalbn(1, (int)march->exponent)));
+    PetscCall(VecScale(output->by_id, UnitOf(march, f)));
     PetscCall(WriteVector(output, output->by_id, 0, NULL, place, name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Sets the vector by_number from a local array of this rank's nodes, in true size. */
-static PetscErrorCode SetByNumber(const MpmMarch *march, const PetscReal local[], Vec by_number)
+static PetscErrorCode SetByNumber(const MpmMarch *march, PetscReal unit, const PetscReal local[], Vec by_number)
 {
   const MpmGrid   *grid = march->grid;
   const MpmGridBox box  = MpmGridBoxOf(grid, 0);
@@ -170,7 +179,7 @@ static PetscErrorCode SetByNumber(const MpmMarch *march, const PetscReal local[]
     if (grid->dim > 1) to += march->layout->grid[0].nodes * (grid->axis[1].first + y);
     if (grid->dim > 2) to += march->layout->grid[0].nodes * march->layout->grid[1].nodes * (grid->axis[2].first + z);
     for (PetscInt i = 0; i < nx; i++) {
-      values[i] = scalbn(local[from + i], (int)march->exponent);
+      values[i] = unit * local[from + i];
       number[i] = to + i;
     }
     PetscCall(VecSetValues(by_number, nx, number, values, INSERT_VALUES));
@@ -195,7 +204,7 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
 
     PetscCall(MpmMarchProject(march, f, output->local));
     PetscCall(MpmGridGetArray(march->grid, output->local, &local));
-    PetscCall(SetByNumber(march, local, output->by_number));
+    PetscCall(SetByNumber(march, UnitOf(march, f), local, output->by_number));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &local));
     PetscCall(
         WriteVector(output, output->by_number, layout->dim - 1, row, place, output->scene->scheme.table->fields[f]));

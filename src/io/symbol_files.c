@@ -46,21 +46,31 @@ static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
+/* Writes one growth of each class, which the ranks have computed. */
+static PetscErrorCode WriteGrowth(const MpmSymbol *s, const char name[], const PetscReal per_phase[], MpmDataFile *file)
 {
-  const MPI_Comm comm = file->hdf5.comm;
-  PetscMPIInt    rank;
-  PetscReal     *growth, *factors;
+  PetscMPIInt rank;
+  PetscReal  *growth;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
+  PetscCall(MpmSymbolGather(file->hdf5.comm, s, per_phase, &growth));
+  PetscCall(WriteCurve(s, name, growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
+  PetscCall(PetscFree(growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
+{
+  PetscReal *factors;
+
+  PetscFunctionBegin;
   PetscCall(WritePhases(s, file));
   if (p) PetscCall(WriteFormulas(s, p, file));
-  PetscCall(MpmSymbolGather(comm, s, s->per_phase, &growth));
-  PetscCall(WriteCurve(s, "growth", growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
-  PetscCall(PetscFree(growth));
+  PetscCall(WriteGrowth(s, "growth", s->per_phase, file));
+  if (s->without_null) PetscCall(WriteGrowth(s, "growth_seen", s->without_null, file));
   if (!s->factors) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSymbolGatherFactors(comm, s, 0, &factors));
+  PetscCall(MpmSymbolGatherFactors(file->hdf5.comm, s, 0, &factors));
   PetscCall(MpmDataFileArray(file, "/symbol", "factors", s->all, 2 * s->size, factors));
   PetscCall(PetscFree(factors));
   PetscFunctionReturn(PETSC_SUCCESS);

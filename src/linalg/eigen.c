@@ -11,8 +11,9 @@
 #include <math.h>
 
 #define DENSE_ORDER 4096
-#define LARGEST 2 /* eigenvalues sought of largest magnitude */
-#define BASIS 64  /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
+#define LARGEST 2 /* eigenvalues sought of largest magnitude, or of least real part */
+#define LEFTMOST_TOLERANCE 1e-8
+#define BASIS 64 /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
 #define RESTARTS 200
 #define WORK 8e7         /* order x restarts: about five minutes */
 #define LEFT_BESIDE 1e-7 /* relative distance of the shift for a left vector from its eigenvalue */
@@ -38,9 +39,10 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(EPSSetDimensions(eps, order, PETSC_DETERMINE, PETSC_DETERMINE));
   } else {
     PetscCall(EPSSetType(eps, EPSKRYLOVSCHUR));
-    PetscCall(EPSSetWhichEigenpairs(eps, EPS_LARGEST_MAGNITUDE));
+    PetscCall(EPSSetWhichEigenpairs(eps, method == MPM_EIGEN_LEFTMOST ? EPS_SMALLEST_REAL : EPS_LARGEST_MAGNITUDE));
     PetscCall(EPSSetDimensions(eps, LARGEST, PetscMin(BASIS, order), PETSC_DETERMINE));
-    PetscCall(EPSSetTolerances(eps, 1e-10, (PetscInt)PetscMin(RESTARTS, PetscMax(20, WORK / order))));
+    PetscCall(EPSSetTolerances(eps, method == MPM_EIGEN_LEFTMOST ? LEFTMOST_TOLERANCE : 1e-10,
+                               (PetscInt)PetscMin(RESTARTS, PetscMax(20, WORK / order))));
   }
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = EPSSetFromOptions(eps);
@@ -334,8 +336,8 @@ static PetscErrorCode SolveOrFail(MpmEigen *e, PetscInt *found)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds whether the solver, with its options, looked for the eigenvalues of largest magnitude of the matrix itself. */
-static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
+/* Finds whether the solver, with its options, looked for these eigenvalues of the matrix itself. */
+static PetscErrorCode Sought(EPS eps, EPSWhich those, PetscBool *sought)
 {
   EPSWhich    which;
   ST          st;
@@ -347,7 +349,7 @@ static PetscErrorCode SoughtLargest(EPS eps, PetscBool *largest)
   PetscCall(EPSGetST(eps, &st));
   PetscCall(PetscObjectTypeCompare((PetscObject)st, STSHIFT, &plain));
   PetscCall(STGetShift(st, &shift));
-  *largest = which == EPS_LARGEST_MAGNITUDE && plain && shift == 0 ? PETSC_TRUE : PETSC_FALSE;
+  *sought = which == those && plain && shift == 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -369,7 +371,7 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   const PetscReal begin = MPI_Wtime();
   Mat             T     = A;
   PetscInt        found, wanted;
-  PetscBool       largest = PETSC_FALSE, dense = PETSC_FALSE;
+  PetscBool       all, dense = PETSC_FALSE;
   MpmEigen       *e;
 
   PetscFunctionBegin;
@@ -386,8 +388,10 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   e->converged = !e->failed && found >= PetscMin(wanted, e->order) ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(Describe(e, method, target, found));
   PetscCall(Collect(e, method, found));
-  PetscCall(SoughtLargest(e->eps, &largest));
-  e->largest  = e->converged && T == A && largest && e->n == found ? PETSC_TRUE : PETSC_FALSE;
+  all = e->converged && T == A && e->n == found ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(Sought(e->eps, EPS_LARGEST_MAGNITUDE, &e->largest));
+  PetscCall(Sought(e->eps, EPS_SMALLEST_REAL, &e->leftmost));
+  if (!all) e->largest = e->leftmost = PETSC_FALSE;
   e->complete = e->n == e->order ? PETSC_TRUE : PETSC_FALSE;
   if (T != A) PetscCall(MatDestroy(&T));
   e->solve_s = MPI_Wtime() - begin;

@@ -10,8 +10,9 @@
      MPM_EIGEN_DENSE   - all of them (LAPACK)
      MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert; LU of a band, or MUMPS where there is no band)
      MPM_EIGEN_LARGEST - those of largest magnitude (Krylov-Schur); it converges where modes are localised
+     MPM_EIGEN_LEFTMOST - those of least real part (Krylov-Schur); it converges where the spectrum ends there
 E*/
-typedef enum { MPM_EIGEN_DENSE, MPM_EIGEN_TARGET, MPM_EIGEN_LARGEST } MpmEigenMethod;
+typedef enum { MPM_EIGEN_DENSE, MPM_EIGEN_TARGET, MPM_EIGEN_LARGEST, MPM_EIGEN_LEFTMOST } MpmEigenMethod;
 
 /*
    Not collective. Chooses the method for an operator's order. has_symbol: the layout has a symbol, which names targets.
@@ -27,7 +28,8 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    included.
 
    complete: all eigenvalues are listed. converged: as many were found as were asked for. largest: the solver has
-   converged, it sought the largest abs of all eigenvalues, and no result was rejected. failed: the solver gave up,
+   converged, it sought the largest abs of all eigenvalues, and no result was rejected. leftmost: the same of the least
+   real part. failed: the solver gave up,
    since a factorization broke down or A is not finite. small: of a solve by a smaller matrix (reduced), its eigenvalues;
    else NULL.
 S*/
@@ -36,7 +38,7 @@ struct MpmEigen {
   Mat               A;
   PetscInt          order, n;
   PetscReal        *re, *im, *residual, norm, solve_s;
-  PetscBool         complete, converged, largest, failed;
+  PetscBool         complete, converged, largest, leftmost, failed;
   char              solver[160];
   MpmEigen         *small;
   const MpmReduced *reduced;
@@ -66,7 +68,8 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
 /*
    MpmEigenSolveReduced - the same of a matrix that has a smaller one, which must outlive the result. Eigenvalues are sought
    of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are listed beside all
-   eigenvalues, and beside those of largest abs where they belong to them; vectors for these are random.
+   eigenvalues, beside those of largest abs where they belong to them, and once beside the leftmost; vectors for these are
+   random.
 
    Collective.
 */

@@ -62,7 +62,8 @@ PetscErrorCode MpmEigenReducedVector(const MpmEigen *e, PetscInt j, Vec re, Vec 
 
 typedef struct {
   Vec      x[2], work;
-  PetscInt near[MPM_REDUCED_KEPT]; /* eigenvalues of M that are a kept number but for rounding */
+  PetscInt near[MPM_REDUCED_KEPT],
+      rejected; /* eigenvalues of M that are a kept number but for rounding, and that are none */
 } Listing;
 
 /* Tries a pair. Of a complex pair the residual of the second is that of the first. */
@@ -94,6 +95,7 @@ static PetscInt TimesKept(const MpmEigen *e, const Listing *l, PetscInt k, Petsc
   const PetscInt    left = r->count[k] - r->count_small[k];
 
   if (e->small->complete) return l->near[k] + left;
+  if (e->small->leftmost) return PetscMin(1, left);
   return e->small->largest && fabs(r->number[k]) >= least ? PetscMin(PetscMax(1, l->near[k]), left) : 0;
 }
 
@@ -135,14 +137,17 @@ static PetscErrorCode List(MpmEigen *e, PetscBool near_target)
 
     if (k >= 0)
       l.near[k]++;
-    else
+    else {
       PetscCall(Try(e, &l, j, small->re[j], small->im[j], &listed));
+      l.rejected += listed ? 0 : 1;
+    }
   }
   PetscCall(ListKept(e, &l));
   PetscCall(VecDestroy(&l.x[0]));
   PetscCall(VecDestroy(&l.x[1]));
   PetscCall(VecDestroy(&l.work));
   PetscCall(MpmEigenSort(e));
+  e->leftmost = small->leftmost && l.rejected == 0 && e->n > 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,6 +57,32 @@ static void Insert(MpmCloudPlan *plan, MpmCloudPart *part, MpmCloudMap map)
   plan->nmaps++;
 }
 
+/* The numbers of the kinds of a map's weights along the directions. Returns along how many of them it acts. */
+static PetscInt KindsOf(const MpmRowPlan *rows, const MpmRowLine *l, const MpmRowMap *m, PetscInt kind[])
+{
+  kind[0] = Number(rows, m->weights);
+  kind[1] = Number(rows, rows->across[l->across].y);
+  kind[2] = Number(rows, rows->across[l->across].z);
+  return (kind[0] > 0) + (kind[1] > 0) + (kind[2] > 0);
+}
+
+/* Adds a map along at most one axis to a part, if its kind is of the part's share. */
+static void AddMap(MpmCloudPlan *plan, MpmCloudPart *part, const PetscInt number[], PetscInt share, PetscInt dim,
+                   PetscInt lane, const MpmRowMap *m)
+{
+  const PetscInt axis = number[2] ? 2 : number[1] ? 1 : 0;
+  PetscInt       kind;
+
+  if (PetscMax(number[axis] - 1, 0) / MPM_BUNDLE_KINDS != share) return;
+  kind = KindOf(part, number[axis]);
+  Insert(plan, part,
+         (MpmCloudMap){.product  = kind ? MPM_PRODUCTS(dim, kind - 1) + axis : 0,
+                       .lane     = lane,
+                       .particle = m->particle,
+                       .a        = m->a,
+                       .weight   = m->weight});
+}
+
 /*
    Makes a part of a step, of one bundle and the share of the kinds that one map can have. Every kind has products of its
    own, in all directions.
@@ -67,26 +93,22 @@ static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bun
   const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
   MpmCloudPart   *part    = &plan->part[plan->nparts];
 
-  *part = (MpmCloudPart){.bundle = bundle, .begin = plan->nmaps, .end = plan->nmaps};
+  *part = (MpmCloudPart){.bundle = bundle, .begin = plan->nmaps, .end = plan->nmaps, .first_cross = plan->ncrosses};
   for (const MpmRowLine *l = rows->line + step->begin; l < rows->line + step->end; l++) {
     PetscInt lane;
 
     if (Place(plan, l->node, spreads, &lane) != bundle) continue;
     for (const MpmRowMap *m = rows->map + l->begin; m < rows->map + l->end; m++) {
-      const PetscInt number = Number(rows, m->weights);
-      PetscInt       kind;
+      MpmCloudCross cross = {.lane = lane, .particle = m->particle, .a = m->a, .weight = m->weight};
 
-      if (PetscMax(number - 1, 0) / MPM_BUNDLE_KINDS != share) continue;
-      kind = KindOf(part, number);
-      Insert(plan, part,
-             (MpmCloudMap){.product  = kind ? MPM_PRODUCTS(dim, kind - 1) + l->axis : 0,
-                           .lane     = lane,
-                           .particle = m->particle,
-                           .a        = m->a,
-                           .weight   = m->weight});
+      if (KindsOf(rows, l, m, cross.kind) < 2)
+        AddMap(plan, part, cross.kind, share, dim, lane, m);
+      else if (share == 0)
+        plan->cross[plan->ncrosses++] = cross;
     }
   }
-  if (part->end > part->begin) plan->nparts++;
+  part->end_cross = plan->ncrosses;
+  if (part->end > part->begin || part->end_cross > part->first_cross) plan->nparts++;
 }
 
 void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt dim, MpmCloudPlan *plan)

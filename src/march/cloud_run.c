@@ -1,5 +1,6 @@
 /* Takes the particles of a rank through a pass, cloud by cloud. */
 #include "march/clouds.h"
+#include "march/finite.h"
 #include <stdint.h>
 
 #define LINE 64 /* bytes in a line of the cache: the values of a node are in one line */
@@ -10,11 +11,16 @@ typedef struct {
   PetscReal weight[MPM_MAX_DIM][MPM_MOST_KINDS][MPM_MOST_NODES * MPM_CLOUD];
 } Placed;
 
-/* Memory for a cloud while it is in a pass. product: the numbers of a cloud's particles for each product of weights. */
+/*
+   Memory for a cloud while it is in a pass. taken, given: the numbers of a cloud's particles for each product of weights, in
+   a gather and in a spread. given is 0 for what the part filled gives nothing to.
+*/
 typedef struct {
   Placed placed[2];
-  _Alignas(LINE) PetscReal product[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
+  _Alignas(LINE) PetscReal taken[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE],
+      given[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
   const MpmCloudPlan *plan;
+  const MpmCloudPart *filled;
   PetscReal          *node[2 * (MPM_MAX_FIELDS + 1)]; /* node 0 of each bundle */
 } Work;
 
@@ -52,10 +58,10 @@ static void TakeWeights(const MpmCloudPart *part, PetscInt dim, Placed *placed)
   }
 }
 
-/* Where the numbers of a map's lane and product are. */
-static PetscReal *NumbersOf(const MpmCloudMap *map, PetscInt width, Work *w)
+/* Where the numbers of a map's lane and product are among those of all. */
+static PetscInt NumbersOf(const MpmCloudMap *map, PetscInt width)
 {
-  return w->product + width * MPM_CLOUD * map->product + map->lane;
+  return width * MPM_CLOUD * map->product + map->lane;
 }
 
 static PetscBool SameNumbers(const MpmCloudMap *a, const MpmCloudMap *b)
@@ -63,15 +69,59 @@ static PetscBool SameNumbers(const MpmCloudMap *a, const MpmCloudMap *b)
   return a->product == b->product && a->lane == b->lane ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* What the nodes of particle p give to it, or with spreads get from it: q times the weights of a map along two axes. */
+static PetscReal Cross(const MpmRowArrays *a, const MpmCloudCross *c, const Placed *placed, PetscInt p, PetscInt width,
+                       PetscReal *restrict node, PetscBool spreads, PetscReal q)
+{
+  const PetscInt nodes = a->march->scheme->basis->nodes, dim = a->march->grid->dim, *stride = placed->cloud.stride;
+  PetscReal      sum = 0;
+
+  for (PetscInt z = 0; z < (dim > 2 ? nodes : 1); z++)
+    for (PetscInt y = 0; y < nodes; y++) {
+      const PetscReal across = placed->weight[1][c->kind[1]][y * MPM_CLOUD + p] *
+                               (dim > 2 ? placed->weight[2][c->kind[2]][z * MPM_CLOUD + p] : 1);
+      PetscReal *line = node + width * (placed->cloud.first[p] + y * stride[1] + z * (dim > 2 ? stride[2] : 0));
+
+      for (PetscInt x = 0; x < nodes; x++) {
+        const PetscReal weight = placed->weight[0][c->kind[0]][x * MPM_CLOUD + p] * across;
+
+        sum += weight * line[width * x + c->lane];
+        if (spreads) line[width * x + c->lane] += weight * q;
+      }
+    }
+  return sum;
+}
+
+/* Maps along two axes are few, so they go from node to node. */
+static void RunCrosses(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, PetscBool spreads,
+                       const Placed *placed, Work *w)
+{
+  const PetscInt width = w->plan->bundle[part->bundle].width;
+
+  for (const MpmCloudCross *c = w->plan->cross + part->first_cross; c < w->plan->cross + part->end_cross; c++) {
+    const PetscReal *weight = c->weight ? a->weight[c->weight] + begin : w->ones;
+    PetscReal       *q      = MpmRowsField(a, c->particle, begin);
+
+    for (PetscInt p = 0; p < placed->cloud.n; p++) {
+      const PetscReal factor = c->a * weight[p];
+
+      if (spreads)
+        (void)Cross(a, c, placed, p, width, w->node[part->bundle], PETSC_TRUE, factor * q[p]);
+      else
+        q[p] += factor * Cross(a, c, placed, p, width, w->node[part->bundle], PETSC_FALSE, 0);
+    }
+  }
+}
+
 static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
   const MpmCloudPlan *plan  = w->plan;
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
 
-  part->run(&placed->cloud, w->node[part->bundle], w->product);
+  part->run(&placed->cloud, w->node[part->bundle], w->taken);
   for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
     const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
-    const PetscReal *restrict from   = NumbersOf(m, width, w);
+    const PetscReal *restrict from   = w->taken + NumbersOf(m, width);
     PetscReal *restrict q            = MpmRowsField(a, m->particle, begin);
     PetscReal *restrict one          = w->one;
 
@@ -87,15 +137,37 @@ static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt 
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
   const PetscInt      products = MPM_PRODUCTS(a->march->grid->dim, PetscMax(part->nkinds, 1));
 
-  for (PetscInt i = 0; i < products * MPM_CLOUD * width; i++) w->product[i] = 0;
+  if (w->filled != part)
+    for (PetscInt i = 0; i < products * MPM_CLOUD * width; i++) w->given[i] = 0;
+  w->filled = part;
   for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
     const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
     const PetscReal *restrict q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
-    PetscReal *restrict to           = NumbersOf(m, width, w);
+    PetscReal *restrict to           = w->given + NumbersOf(m, width);
 
-    for (PetscInt p = 0; p < n; p++) to[width * p] += m->a * weight[p] * q[p];
+    if (m == plan->map + part->begin || !SameNumbers(m, m - 1))
+      for (PetscInt p = 0; p < n; p++) to[width * p] = m->a * weight[p] * q[p];
+    else
+      for (PetscInt p = 0; p < n; p++) to[width * p] += m->a * weight[p] * q[p];
   }
-  part->run(&placed->cloud, w->node[part->bundle], w->product);
+  part->run(&placed->cloud, w->node[part->bundle], w->given);
+}
+
+/* Runs an operation of finite deformation. */
+static void RunFinite(const MpmRowArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
+{
+  const PetscInt       dim   = a->march->grid->dim;
+  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, dim);
+  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .id = a->id + begin};
+
+  for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
+  for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
+  for (PetscInt d = 0; d < dim; d++) {
+    block.cell[d] = a->cell[d] + begin;
+    block.xi[d]   = a->xi[d] + begin;
+  }
+  if (a->weight[MPM_STIFFNESS]) block.stiffness = a->weight[MPM_STIFFNESS] + begin;
+  MpmFiniteRun(a->march, step->finite, &block);
 }
 
 static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
@@ -109,16 +181,19 @@ static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
     for (const MpmCloudPart *part = w->plan->part + w->plan->first[s]; part < w->plan->part + w->plan->first[s + 1];
          part++) {
       TakeWeights(part, a->march->grid->dim, placed);
-      if (step->kind == MPM_ROW_GATHER)
+      if (part->begin < part->end && step->kind == MPM_ROW_GATHER)
         RunGather(a, part, begin, placed, w);
-      else
+      else if (part->begin < part->end)
         RunSpread(a, part, begin, placed, w);
+      RunCrosses(a, part, begin, step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE, placed, w);
     }
     if (step->kind == MPM_ROW_SCALE)
       MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_ADD)
       MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_DRIFT) {
+    else if (step->kind == MPM_ROW_FINITE)
+      RunFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_PASS_ADVANCE)) {
       placed = &w->placed[1];
       Place(a, begin, n, 1, placed);
     } else if (step->kind == MPM_ROW_SAMPLE && a->sample)

@@ -8,8 +8,6 @@
 #include "scheme/bundles.h"
 #include "scheme/lines.h"
 
-#define MPM_MOST_KINDS 6 /* kinds of weights: those of the operations that go to nodes */
-
 /* A map between a particle field and one of the fields of a bundle, with one of the products of weights. */
 typedef struct {
   PetscInt    product, lane, particle;
@@ -17,13 +15,20 @@ typedef struct {
   MpmProperty weight;
 } MpmCloudMap;
 
+/* The same for a map along two axes: the numbers, in the row plan, of the kinds of its weights along the directions. */
+typedef struct {
+  PetscInt    kind[MPM_MAX_DIM], lane, particle;
+  PetscReal   a;
+  MpmProperty weight;
+} MpmCloudCross;
+
 /*
-   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to map[end - 1] of the plan, in the order of their
-   products and lanes. kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside
-   phi_ip.
+   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to
+   map[end - 1] of the plan, in the order of their products and lanes, and cross[first_cross] to cross[end_cross - 1].
+   kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside phi_ip.
 */
 typedef struct {
-  PetscInt     bundle, begin, end, nkinds;
+  PetscInt     bundle, begin, end, first_cross, end_cross, nkinds;
   PetscInt     kind[MPM_BUNDLE_KINDS];
   MpmBundleMap run;
 } MpmCloudPart;
@@ -39,9 +44,10 @@ typedef struct {
    part[first[s + 1] - 1]; width is the sum of the widths of all bundles.
 S*/
 struct MpmCloudPlan_ {
-  PetscInt       nparts, nmaps, nbundles, width, first[2 * MPM_MAX_PASS_OPS + 1];
+  PetscInt       nparts, nmaps, ncrosses, nbundles, width, first[2 * MPM_MAX_PASS_OPS + 1];
   MpmCloudPart   part[2 * MPM_MAX_PASS_OPS];
   MpmCloudMap    map[2 * MPM_MAX_PASS_OPS];
+  MpmCloudCross  cross[2 * MPM_MAX_PASS_OPS];
   MpmCloudBundle bundle[2 * (MPM_MAX_FIELDS + 1)];
 };
 

@@ -1,5 +1,6 @@
 /* Errors of particle fields: field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
 #include "march/diagnostics.h"
+#include "march/solution_errors.h"
 #include <math.h>
 
 /* Over this rank: the sums of V abs(e) and V e^2, and the largest abs(e). */
@@ -48,6 +49,10 @@ PetscErrorCode MpmDiagnosticsErrors(const MpmMarch *march, MpmError error[])
                                : (PetscReal)scene->layout.particles;
 
   PetscFunctionBegin;
+  if (scene->scheme.space.finite) {
+    PetscCall(MpmSolutionErrors(march, error));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt field = 0; field < scene->scheme.table->nstate; field++) {
     const PetscReal unit = f->wave->amplitude(&profile, scene->scheme.table->field[field]);
     PetscReal       sums[3];

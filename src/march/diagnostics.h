@@ -8,7 +8,8 @@ typedef struct {
 } MpmError;
 
 /*
-   MpmDiagnosticsErrors - the errors of all particle fields at the march's step.
+   MpmDiagnosticsErrors - the errors of the fields of MpmSceneErrorFields at the march's step. At finite strain particles
+   have equal weights.
 
    Collective. The scene must have an exact solution (MpmSceneHasExact). Errors that are out of the range of doubles are
    infinite.

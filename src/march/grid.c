@@ -1,7 +1,4 @@
-/*
-   Node fields in DMDA vectors. Halo sums use a star forest over the ghost nodes alone. DMLocalToGlobal with ADD_VALUES
-   and back would copy every node twice, for a few that are shared.
-*/
+/* Node fields in DMDA vectors. */
 #include "march/grid.h"
 
 /* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
@@ -69,9 +66,9 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
       }
     }
   }
-  PetscCall(PetscSFCreate(PetscObjectComm((PetscObject)grid->da), &grid->halo));
-  PetscCall(PetscSFSetGraph(grid->halo, all, n, leaves, PETSC_OWN_POINTER, roots, PETSC_OWN_POINTER));
-  PetscCall(PetscSFSetUp(grid->halo));
+  PetscCall(MpmHaloCreate(PetscObjectComm((PetscObject)grid->da), all, n, leaves, roots, &grid->halo));
+  PetscCall(PetscFree(leaves));
+  PetscCall(PetscFree(roots));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -153,7 +150,7 @@ PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection dir
 PetscErrorCode MpmGridDestroy(MpmGrid **grid)
 {
   PetscFunctionBegin;
-  PetscCall(PetscSFDestroy(&(*grid)->halo));
+  PetscCall(MpmHaloDestroy(&(*grid)->halo));
   for (PetscInt a = 0; a < (*grid)->dim; a++) PetscCall(PetscFree((*grid)->axis[a].starts));
   PetscCall(DMDestroy(&(*grid)->da));
   PetscCall(PetscFree(*grid));
@@ -176,31 +173,29 @@ PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The arrays from their beginnings. */
+static void Bases(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[], PetscReal *base[])
+{
+  for (PetscInt f = 0; f < n; f++) base[f] = arrays[f] - grid->origin;
+}
+
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
+  PetscReal *base[MPM_HALO_FIELDS];
+
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->origin;
-    PetscCall(PetscSFReduceBegin(grid->halo, MPIU_REAL, base, base, MPI_SUM));
-  }
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->origin;
-    PetscCall(PetscSFReduceEnd(grid->halo, MPIU_REAL, base, base, MPI_SUM));
-  }
+  Bases(grid, n, arrays, base);
+  PetscCall(MpmHaloSum(grid->halo, n, base));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
+  PetscReal *base[MPM_HALO_FIELDS];
+
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->origin;
-    PetscCall(PetscSFBcastBegin(grid->halo, MPIU_REAL, base, base, MPI_REPLACE));
-  }
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *base = arrays[f] - grid->origin;
-    PetscCall(PetscSFBcastEnd(grid->halo, MPIU_REAL, base, base, MPI_REPLACE));
-  }
+  Bases(grid, n, arrays, base);
+  PetscCall(MpmHaloSpread(grid->halo, n, base));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,8 +1,8 @@
 /* Grid: node fields in DMDA vectors, one node a cell, and the sum over ranks of what particles give to shared nodes. */
 #pragma once
+#include "march/halo.h"
 #include "march/partition.h"
 #include <petscdmda.h>
-#include <petscsf.h>
 
 /*S
    MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
@@ -34,7 +34,7 @@ typedef struct {
 S*/
 typedef struct {
   DM          da;
-  PetscSF     halo; /* roots: owned nodes; leaves: ghost nodes; indices count from the beginning of the local array */
+  MpmHalo    *halo; /* its indices count from the beginning of a local array */
   PetscInt    dim, ghost, origin;
   MpmGridAxis axis[MPM_MAX_DIM];
 } MpmGrid;
@@ -63,7 +63,7 @@ PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **a
 
 /*
    Collective. For n local arrays, MpmGridSum adds ghosts to their owners, and MpmGridSpread copies owners to their
-   ghosts. Both touch only shared nodes.
+   ghosts. Both touch only shared nodes, and send one message to a neighbour for all arrays.
 */
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);

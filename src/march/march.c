@@ -2,7 +2,10 @@
    The march: sets up grid, particles and vectors, and takes steps pass by pass. Particles migrate to another rank
    before they would leave the ghost layer.
 */
+#include "base/large_pages.h"
 #include "march/clouds.h"
+#include "march/finite.h"
+#include "march/finite_state.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -16,6 +19,8 @@
 
 /* The same in more than one dimension, where ghosts are many and all passes go over them. */
 #define SLACK_OF_BOX 4
+
+#define SORT_EVERY 8 /* steps, where particles move each by itself */
 
 /* Refuses a grid on which a rank could not have need cells in each direction. */
 static PetscErrorCode CheckCells(const MpmMarch *march, PetscMPIInt size, PetscInt need, PetscBool fits)
@@ -63,7 +68,8 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   const MpmLayout *layout = march->layout;
   const MpmBasis  *basis  = march->scheme->basis;
   const MpmTable  *table  = march->scheme->table;
-  const PetscBool  drifts = MpmStepDrifts(step);
+  const PetscBool  own    = MpmTableIsFinite(table);
+  const PetscBool  drifts = own || MpmStepDrifts(step) ? PETSC_TRUE : PETSC_FALSE;
   const PetscInt   reach  = PetscMax(basis->reach_left, basis->reach_right);
   PetscInt         need, spare, stride = 1;
   PetscMPIInt      size;
@@ -71,7 +77,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(comm, &size));
   for (PetscInt a = 0; a < layout->dim; a++)
-    stride = PetscMax(stride, (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
+    stride = PetscMax(stride, own ? 2 : (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
   PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
   need = reach + march->schedule.halo;
   PetscCall(MpmPartitionCreate(layout, size, need, drifts, partition));
@@ -92,24 +98,39 @@ static PetscErrorCode CompilePlans(MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(schedule->npasses + 1, &march->plans));
   for (PetscInt p = 0; p < schedule->npasses; p++)
-    MpmRowPlanCompile(&schedule->pass[p], march->scheme->basis, &march->plans[p]);
-  MpmRowPlanCompile(&schedule->start, march->scheme->basis, &march->plans[schedule->npasses]);
+    MpmRowPlanCompile(&schedule->pass[p], march->scheme->basis, march->grid->dim, &march->plans[p]);
+  MpmRowPlanCompile(&schedule->start, march->scheme->basis, march->grid->dim, &march->plans[schedule->npasses]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same for particles that share no coordinate. Jitter is in all directions. */
+/* The same for particles that share no coordinate: jitter is in all directions, and so is a motion of their own. */
 static PetscErrorCode CompileClouds(MpmMarch *march)
 {
   PetscInt size = 0;
 
   PetscFunctionBegin;
-  if (march->layout->jitter == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (march->layout->jitter == 0 && !march->particles->own) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
   for (PetscInt p = 0; p <= march->schedule.npasses; p++) {
     MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, &march->clouds[p]);
     size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
   }
   PetscCall(PetscMalloc1(size, &march->bundles));
+  MpmLargePages(march->bundles, sizeof(PetscReal) * (size_t)size);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateVector(const MpmMarch *march, Vec *vector)
+{
+  PetscInt   n;
+  PetscReal *values;
+
+  PetscFunctionBegin;
+  PetscCall(DMCreateLocalVector(march->grid->da, vector));
+  PetscCall(VecGetLocalSize(*vector, &n));
+  PetscCall(VecGetArray(*vector, &values));
+  MpmLargePages(values, sizeof *values * (size_t)n);
+  PetscCall(VecRestoreArray(*vector, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,10 +139,10 @@ static PetscErrorCode CreateVectors(MpmMarch *march)
   PetscFunctionBegin;
   march->nnodes = march->scheme->table->nnodes;
   for (PetscInt f = 0; f < march->nnodes; f++) {
-    PetscCall(DMCreateLocalVector(march->grid->da, &march->node[f]));
-    if (march->schedule.spare[f]) PetscCall(VecDuplicate(march->node[f], &march->spare[f]));
+    PetscCall(CreateVector(march, &march->node[f]));
+    if (march->schedule.spare[f]) PetscCall(CreateVector(march, &march->spare[f]));
   }
-  PetscCall(DMCreateLocalVector(march->grid->da, &march->inverse_mass));
+  PetscCall(CreateVector(march, &march->inverse_mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,11 +180,14 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   m->layout     = layout;
   m->scheme     = scheme;
   m->cell_width = 1;
+  m->courant    = step->courant;
+  for (PetscInt a = 0; a < layout->dim; a++) m->velocity[a] = step->drift[a].value / step->courant;
   PetscCall(ChooseGhosts(comm, step, m, &ghost, &partition));
   PetscCall(MpmGridCreate(comm, layout->dim, layout->grid, &partition, ghost, &m->grid));
   PetscCall(MpmPartitionDestroy(&partition));
   PetscCall(MpmParticlesCreate(layout, scheme->table, step->drift, m->grid, &m->particles));
   m->fullest = m->particles->count;
+  if (m->particles->own) PetscCall(PetscNew(&m->watch));
   if (layout->dim > 1) {
     PetscCall(CompilePlans(m));
     PetscCall(CompileClouds(m));
@@ -187,8 +211,12 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
   PetscCall(SetUp(comm, &scene->layout, &scene->scheme, &scene->step, m));
   m->scene      = scene;
   m->cell_width = scene->cell_width;
-  m->exponent   = MpmSceneExponent(scene);
-  PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
+  if (m->particles->own)
+    PetscCall(MpmFiniteFill(m, scene->initial == MPM_INITIAL_RANDOM ? scene->amplitude / scene->wave_speed : 0));
+  else {
+    m->exponent = MpmSceneExponent(scene);
+    PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
+  }
   PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -196,8 +224,12 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude)
 {
   PetscFunctionBegin;
-  march->exponent = ilogb(amplitude);
-  PetscCall(MpmParticlesFillRandom(march->layout->seed, scalbn(amplitude, -(int)march->exponent), march->particles));
+  if (march->particles->own)
+    PetscCall(MpmFiniteFill(march, amplitude));
+  else {
+    march->exponent = ilogb(amplitude);
+    PetscCall(MpmParticlesFillRandom(march->layout->seed, scalbn(amplitude, -(int)march->exponent), march->particles));
+  }
   PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -223,6 +255,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
     PetscCall(VecDestroy(&(*march)->spare[f]));
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
+  PetscCall(PetscFree((*march)->watch));
   PetscCall(PetscFree((*march)->scratch));
   PetscCall(PetscFree((*march)->plans));
   PetscCall(PetscFree((*march)->row));
@@ -289,6 +322,24 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Ends a pass after which particles are at new places, each by its own velocity. They migrate before one could go beyond
+   the ghost layer in the next step. They are sorted every few steps.
+*/
+static PetscErrorCode Follow(MpmMarch *march)
+{
+  PetscInt beyond;
+
+  PetscFunctionBegin;
+  PetscCall(MpmFiniteAgree(march, &beyond));
+  if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (beyond + 1 > march->slack)
+    PetscCall(Migrate(march));
+  else if (march->particles->step % SORT_EVERY == 0)
+    PetscCall(MpmParticlesSortIfNeeded(march->particles, march->grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Particles that the next step would take beyond the ghost layer migrate to the ranks that own their cells. */
 static PetscErrorCode MigrateInTime(MpmMarch *march)
 {
@@ -309,16 +360,21 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
 {
   PetscFunctionBegin;
   MpmFloatBegin();
+  if (march->watch) MpmFiniteForget(march);
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
   for (PetscInt p = 0, n; p < march->schedule.npasses; p += n) {
     const MpmPass *pass = &march->schedule.pass[p];
 
     for (n = 1; p + n < march->schedule.npasses && pass[n].joined; n++) continue;
     PetscCall(MpmMarchRunPasses(march, n, pass, sample));
-    if (pass[n - 1].rebase) PetscCall(Migrate(march));
+    if (pass[n - 1].drifts && march->watch)
+      PetscCall(Follow(march));
+    else if (pass[n - 1].rebase)
+      PetscCall(Migrate(march));
+    if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   }
   march->step++;
-  PetscCall(MigrateInTime(march));
+  if (!march->watch) PetscCall(MigrateInTime(march));
   PetscCall(MpmFloatEnd(PetscObjectComm((PetscObject)march->grid->da), &march->float_check, "march", march->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

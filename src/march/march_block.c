@@ -4,6 +4,7 @@
    In a uniform layout, moving or not, all cells are alike. The particles of any block then lie in their cells as those
    of the first block do. So their places are found once a pass, and not read from memory.
 */
+#include "march/finite.h"
 #include "march/march_stage.h"
 
 #define LINE 8 /* doubles in a line of the cache */
@@ -97,6 +98,24 @@ static PetscReal *FieldOf(const MpmMarchArrays *a, PetscInt field, PetscInt begi
   return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
+/* Runs an operation of finite deformation. */
+static void RunFinite(const MpmStage *s, const MpmPassOp *op, PetscInt begin, PetscInt n, PetscBool after)
+{
+  const MpmMarchArrays *a     = s->arrays;
+  const MpmFiniteWidth  width = MpmFiniteWidthOf(op->kind, 1);
+  MpmFiniteBlock        block = {.begin = begin,
+                                 .n     = n,
+                                 .step  = s->step + after,
+                                 .cell  = {a->cell + begin},
+                                 .xi    = {a->xi + begin},
+                                 .id    = a->id + begin};
+
+  for (PetscInt c = 0; c < width.to; c++) block.to[c] = FieldOf(a, op->particle + c, begin);
+  for (PetscInt c = 0; c < width.from; c++) block.from[c] = FieldOf(a, op->other + c, begin);
+  if (a->weight[MPM_STIFFNESS]) block.stiffness = a->weight[MPM_STIFFNESS] + begin;
+  MpmFiniteRun(a->march, op->kind, &block);
+}
+
 /* Fetches n numbers of an array from place on into the cache. */
 static void Prefetch(const PetscReal array[], PetscInt place, PetscInt n)
 {
@@ -114,6 +133,7 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
   const MpmBlock       *block;
   const PetscInt        nstate = a->march->scheme->table->nstate;
   PetscInt              shift;
+  PetscBool             after = PETSC_FALSE;
   MpmPlaced             room;
 
   block = Placed(s, begin, n, PETSC_FALSE, &room, &shift);
@@ -135,7 +155,13 @@ void MpmStageRunBlock(const MpmStage *s, PetscInt begin, PetscInt n)
       MpmScale(n, op->a, q);
     else if (op->kind == MPM_PASS_ADD)
       MpmNodeAdd(0, n, op->a, FieldOf(a, op->other, begin), q);
-    else if (op->kind == MPM_PASS_DRIFT)
+    else if (op->kind == MPM_PASS_STRESS || op->kind == MPM_PASS_LOAD || op->kind == MPM_PASS_STRETCH)
+      RunFinite(s, op, begin, n, after);
+    else if (op->kind == MPM_PASS_ADVANCE) {
+      RunFinite(s, op, begin, n, after);
+      after = PETSC_TRUE;
+      block = Placed(s, begin, n, PETSC_TRUE, &room, &shift);
+    } else if (op->kind == MPM_PASS_DRIFT)
       block = Placed(s, begin, n, PETSC_TRUE, &room, &shift);
     else if (s->sample)
       s->squares[op->particle] += MpmSumSquares(n, q);

@@ -1,5 +1,5 @@
 /* Norms of the state: of all particle fields, the formulation's energy, and that energy on the grid. */
-#include "march/march_private.h"
+#include "march/finite_state.h"
 #include <math.h>
 
 static PetscBool Differ(const MpmLayout *layout)
@@ -219,16 +219,21 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
 {
   const MpmTable       *table       = march->scheme->table;
   const MpmFormulation *formulation = march->scheme->formulation;
+  const PetscInt        terms       = MpmSchemeEnergyTerms(march->scheme);
   const PetscReal       h           = CellVolume(march);
   PetscReal             sums[3]     = {0, 0, 0}, squares;
 
   PetscFunctionBegin;
+  if (march->particles->own) {
+    PetscCall(MpmFiniteNorms(march, norms));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   for (PetscInt f = 0; f < table->nstate; f++) {
     PetscCall(ParticleSquares(march, f, NULL, &squares));
     sums[0] += h / MpmLayoutPpc(march->layout) * squares;
   }
-  if (!formulation->nenergy) PetscCall(SeenSquares(march, MPM_NONE, &sums[2]));
-  for (PetscInt t = 0; t < formulation->nenergy; t++) {
+  if (!terms) PetscCall(SeenSquares(march, MPM_NONE, &sums[2]));
+  for (PetscInt t = 0; t < terms; t++) {
     const MpmEnergyTerm *term = &formulation->energy[t];
 
     if (term->place == MPM_ON_PARTICLES) {
@@ -243,7 +248,7 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
   norms->state  = sqrt(sums[0]);
-  norms->energy = formulation->nenergy ? sums[1] / 2 : NAN;
+  norms->energy = terms ? sums[1] / 2 : NAN;
   norms->grid   = sqrt(sums[2] / 2);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

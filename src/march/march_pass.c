@@ -17,6 +17,7 @@ static PetscErrorCode GetArrays(const MpmMarch *march, const MpmNodeVectors *nod
   a->block = MpmMarchBlockSize(march->particles);
   PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &a->cell));
   PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &a->xi));
+  if (march->particles->own) PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &a->id));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &a->particle[f]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
@@ -56,6 +57,7 @@ static PetscErrorCode RestoreArrays(MpmMarchArrays *a, const MpmStage *last)
     if (march->layout->varies[w]) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
   for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
     PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &a->particle[f]));
+  if (march->particles->own) PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &a->id));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &a->xi));
   PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &a->cell));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,6 +75,7 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
   PetscFunctionBegin;
   s->pass   = pass;
   s->arrays = a;
+  s->step   = step;
   s->moving = MpmMarchDrifts(march);
   if (s->moving) {
     PetscCall(MpmParticlesWhere(march->particles, 0, step, &s->whole[0], &s->part[0]));
@@ -207,7 +210,7 @@ static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, Pe
     if (passes[g].drifts) ++*step;
   }
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
-  while (stage[0].next < count) {
+  while (stage[0].next < count && !march->particles->own) { /* those are in no order, and all come at the end */
     PetscCall(Advance(&stage[0]));
     for (PetscInt g = 1; g < n; g++) PetscCall(Follow(&stage[g - 1], &stage[g]));
   }

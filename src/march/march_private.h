@@ -7,7 +7,8 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
-typedef struct MpmRowPlan_   MpmRowPlan;   /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmRowPlan_ MpmRowPlan; /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
 typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
 /*
@@ -29,7 +30,8 @@ struct MpmMarch_ {
   const MpmScene  *scene; /* units, exact solution and output; NULL: random data, which have none of these */
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  PetscReal        cell_width; /* 1 without a scene */
+  PetscReal        cell_width;                     /* 1 without a scene */
+  PetscReal        courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
   MpmGrid         *grid;
   MpmParticles    *particles;
   MpmSchedule      schedule;
@@ -43,6 +45,8 @@ struct MpmMarch_ {
   MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
   PetscInt64       step, migrations;
   PetscInt         exponent;
+  MpmWatch        *watch;                   /* NULL where particles do not move each by itself */
+  char             failure[512];            /* what has happened to a particle; empty: nothing */
   PetscReal       *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscReal        squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
   PetscLogEvent    pass_event, sum_event, migrate_event;
@@ -64,9 +68,7 @@ PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmMarchDrifts(const MpmMarch *march)
 {
-  for (PetscInt a = 0; a < march->layout->dim; a++)
-    if (march->particles->drift[a].value != 0) return PETSC_TRUE;
-  return PETSC_FALSE;
+  return MpmParticlesMove(march->particles);
 }
 
 /*

@@ -7,6 +7,7 @@ typedef struct {
   const MpmMarch       *march;
   const MpmNodeVectors *nodes;
   PetscInt             *cell, block;
+  PetscInt64           *id; /* of particles that move each by itself */
   PetscReal            *xi, *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
   PetscReal            *node[MPM_MAX_FIELDS], *spare[MPM_MAX_FIELDS], *mass;
 } MpmMarchArrays;
@@ -21,7 +22,8 @@ typedef struct {
    MpmStage - one pass of a group, and how far it has gone. Its arrays are pointers, so that the loop over blocks looks
    nothing up.
 
-   moving        - particles move relative to the grid
+   moving        - all particles move by the drift
+   step          - that of the places before DRIFT
    sample        - sums of squares are wanted
    whole, part   - the drift since rest, before DRIFT (index 0) and after it (index 1)
    node, sum     - node[f]: the array of node field f that the pass reads; sum[f]: the one that it sums to
@@ -36,6 +38,7 @@ typedef struct {
   const MpmPass        *pass;
   const MpmMarchArrays *arrays;
   PetscBool             moving, sample;
+  PetscInt64            step;
   PetscInt              whole[2];
   PetscReal             part[2];
   PetscReal            *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *after[MPM_MAX_FIELDS], *squares;

@@ -198,7 +198,9 @@ PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid)
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(particles->count, &order));
-  if (grid->dim == 1)
+  if (particles->own)
+    PetscCall(MpmParticlesCellOrder(particles, grid, order));
+  else if (grid->dim == 1)
     PetscCall(FindOrder(particles, grid, order));
   else
     PetscCall(FindRowOrder(particles, grid, order));

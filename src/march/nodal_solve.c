@@ -152,13 +152,6 @@ static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool Moves(const MpmParticles *particles, PetscInt dim)
-{
-  for (PetscInt a = 0; a < dim; a++)
-    if (particles->drift[a].value != 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* M g at this rank's nodes; 0 on walls where the field is set to 0. */
 static PetscErrorCode SetRight(MpmNodalSolve *s, const PetscReal inverse_mass[], const PetscReal g[])
 {
@@ -213,7 +206,7 @@ PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles,
 
   PetscFunctionBegin;
   PetscCall(PetscArraycmp(parity, s->parity, s->layout->dim, &same));
-  if (s->step < 0 || !same || (s->step != step && Moves(particles, s->layout->dim))) {
+  if (s->step < 0 || !same || (s->step != step && (particles->own || MpmParticlesMove(particles)))) {
     PetscCall(PetscArraycpy(s->parity, parity, s->layout->dim));
     PetscCall(Assemble(s, particles, step, places));
   }

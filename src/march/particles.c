@@ -1,4 +1,5 @@
 /* Particles in a DMSwarm of type BASIC, with own places and owners: DMSWARM_PIC does not support one dimension. */
+#include "base/large_pages.h"
 #include "march/particles.h"
 #include <math.h>
 
@@ -197,7 +198,7 @@ PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
 
   PetscFunctionBegin;
   particles->per_cell = 0;
-  if (particles->layout->dim > 1) PetscFunctionReturn(PETSC_SUCCESS);
+  if (particles->layout->dim > 1 || particles->own) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   while (per_cell < n && xi[per_cell] != xi[0]) per_cell++;
@@ -206,6 +207,33 @@ PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
   particles->per_cell = per_cell >= n || per_cell > MPM_BLOCK || differ ? 0 : per_cell;
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Every pass goes through all of these arrays. */
+static PetscErrorCode UseLargePages(MpmParticles *particles)
+{
+  const char *name[2 * MPM_MAX_DIM + MPM_MAX_FIELDS + MPM_PROPERTIES];
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < particles->layout->dim; a++) {
+    name[n++] = MpmFieldCell[a];
+    name[n++] = MpmFieldXi[a];
+  }
+  for (PetscInt f = 0; particles->table->fields[f]; f++) name[n++] = particles->table->fields[f];
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (particles->layout->varies[w]) name[n++] = MpmPropertyNames[w];
+  for (PetscInt i = 0; i < n; i++) {
+    PetscDataType type;
+    size_t        size;
+    void         *array;
+
+    PetscCall(DMSwarmGetField(particles->swarm, name[i], NULL, &type, &array));
+    PetscCall(PetscDataTypeGetSize(type, &size));
+    MpmLargePages(array, size * (size_t)particles->count);
+    PetscCall(DMSwarmRestoreField(particles->swarm, name[i], NULL, &type, &array));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +247,8 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
   (*particles)->layout = layout;
   (*particles)->table  = table;
   (*particles)->total  = layout->particles;
-  PetscCall(PetscArraycpy((*particles)->drift, drift, MPM_MAX_DIM));
+  (*particles)->own    = MpmTableIsFinite(table);
+  if (!(*particles)->own) PetscCall(PetscArraycpy((*particles)->drift, drift, MPM_MAX_DIM));
   PetscCall(CreateSwarm(grid, *particles));
   if (grid->dim == 1)
     PetscCall(Place(grid, *particles));
@@ -228,6 +257,7 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
   PetscCall(DMSwarmGetSize((*particles)->swarm, &size));
   PetscCheck(size == (*particles)->total, PetscObjectComm((PetscObject)grid->da), PETSC_ERR_PLIB,
              "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, (*particles)->total);
+  PetscCall(UseLargePages(*particles));
   PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);

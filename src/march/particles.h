@@ -14,7 +14,10 @@
    cells of drift to it that rebased counts. The rest of n delta is the same for all particles and is formed exactly. So
    nothing accumulates, and moving writes nothing to memory. The global id is DMSwarm's own field pid.
 
-   In one dimension particles are in the order of their places. In more, those of a row of cells along x come after one
+   At finite deformation particles move each by itself (own). (cell, xi) is where they are, and ADVANCE writes it. They are
+   in the order of their cells, x fastest, when they have been sorted, and in any order after that.
+
+   Else, in one dimension particles are in the order of their places. In more, those of a row of cells along x come after one
    another, row by row. Within it they are in lines: the particles of a line had equal indices of their sites in the
    other directions. Within a line they are in the order of their places.
 S*/
@@ -28,7 +31,7 @@ typedef struct {
   PetscInt64       total;    /* number of particles on all ranks */
   PetscInt64       step;     /* time step of the places */
   PetscInt64       rebased[MPM_MAX_DIM]; /* whole cells of drift that are in the cell fields */
-  PetscBool        parallel;
+  PetscBool        parallel, own;
 } MpmParticles;
 
 /* The resting places of this rank's particles, and their masses where these differ (else NULL): arrays of the swarm. */
@@ -78,6 +81,14 @@ PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 PetscErrorCode MpmParticlesWhere(const MpmParticles *particles, PetscInt axis, PetscInt64 step, PetscInt *whole,
                                  PetscReal *part);
 
+/* Not collective. Whether all particles move by the drift, relative to the grid. */
+static inline PetscBool MpmParticlesMove(const MpmParticles *particles)
+{
+  for (PetscInt a = 0; a < particles->layout->dim; a++)
+    if (particles->drift[a].value != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Not collective. Access to a swarm field by name; every Get needs its Restore. */
 PetscErrorCode MpmParticlesGet(const MpmParticles *particles, const char name[], void *array);
 PetscErrorCode MpmParticlesRestore(const MpmParticles *particles, const char name[], void *array);
@@ -92,6 +103,19 @@ static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscIn
 
 /* Not collective. Places the particles of this rank, in more than one dimension. MpmParticlesCreate calls it. */
 PetscErrorCode MpmParticlesPlaceBox(const MpmGrid *grid, MpmParticles *particles);
+
+/*
+   Not collective. order[i] is the i-th particle by its cell, x fastest. Those of a cell stay in the order that they are in.
+*/
+PetscErrorCode MpmParticlesCellOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[]);
+
+/*
+   MpmParticlesSortIfNeeded - brings particles that move each by itself into the order of their cells, if some share of
+   them is out of order.
+
+   Not collective. It depends on the places and the order alone, so that a run that resumes sorts as one that did not end.
+*/
+PetscErrorCode MpmParticlesSortIfNeeded(MpmParticles *particles, const MpmGrid *grid);
 
 /* Not collective. Brings the particles into the order of their places. */
 PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid);

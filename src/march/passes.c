@@ -1,8 +1,10 @@
 /* Compiles a table to passes. */
 #include "march/passes.h"
+#include "march/reorder.h"
 
 typedef struct {
   const MpmTable  *table;
+  const MpmOpList *ops;
   const MpmBasis  *basis;
   const MpmLayout *layout;
   PetscReal        courant;
@@ -137,6 +139,25 @@ static void NoteHeld(Compiler *c, const MpmOp *op)
   if (IsPlain(op)) c->holds[op->dst] = op->src;
 }
 
+/* The operation of a pass for one on particles alone. */
+static MpmPassOpKind KindOf(const MpmOp *op)
+{
+  switch (op->kind) {
+  case MPM_STRESS:
+    return MPM_PASS_STRESS;
+  case MPM_LOAD:
+    return MPM_PASS_LOAD;
+  case MPM_STRETCH:
+    return MPM_PASS_STRETCH;
+  case MPM_ADVANCE:
+    return MPM_PASS_ADVANCE;
+  case MPM_DRIFT:
+    return MPM_PASS_DRIFT;
+  default:
+    return op->kind == MPM_ADD && op->dst != op->src ? MPM_PASS_ADD : MPM_PASS_SCALE;
+  }
+}
+
 static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -144,12 +165,12 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 
   PetscFunctionBegin;
   if (traits.dst == MPM_NOWHERE) {
-    PetscCall(Append(pass, (MpmPassOp){.kind = MPM_PASS_DRIFT}));
+    PetscCall(Append(pass, (MpmPassOp){.kind = KindOf(op), .particle = PetscMax(op->src, 0)}));
     pass->drifts = PETSC_TRUE;
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
   } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
-    PetscCall(Append(pass, (MpmPassOp){.kind     = op->kind == MPM_ADD && !itself ? MPM_PASS_ADD : MPM_PASS_SCALE,
+    PetscCall(Append(pass, (MpmPassOp){.kind     = KindOf(op),
                                        .particle = op->dst,
                                        .other    = op->src,
                                        .a = MpmOpValue(op, c->courant) + (op->kind == MPM_ADD && itself ? 1 : 0)}));
@@ -167,15 +188,16 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
    The number of operations before the particles first read the grid or move, all of which one pass can do: its sums come
    before its operations on nodes, so none may begin anew in a field that has been set or read.
 */
-static PetscInt HeadLength(const MpmTable *t)
+static PetscInt HeadLength(const MpmOpList *ops)
 {
   PetscBool used[MPM_MAX_FIELDS] = {PETSC_FALSE};
   PetscInt  h                    = 0;
 
-  for (; h < t->nops; h++) {
-    const MpmOp      *op     = &t->ops[h];
+  for (; h < ops->n; h++) {
+    const MpmOp      *op     = &ops->op[h];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
+    if (op->kind == MPM_STRESS || op->kind == MPM_LOAD) continue; /* they need nothing but the particles */
     if (traits.dst != MPM_ON_NODES) break;
     if (traits.src == MPM_ON_PARTICLES && !op->accumulates && used[op->dst]) break;
     used[op->dst] = PETSC_TRUE;
@@ -220,17 +242,18 @@ static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
 /*
    A pass joins the one before it when no operation comes between them and no field is summed twice. A joined pass stays
    behind the nodes that the pass before it is done with. So only a field that a pass both reads and sums needs a second
-   array.
+   array. Particles that are in no order of their places have no nodes to stay behind of.
 */
-static void JoinPasses(MpmSchedule *schedule)
+static void JoinPasses(MpmSchedule *schedule, PetscBool ordered)
 {
   PetscInt first = 0; /* pass of the group */
 
   for (PetscInt p = 0; p < schedule->npasses; p++) {
     MpmPass *pass = &schedule->pass[p];
 
-    pass->joined =
-        p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && p - first < MPM_MAX_JOINED ? PETSC_TRUE : PETSC_FALSE;
+    pass->joined = ordered && p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && p - first < MPM_MAX_JOINED
+                       ? PETSC_TRUE
+                       : PETSC_FALSE;
     for (PetscInt s = 0; s < pass->nsums; s++) {
       for (PetscInt q = first; q < p; q++)
         if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
@@ -252,34 +275,93 @@ static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
+{
+  const MpmTable  *t    = c->table;
+  const MpmOpList *ops  = c->ops;
+  const PetscInt   head = HeadLength(ops);
+  MpmPass         *pass;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(c, &c->schedule->start, &ops->op[o]));
+  PetscCall(NewPass(c->schedule, &pass));
+  for (PetscInt o = 0; o < ops->n; o++) {
+    const MpmOp *op = &ops->op[(head + o) % ops->n];
+
+    if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
+    if (IsPlain(op) && c->holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
+    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(c->schedule, &pass));
+    PetscCall(CompileOp(c, pass, op));
+  }
+  JoinPasses(c->schedule, MpmTableIsFinite(t) ? PETSC_FALSE : PETSC_TRUE);
+  if (!MpmTableIsFinite(t)) PetscCall(InsertSamples(t, c->schedule));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The passes of a step, and the node fields that each of them reads or sums. */
+static PetscInt CostOf(const MpmSchedule *schedule)
+{
+  PetscInt cost = schedule->npasses;
+
+  for (const MpmPass *pass = schedule->pass; pass < schedule->pass + schedule->npasses; pass++) {
+    cost += pass->nsums;
+    for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) cost += Reads(pass, n);
+  }
+  return cost;
+}
+
+/*
+   Whether operations may be brought together: all sums fit in one pass, and all operations on nodes after one. At finite
+   deformation operations on particles have more fields than those that they name.
+*/
+static PetscBool MayReorder(const MpmTable *t)
+{
+  PetscInt sums = 0, nodes = 0;
+
+  if (MpmTableIsFinite(t)) return PETSC_FALSE;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    if (traits.dst != MPM_ON_NODES) continue;
+    if (traits.src == MPM_ON_NODES)
+      nodes++;
+    else
+      sums++;
+  }
+  return sums < MPM_MAX_PASS_OPS - MPM_MAX_FIELDS && nodes < MPM_MAX_PASS_OPS ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Compiles the operations with and without delayed gathers, and keeps what is cheaper. */
 PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, const MpmLayout *layout, PetscReal courant,
                                   PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
 {
-  const PetscInt head = HeadLength(t);
-  Compiler       c    = {.table    = t,
-                         .basis    = basis,
-                         .layout   = layout,
-                         .courant  = courant,
-                         .fused    = fused,
-                         .mass_due = PETSC_TRUE,
-                         .schedule = schedule};
-  MpmPass       *pass;
+  const PetscBool reorders = MayReorder(t);
+  MpmOpList       list     = {.n = 0};
+  MpmSchedule     each[2]  = {{.npasses = 0}, {.npasses = 0}};
+  PetscInt        cheapest = 0;
 
   PetscFunctionBegin;
   PetscCall(MpmScheduleDestroy(schedule));
-  for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
-  for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(&c, &schedule->start, &t->ops[o]));
-  PetscCall(NewPass(schedule, &pass));
-  for (PetscInt o = 0; o < t->nops; o++) {
-    const MpmOp *op = &t->ops[(head + o) % t->nops];
+  PetscCall(MpmOpListCreate(t, &list));
+  for (PetscInt delayed = 0; delayed < (reorders ? 2 : 1); delayed++) {
+    Compiler c = {.table    = t,
+                  .ops      = &list,
+                  .basis    = basis,
+                  .layout   = layout,
+                  .courant  = courant,
+                  .fused    = fused,
+                  .mass_due = PETSC_TRUE,
+                  .schedule = &each[delayed]};
 
-    if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
-    if (IsPlain(op) && c.holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
-    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(schedule, &pass));
-    PetscCall(CompileOp(&c, pass, op));
+    for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
+    if (delayed) PetscCall(MpmOpListDelay(t, &list));
+    if (reorders) MpmOpListSumFirst(&list);
+    PetscCall(CompileOps(&c, drifts));
+    if (delayed && CostOf(&each[1]) < CostOf(&each[0])) cheapest = 1;
   }
-  JoinPasses(schedule);
-  PetscCall(InsertSamples(t, schedule));
+  PetscCall(MpmOpListDestroy(&list));
+  PetscCall(MpmScheduleDestroy(&each[1 - cheapest]));
+  *schedule = each[cheapest];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -302,8 +384,8 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, Pet
   case MPM_DIV_MLS:
     return basis->slope_sum * ppc * cells / least_mass;
   case MPM_CURVE:
-  case MPM_CURVE_MLS:
-    return basis->curve_sum * ppc * cells / least_mass;
+  case MPM_CURVE_MLS: /* along two axes the product of two slopes */
+    return PetscMax(basis->curve_sum, PetscSqr(basis->slope_sum)) * ppc * cells / least_mass;
   case MPM_GRAD:
   case MPM_GRAD_MLS:
   case MPM_G2P_SLOPE:

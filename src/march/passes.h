@@ -20,6 +20,9 @@
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
    MPM_PASS_SCALE  - multiplies a particle field by a number
    MPM_PASS_ADD    - adds a times the particle field other to a particle field
+   MPM_PASS_STRESS, MPM_PASS_LOAD, MPM_PASS_STRETCH - the operations of finite deformation, from the particle fields from
+                     other on to those from particle on (march/finite.h)
+   MPM_PASS_ADVANCE - moves particles by the fields from particle on: they are at the places of the next step
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
    MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
@@ -28,6 +31,10 @@ typedef enum {
   MPM_PASS_MASS,
   MPM_PASS_SCALE,
   MPM_PASS_ADD,
+  MPM_PASS_STRESS,
+  MPM_PASS_LOAD,
+  MPM_PASS_STRETCH,
+  MPM_PASS_ADVANCE,
   MPM_PASS_DRIFT,
   MPM_PASS_SAMPLE
 } MpmPassOpKind;

@@ -48,6 +48,8 @@ static PetscInt Visit(const MpmLayout *layout, const MpmGrid *grid, const Sides 
       PetscBool      own = PETSC_TRUE;
 
       for (PetscInt a = grid->dim - 1; a >= 0; a--) g = g * layout->row[a] + sides[a].site[at[a]];
+      g = MpmLayoutIdAt(layout, g);
+      if (g < 0) continue;
       MpmLayoutPlace(layout, g, place, part);
       for (PetscInt a = 0; a < grid->dim; a++) {
         place[a] += sides[a].shift[at[a]];

@@ -2,13 +2,15 @@
    Compiles a pass for rows. Maps that follow one another in the same direction, to nodes or to particles, become one
    step. Within it they are sorted by line and kernel. The order of such maps matters to rounding alone.
 */
+#include "march/finite.h"
 #include "march/rows.h"
 #include "scheme/lines.h"
 
-/* What the maps of a step are sorted by, the most important first. */
+/* What the maps of a step are sorted by, the most important first: the line, which is across x, and the kernel along x. */
 typedef struct {
-  PetscInt         node, axis;
-  MpmOpKind        across, along;
+  PetscInt         node;
+  MpmOpKind        z, y, along;
+  PetscReal        a;
   const MpmPassOp *op;
 } Entry;
 
@@ -23,14 +25,14 @@ typedef struct {
 
 static PetscBool SameLine(const Entry *a, const Entry *b)
 {
-  return a->node == b->node && a->axis == b->axis && a->across == b->across ? PETSC_TRUE : PETSC_FALSE;
+  return a->node == b->node && a->z == b->z && a->y == b->y ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool Precedes(const Entry *a, const Entry *b)
 {
   if (a->node != b->node) return a->node < b->node ? PETSC_TRUE : PETSC_FALSE;
-  if (a->axis != b->axis) return a->axis < b->axis ? PETSC_TRUE : PETSC_FALSE;
-  if (a->across != b->across) return a->across < b->across ? PETSC_TRUE : PETSC_FALSE;
+  if (a->z != b->z) return a->z < b->z ? PETSC_TRUE : PETSC_FALSE;
+  if (a->y != b->y) return a->y < b->y ? PETSC_TRUE : PETSC_FALSE;
   return a->along < b->along ? PETSC_TRUE : PETSC_FALSE;
 }
 
@@ -53,18 +55,27 @@ static MpmRowMap MapOf(const Group *g, const Entry *entry)
   const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
 
   return (MpmRowMap){.kernel   = g->basis->kernel[entry->along],
-                     .weights  = MpmLineKind(g->basis, entry->op->map),
-                     .a        = masses ? 1 : entry->op->a,
+                     .weights  = MpmLineKind(g->basis, entry->along),
+                     .a        = masses ? 1 : entry->a,
                      .particle = masses ? MPM_NONE : entry->op->particle,
                      .weight   = entry->op->weight};
 }
 
-/* Notes that a line has the weights of a kind across it. */
+/* Notes that a map has the weights of a kind along some direction. */
 static void NeedKind(MpmRowPlan *plan, MpmOpKind kind)
 {
   for (PetscInt k = 0; k < plan->nkinds; k++)
     if (plan->kind[k] == kind) return;
   plan->kind[plan->nkinds++] = kind;
+}
+
+/* The number of the weights that a line has across it. */
+static PetscInt AcrossOf(MpmRowPlan *plan, const Entry *e)
+{
+  for (PetscInt n = 0; n < plan->nacross; n++)
+    if (plan->across[n].y == e->y && plan->across[n].z == e->z) return n;
+  plan->across[plan->nacross] = (MpmRowAcross){.y = e->y, .z = e->z};
+  return plan->nacross++;
 }
 
 /* Makes a step of the maps of a group, and then of its samples. */
@@ -78,10 +89,11 @@ static void Close(Group *g)
     PetscInt     last = plan->nmaps;
 
     if (i == 0 || !SameLine(e, &g->entry[i - 1]))
-      plan->line[plan->nlines++] =
-          (MpmRowLine){.node = e->node, .axis = e->axis, .across = e->across, .begin = plan->nmaps};
+      plan->line[plan->nlines++] = (MpmRowLine){.node = e->node, .across = AcrossOf(plan, e), .begin = plan->nmaps};
     plan->map[plan->nmaps++] = MapOf(g, e);
     NeedKind(plan, plan->map[plan->nmaps - 1].weights);
+    NeedKind(plan, e->y);
+    NeedKind(plan, e->z);
     plan->line[plan->nlines - 1].end = plan->nmaps;
     while (last > plan->line[plan->nlines - 1].begin && plan->map[last - 1].kernel == plan->map[plan->nmaps - 1].kernel)
       plan->map[--last].shared++;
@@ -94,14 +106,17 @@ static void Close(Group *g)
   g->n = g->nsamples = 0;
 }
 
+/* Where the moment is the same at all places, the weights of P2G_AFFINE are those of DIV_MLS times the moment. */
 static void AddMap(Group *g, const MpmPassOp *op)
 {
-  const MpmOpKind phi   = op->to_nodes ? MPM_P2G : MPM_G2P;
-  Entry           entry = {.node   = op->node,
-                           .axis   = op->axis,
-                           .across = MpmLineKind(g->basis, op->axis ? op->map : MPM_P2G),
-                           .along  = MpmLineFirstAlike(g->basis, op->axis ? phi : op->map),
-                           .op     = op};
+  const PetscReal moment = op->map == MPM_P2G_AFFINE ? g->basis->moment : 0;
+  const MpmOpKind map = moment > 0 ? MPM_DIV_MLS : op->map, along = MpmKindAlong(map, op->axis, 0);
+  Entry           entry = {.node  = op->node,
+                           .z     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 2)),
+                           .y     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 1)),
+                           .along = MpmLineFirstAlike(g->basis, !op->to_nodes && along == MPM_P2G ? MPM_G2P : along),
+                           .a     = moment > 0 ? moment * op->a : op->a,
+                           .op    = op};
 
   if (g->to_nodes != op->to_nodes) Close(g);
   g->to_nodes = op->to_nodes;
@@ -111,17 +126,27 @@ static void AddMap(Group *g, const MpmPassOp *op)
   Insert(g, entry);
 }
 
-/* Whether a group has changed, or will sample, a particle field. */
-static PetscBool Uses(const Group *g, PetscInt particle)
+/* Whether a group has changed, or will sample, one of n particle fields. */
+static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
 {
   for (PetscInt i = 0; i < g->n; i++)
-    if (g->entry[i].op->particle == particle) return PETSC_TRUE;
+    if (g->entry[i].op->particle >= first && g->entry[i].op->particle < first + n) return PETSC_TRUE;
   for (PetscInt s = 0; s < g->nsamples; s++)
-    if (g->sample[s] == particle) return PETSC_TRUE;
+    if (g->sample[s] >= first && g->sample[s] < first + n) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
-void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *plan)
+/* Adds an operation of finite deformation. If the group uses none of its fields, it may come before the group. */
+static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
+{
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, dim);
+
+  if (op->kind == MPM_PASS_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
+  AddStep(g->plan,
+          (MpmRowStep){.kind = MPM_ROW_FINITE, .finite = op->kind, .particle = op->particle, .other = op->other});
+}
+
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan)
 {
   Group group = {.basis = basis, .plan = plan};
 
@@ -134,11 +159,13 @@ void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, MpmRowPlan *p
     else if (op->kind == MPM_PASS_DRIFT) {
       Close(&group);
       AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
-    } else {
+    } else if (op->kind != MPM_PASS_SCALE && op->kind != MPM_PASS_ADD)
+      AddFinite(&group, op, dim);
+    else {
       const PetscBool adds = op->kind == MPM_PASS_ADD ? PETSC_TRUE : PETSC_FALSE;
 
       /* if the group uses neither field, the operation may come before it */
-      if (Uses(&group, op->particle) || (adds && Uses(&group, op->other))) Close(&group);
+      if (Uses(&group, op->particle, 1) || (adds && Uses(&group, op->other, 1))) Close(&group);
       AddStep(plan, (MpmRowStep){.kind     = adds ? MPM_ROW_ADD : MPM_ROW_SCALE,
                                  .particle = op->particle,
                                  .other    = op->other,

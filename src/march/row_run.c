@@ -13,19 +13,29 @@
    lo, hi   - the nodes of the line that have weights
    rows     - the number of rows of nodes; node[0] of a row is at offset[r] of a local array
    alike    - the runs of the row are alike, with the weights run[kind] along x
-   weight   - weight[a][kind]: of the rows, with kind along axis a and phi_ip along the others; of axis 0: phi_ip alone
+   weight   - weight[n]: of the rows, with the kinds across[n] of the plan along y and z
 */
 typedef struct {
   MpmBlock  block;
   PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
   PetscBool alike;
   PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_NODES];
-  PetscReal xi[MPM_BLOCK], weight[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_ROWS];
+  PetscReal xi[MPM_BLOCK], weight[MPM_MOST_ACROSS][MPM_MOST_ROWS];
 } Placed;
 
-/* Memory for a row while it is in a pass. */
+#define ACROSS 8 /* places along a direction across the rows whose weights are kept */
+
+/* The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the cell. */
+typedef struct {
+  PetscReal xi, weight[MPM_OP_KINDS][MPM_MOST_NODES];
+  PetscInt  first;
+} Across;
+
+/* Memory for a row while it is in a pass. across: the nacross places that are kept for each direction. */
 typedef struct {
   Placed    placed[2];
+  Across    across[MPM_MAX_DIM][ACROSS];
+  PetscInt  nacross[MPM_MAX_DIM];
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
@@ -72,44 +82,57 @@ static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after,
   placed->hi += march->scheme->basis->nodes;
 }
 
-/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
-static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, Placed *placed)
+/*
+   The weights across the rows of a particle at xi in a cell. Rows have few different places in their cells, so they are
+   mostly known already; next to walls only where they are the same there.
+*/
+static const Across *FindAcross(const MpmRowArrays *a, PetscInt axis, PetscInt cell, PetscReal xi, Work *w)
 {
-  const MpmMarch *march = a->march;
-  const MpmBasis *basis = march->scheme->basis;
-  const MpmGrid  *grid  = march->grid;
-  const PetscInt  n = basis->nodes, dim = grid->dim;
-  PetscInt        first[MPM_MAX_DIM] = {0, 0, 0};
-  PetscReal       along[MPM_MAX_DIM][MPM_OP_KINDS][MPM_MOST_NODES];
+  const MpmBasis *basis = a->march->scheme->basis;
+  PetscInt        n     = MpmBasisIsAltered(basis) ? 0 : PetscMin(w->nacross[axis], ACROSS), wall[2];
+  Across         *found;
 
-  along[2][MPM_P2G][0] = 1; /* of a direction that is not there */
+  for (PetscInt i = 0; i < n; i++)
+    if (w->across[axis][i].xi == xi) return &w->across[axis][i];
+  found     = &w->across[axis][w->nacross[axis]++ % ACROSS];
+  found->xi = xi;
+  MpmDirectionWalls(&a->march->layout->grid[axis], a->march->grid->axis[axis].first + cell, wall);
+  for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
+    found->first = MpmLineWeights(basis, *k, xi, a->march->layout->half_width[axis], wall, found->weight[*k]);
+  return found;
+}
+
+/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
+static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, Work *w, Placed *placed)
+{
+  static const Across none = {.weight[MPM_P2G][0] = 1}; /* a direction that is not there */
+  const MpmGrid      *grid = a->march->grid;
+  const PetscInt      n = a->march->scheme->basis->nodes, dim = grid->dim;
+  const Across       *along[MPM_MAX_DIM] = {NULL, NULL, &none};
+  PetscInt            first[MPM_MAX_DIM] = {0, 0, 0};
+
   for (PetscInt d = 1; d < dim; d++) {
-    PetscInt  cell, wall[2];
+    PetscInt  cell;
     PetscReal xi;
 
     MpmRowsMove(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
-    MpmDirectionWalls(&march->layout->grid[d], grid->axis[d].first + cell, wall);
-    for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
-      first[d] = cell + MpmLineWeights(basis, *k, xi, march->layout->half_width[d], wall, along[d][*k]);
+    along[d] = FindAcross(a, d, cell, xi, w);
+    first[d] = cell + along[d]->first;
   }
   placed->rows = dim == 2 ? n : n * n;
-  for (PetscInt r = 0; r < placed->rows; r++) {
-    const PetscInt y = r % n, z = r / n;
-
-    placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
-                        (first[2] + z) * grid->axis[2].stride;
-    for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++) {
-      placed->weight[1][*k][r] = along[1][*k][y] * along[2][MPM_P2G][z];
-      if (dim > 2) placed->weight[2][*k][r] = along[1][MPM_P2G][y] * along[2][*k][z];
+  for (PetscInt z = 0, r = 0; z < placed->rows / n; z++)
+    for (PetscInt y = 0; y < n; y++, r++) {
+      placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
+                          (first[2] + z) * grid->axis[2].stride;
+      for (PetscInt k = 0; k < a->plan->nacross; k++)
+        placed->weight[k][r] = along[1]->weight[a->plan->across[k].y][y] * along[2]->weight[a->plan->across[k].z][z];
     }
-    placed->weight[0][MPM_P2G][r] = along[1][MPM_P2G][y] * along[2][MPM_P2G][z];
-  }
 }
 
-static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
+static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Work *w)
 {
-  PlaceAlong(a, row, after, placed);
-  PlaceAcross(a, row->begin, after, placed);
+  PlaceAlong(a, row, after, &w->placed[after]);
+  PlaceAcross(a, row->begin, after, w, &w->placed[after]);
 }
 
 PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
@@ -119,18 +142,18 @@ PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
   return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
-/* Runs the kernel of a map, from a line to particles or back. weights: those of the map along x. */
-static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, MpmOpKind weights, PetscBool to_nodes,
-                      const Placed *placed, PetscReal factor, PetscReal q[], PetscReal line[])
+/* Runs the kernel of a map, from a line to particles or back. */
+static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, PetscBool to_nodes, const Placed *placed,
+                      PetscReal factor, PetscReal q[], PetscReal line[])
 {
   const PetscInt nodes = a->march->scheme->basis->nodes;
 
   if (!placed->alike)
     map->kernel(&placed->block, factor, q, line);
   else if (to_nodes)
-    MpmRunsSpread(&placed->block, nodes, placed->run[weights], factor, q, line);
+    MpmRunsSpread(&placed->block, nodes, placed->run[map->weights], factor, q, line);
   else
-    MpmRunsGather(&placed->block, nodes, placed->run[weights], factor, q, line);
+    MpmRunsGather(&placed->block, nodes, placed->run[map->weights], factor, q, line);
 }
 
 /* The nodes [lo, hi) of a line to particles. Maps that share a kernel differ in their particle fields and factors. */
@@ -141,19 +164,18 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
   for (const MpmRowLine *l = a->plan->line + step->begin; l < a->plan->line + step->end; l++) {
     const PetscReal *node = a->node[l->node] + placed->lo;
 
-    MpmLinesGather(placed->rows, placed->offset, placed->weight[l->axis][l->across], placed->hi - placed->lo, node,
+    MpmLinesGather(placed->rows, placed->offset, placed->weight[l->across], placed->hi - placed->lo, node,
                    line + placed->lo);
     for (const MpmRowMap *m = a->plan->map + l->begin, *end = a->plan->map + l->end; m < end;) {
       const MpmRowMap *last = m + m->shared;
 
       if (m == last && !m->weight) {
-        RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, m->a,
-                  MpmRowsField(a, m->particle, placed->begin), line);
+        RunKernel(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
         m++;
         continue;
       }
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
-      RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_FALSE, placed, 1, w->weighed, line);
+      RunKernel(a, m, PETSC_FALSE, placed, 1, w->weighed, line);
       for (; m <= last; m++) {
         const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
         const PetscReal *restrict from   = w->weighed;
@@ -177,7 +199,7 @@ static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *p
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = weight[p] * q[p];
       q = w->weighed;
     }
-    RunKernel(a, m, l->axis ? MPM_P2G : m->weights, PETSC_TRUE, placed, m->a, q, line);
+    RunKernel(a, m, PETSC_TRUE, placed, m->a, q, line);
   }
 }
 
@@ -194,7 +216,7 @@ static void RunSpread(const MpmRowArrays *a, const MpmRowStep *step, const Place
     for (lines = 0; lines < MPM_MOST_LINES && first + lines < step->end && l[lines].node == l->node; lines++) {
       FillLine(a, &l[lines], placed, w, w->line[lines] + MARGIN);
       line[lines] = w->line[lines] + MARGIN + lo;
-      for (PetscInt r = 0; r < placed->rows; r++) weight[lines][r] = placed->weight[l[lines].axis][l[lines].across][r];
+      for (PetscInt r = 0; r < placed->rows; r++) weight[lines][r] = placed->weight[l[lines].across][r];
     }
     MpmLinesSpread(placed->rows, placed->offset, lines, (const PetscReal(*)[MPM_MOST_ROWS])weight, line, n,
                    a->sum[l->node] + lo);
@@ -206,7 +228,7 @@ static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
   const PetscInt begin = row->begin, n = row[1].begin - begin;
   const Placed  *placed = &w->placed[0];
 
-  Place(a, row, 0, &w->placed[0]);
+  Place(a, row, 0, w);
   for (const MpmRowStep *step = a->plan->step; step < a->plan->step + a->plan->nsteps; step++) {
     if (step->kind == MPM_ROW_GATHER)
       RunGather(a, step, placed, w);
@@ -217,7 +239,7 @@ static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
     else if (step->kind == MPM_ROW_ADD)
       MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_DRIFT) {
-      Place(a, row, 1, &w->placed[1]);
+      Place(a, row, 1, w);
       placed = &w->placed[1];
     } else if (a->sample)
       a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
@@ -229,6 +251,7 @@ void MpmRowsRun(const MpmRowArrays *arrays)
   const MpmMarch *march = arrays->march;
   Work            work;
 
+  for (PetscInt d = 0; d < MPM_MAX_DIM; d++) work.nacross[d] = 0;
   for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
   for (PetscInt r = 0; r < march->nrows; r++) RunRow(arrays, &march->row[r], &work);
 }

@@ -5,6 +5,8 @@ static PetscErrorCode GetArrays(MpmMarch *march, const MpmNodeVectors *nodes, Pe
                                 MpmRowArrays *a)
 {
   PetscFunctionBegin;
+  a->step = step;
+  if (march->particles->own) PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &a->id));
   for (PetscInt d = 0; d < march->grid->dim; d++) {
     PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[d], &a->cell[d]));
     PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[d], &a->xi[d]));
@@ -52,6 +54,7 @@ static PetscErrorCode RestoreArrays(const MpmMarch *march, const MpmNodeVectors 
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[d], &a->xi[d]));
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[d], &a->cell[d]));
   }
+  if (march->particles->own) PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &a->id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -130,17 +133,26 @@ static PetscInt PlanOf(const MpmMarch *march, const MpmPass *pass)
   return MPM_NONE;
 }
 
-static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const MpmRowArrays *arrays,
-                                   const MpmCloudPlan *clouds)
+static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const MpmRowArrays *arrays, PetscInt number)
 {
+  MpmCloudPlan *clouds;
+  PetscReal    *bundles;
+
   PetscFunctionBegin;
-  if (clouds) {
-    PetscCall(MpmCloudsRun(arrays, clouds, march->bundles));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (march->clouds && number != MPM_NONE)
+    PetscCall(MpmCloudsRun(arrays, &march->clouds[number], march->bundles));
+  else if (march->clouds) {
+    PetscCall(PetscNew(&clouds));
+    MpmCloudPlanCompile(arrays->plan, march->scheme->basis, march->grid->dim, clouds);
+    PetscCall(PetscMalloc1(MpmCloudsSize(march->grid, clouds), &bundles));
+    PetscCall(MpmCloudsRun(arrays, clouds, bundles));
+    PetscCall(PetscFree(bundles));
+    PetscCall(PetscFree(clouds));
+  } else {
+    for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(Zero(march->grid, arrays->sum[pass->sum[s]]));
+    if (pass->sums_mass) PetscCall(Zero(march->grid, arrays->sum[MPM_MASSES]));
+    MpmRowsRun(arrays);
   }
-  for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(Zero(march->grid, arrays->sum[pass->sum[s]]));
-  if (pass->sums_mass) PetscCall(Zero(march->grid, arrays->sum[MPM_MASSES]));
-  MpmRowsRun(arrays);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,12 +167,12 @@ PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, Pet
   PetscFunctionBegin;
   if (number == MPM_NONE) {
     PetscCall(PetscNew(&own));
-    MpmRowPlanCompile(pass, march->scheme->basis, own);
+    MpmRowPlanCompile(pass, march->scheme->basis, march->grid->dim, own);
   }
   arrays.plan = own ? own : &march->plans[number];
   PetscCall(GetArrays(march, nodes, *step, pass, &arrays));
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
-  PetscCall(RunParticles(march, pass, &arrays, march->clouds && !own ? &march->clouds[number] : NULL));
+  PetscCall(RunParticles(march, pass, &arrays, number));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
   if (pass->drifts) ++*step;
   PetscCall(PetscLogEventBegin(march->sum_event, 0, 0, 0, 0));

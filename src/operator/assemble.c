@@ -17,8 +17,8 @@
 static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
 
 /*
-   The nodes that a particle has weights at, and these weights: products of the weights along the directions. Along axis
-   they are those of kind, along the others phi_ip. Returns how many there are.
+   The nodes that a particle has weights at, and these weights: products of the weights along the directions. Returns how
+   many there are.
 */
 static PetscInt RowOf(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, const MpmParity parity[], PetscBool drop,
                       const PetscInt cell[], const PetscReal xi[], PetscInt column[], PetscReal weight[])
@@ -35,7 +35,7 @@ static PetscInt RowOf(const MpmRegisters *r, MpmOpKind kind, PetscInt axis, cons
     PetscReal row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
 
     MpmDirectionWalls(&layout->grid[a], cell[a], wall);
-    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], layout->half_width[a], wall, row);
+    MpmMapRow(basis, MpmKindAlong(kind, axis, a), xi[a], layout->half_width[a], wall, row);
     MpmNodesSeen(&layout->grid[a], basis, cell[a], parity[a], drop, node, sign);
     for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n products are read last */
       for (PetscInt i = 0; i < n; i++) {
@@ -385,8 +385,7 @@ static PetscErrorCode Apply(const MpmRegisters *r, const MpmOp *op, Mat map, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* 0: even; 1 + a: the component of a vector along axis a; the last: a number that is imposed on walls. */
-static PetscInt ParityClass(const MpmLayout *layout, const MpmParity parity[])
+PetscInt MpmParityClass(const MpmLayout *layout, const MpmParity parity[])
 {
   if (MpmLayoutIsPeriodic(layout) || parity[0] == MPM_EVEN) return 0;
   for (PetscInt a = 0; a < layout->dim; a++)
@@ -398,7 +397,7 @@ PetscErrorCode MpmStepMapsGet(MpmStepMaps *maps, MpmRegisters *r, const MpmOp *o
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const MpmParity  *parity = r->scheme->table->parity[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known  = &maps->map[op->kind][op->axis][ParityClass(r->layout, parity)];
+  Mat              *known  = &maps->map[op->kind][op->axis][MpmParityClass(r->layout, parity)];
 
   PetscFunctionBegin;
   if (!*known && op->kind == MPM_SOLVE)
@@ -415,7 +414,7 @@ PetscErrorCode MpmStepMapsDestroy(MpmStepMaps *maps)
 {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < MPM_OP_KINDS; k++)
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt a = 0; a < MPM_AXES; a++)
       for (PetscInt c = 0; c < MPM_PARITIES; c++) PetscCall(MatDestroy(&maps->map[k][a][c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -50,7 +50,7 @@ PetscErrorCode MpmRegistersCreatePolynomial(const MpmLayout *layout, const MpmSc
 PetscErrorCode MpmRegistersDestroy(MpmRegisters *registers);
 
 /*
-   MpmRegistersMap - the matrix of a map between particles and nodes along an axis, at a step. From nodes to particles it
+   MpmRegistersMap - the matrix of a map between particles and nodes along an axis or two, at a step. From nodes to particles it
    is particles x nodes. From particles to nodes it is nodes x particles, divided by the nodal masses; rows of nodes
    without mass are 0. parity is that of the node register, by direction (see MpmTable).
 
@@ -72,12 +72,18 @@ PetscErrorCode MpmRegistersSolve(MpmRegisters *registers, const MpmParity parity
 
 #define MPM_PARITIES (MPM_MAX_DIM + 2)
 
+/*
+   Not collective. A number less than MPM_PARITIES for parities that mirror a node field alike. 0: even; 1 + a: the
+   component of a vector along axis a; the last: a number that is imposed on walls.
+*/
+PetscInt MpmParityClass(const MpmLayout *layout, const MpmParity parity[]);
+
 /*S
-   MpmStepMaps - the matrices of a step's maps, by kind, by axis and by the parity of the node register. Each is made
+   MpmStepMaps - the matrices of a step's maps, by kind, by axes and by the parity of the node register. Each is made
    when it is first asked for. It starts as zeros.
 S*/
 typedef struct {
-  Mat map[MPM_OP_KINDS][MPM_MAX_DIM][MPM_PARITIES];
+  Mat map[MPM_OP_KINDS][MPM_AXES][MPM_PARITIES];
 } MpmStepMaps;
 
 /* Collective. The matrix of an operation that is a map, at a step. MpmStepMapsDestroy destroys it. */

@@ -415,6 +415,37 @@ static PetscErrorCode Balance(Vec unit, MpmReduced *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   The same of the unknowns of nodes where masses differ: all images are sums over particles divided by the nodal mass m, and with powers of two next
+   to its root they have the size of the particles' balanced numbers. Without it rounding of the heavy nodes' numbers spoils
+   the light ones'.
+*/
+static PetscErrorCode BalanceNodes(const Nodal *x, MpmReduced *r)
+{
+  const PetscInt   images = x->plan->nimages;
+  const PetscReal *mass;
+  PetscReal       *d;
+  Vec              unit, inverse;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(r->kept_small, &unit));
+  PetscCall(VecDuplicate(r->kept_small, &inverse));
+  PetscCall(VecGetArrayRead(x->sizes.masses, &mass));
+  PetscCall(VecGetArrayWrite(unit, &d));
+  for (PetscInt i = 0; i < images * x->sizes.nodes; i++)
+    d[i] = mass[i / images] > 0 ? exp2(rint(log2(mass[i / images]) / 2)) : 1;
+  PetscCall(VecRestoreArrayWrite(unit, &d));
+  PetscCall(VecRestoreArrayRead(x->sizes.masses, &mass));
+  PetscCall(VecCopy(unit, inverse));
+  PetscCall(VecReciprocal(inverse));
+  PetscCall(MatDiagonalScale(r->M, unit, inverse));
+  PetscCall(MatDiagonalScale(r->Z, unit, NULL));
+  PetscCall(MatDiagonalScale(r->B, NULL, inverse));
+  PetscCall(VecDestroy(&unit));
+  PetscCall(VecDestroy(&inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
                                     const MpmStep *step, Vec unit, MpmReduced **nodal)
 {
@@ -440,6 +471,7 @@ PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, cons
   PetscCall(CreateZ(x, &r->Z));
   PetscCall(CreateB(x, &r->B));
   if (unit) PetscCall(Balance(unit, r));
+  if (layout->varies[MPM_MASS]) PetscCall(BalanceNodes(x, r));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

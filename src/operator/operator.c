@@ -172,12 +172,11 @@ static PetscBool IsAlike(const MpmOperator *op)
   return !varies || (!varies[MPM_MASS] && !varies[MPM_STIFFNESS]) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Computes D A D^-1 and D, whose diagonal has these roots, or with powers the powers of two next to them. */
-static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
+/* The diagonal of D: the roots, or with powers the powers of two next to them. */
+static PetscErrorCode Roots(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit)
 {
   PetscInt   begin, end;
   PetscReal *d;
-  Vec        inverse;
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(A, NULL, unit));
@@ -189,6 +188,16 @@ static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec 
     d[row - begin] = powers ? exp2(rint(log2(root))) : root;
   }
   PetscCall(VecRestoreArray(*unit, &d));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes D A D^-1 and the diagonal of D. */
+static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
+{
+  Vec inverse;
+
+  PetscFunctionBegin;
+  PetscCall(Roots(op, powers, A, unit));
   PetscCall(VecDuplicate(*unit, &inverse));
   PetscCall(VecCopy(*unit, inverse));
   PetscCall(VecReciprocal(inverse));
@@ -252,6 +261,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   char            size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(MpmTableRequireLinear(scheme->table));
   PetscCall(PetscNew(op));
   o         = *op;
   o->layout = layout;
@@ -364,13 +374,23 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmOperatorWeights(const MpmOperator *op, Vec *weights)
+{
+  PetscFunctionBegin;
+  *weights = NULL;
+  if (IsAlike(op)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Roots(op, PETSC_FALSE, op->A, weights));
+  PetscCall(VecPointwiseDivide(*weights, *weights, op->unit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const char *MpmOperatorNorm(const MpmOperator *op)
 {
   const MpmFormulation *f       = op->scheme ? op->scheme->formulation : NULL;
   PetscInt              squares = 0;
 
   if (!f) return "Euclidean, of the matrix's own unknowns";
-  for (PetscInt t = 0; t < f->nenergy; t++) squares += f->energy[t].place == MPM_ON_PARTICLES;
+  for (PetscInt t = 0; t < MpmSchemeEnergyTerms(op->scheme); t++) squares += f->energy[t].place == MPM_ON_PARTICLES;
   if (squares == op->fields) return "the energy's, of the particles";
   return IsAlike(op) ? "Euclidean over particles and fields, no energy"
                      : "over particles and fields, velocities weighted as in the energy, no energy";

@@ -146,8 +146,7 @@ static PetscErrorCode MultiplyTranspose(Mat shell, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A lower bound of the infinity norm; other norms are not known. */
-static PetscErrorCode Norm(Mat shell, NormType type, PetscReal *norm)
+PetscErrorCode MpmShellNorm(Mat shell, NormType type, PetscReal *norm)
 {
   Vec x, y;
 
@@ -211,7 +210,7 @@ static PetscErrorCode Wrap(Shell *s, Mat *shell)
   PetscCall(MatCreateShell(s->sizes.comm, s->sizes.state, s->sizes.state, PETSC_DETERMINE, PETSC_DETERMINE, s, shell));
   PetscCall(MatShellSetOperation(*shell, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(*shell, MATOP_MULT_TRANSPOSE, (void (*)(void))MultiplyTranspose));
-  PetscCall(MatShellSetOperation(*shell, MATOP_NORM, (void (*)(void))Norm));
+  PetscCall(MatShellSetOperation(*shell, MATOP_NORM, (void (*)(void))MpmShellNorm));
   PetscCall(MatShellSetOperation(*shell, MATOP_GETINFO, (void (*)(void))GetInfo));
   PetscCall(MatShellSetOperation(*shell, MATOP_DESTROY, (void (*)(void))Destroy));
   s->shells++;
@@ -288,8 +287,8 @@ PetscErrorCode MpmShellCreate(MPI_Comm comm, const MpmLayout *layout, const MpmS
 
 PetscReal MpmShellNonzeros(const MpmLayout *layout, const MpmScheme *scheme)
 {
-  const MpmTable *table                           = scheme->table;
-  PetscBool       seen[MPM_OP_KINDS][MPM_MAX_DIM] = {{PETSC_FALSE}};
+  const MpmTable *table                        = scheme->table;
+  PetscBool       seen[MPM_OP_KINDS][MPM_AXES] = {{PETSC_FALSE}};
   PetscReal       nodes = 1, maps = 0;
 
   for (PetscInt o = 0; o < table->nops; o++) {

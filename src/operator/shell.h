@@ -14,6 +14,12 @@
 PetscErrorCode MpmShellCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                               PetscInt first, PetscInt steps, Mat *shell);
 
+/*
+   Collective. The norm of a matrix that has products alone: a lower bound of its infinity norm, the largest number that it
+   makes of a few vectors of ones with random signs. Other norms are not known.
+*/
+PetscErrorCode MpmShellNorm(Mat shell, NormType type, PetscReal *norm);
+
 /* Collective. A second shell with the same maps, which may be scaled by itself. */
 PetscErrorCode MpmShellCopy(Mat shell, Mat *copy);
 

@@ -267,14 +267,27 @@ PetscErrorCode MpmStepperParameterOf(const MpmStepper *s, const char name[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmStepperParameterNames(const MpmStepper *s, size_t room, char names[])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscStrncpy(names, s->nparameters ? "" : "none, the code names no parameters", room));
+  for (PetscInt i = 0; i < s->nparameters; i++) {
+    if (i) PetscCall(PetscStrlcat(names, ", ", room));
+    PetscCall(PetscStrlcat(names, s->parameters[i].name, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
 {
   PetscBool found;
   PetscReal start;
+  char      names[512];
 
   PetscFunctionBegin;
   PetscCall(MpmStepperParameterOf(s, name, &start, &found));
-  if (!found) PetscCall(MpmStepperFail(s, "it has no parameter %.60s", name));
+  PetscCall(MpmStepperParameterNames(s, sizeof names, names));
+  if (!found) PetscCall(MpmStepperFail(s, "it has no parameter %.60s; allowed: %s", name, names));
   if (!s->failure[0]) PetscCall(s->set(s, name, value));
   PetscCall(MpmStepperAgree(s));
   for (PetscInt i = 0; i < s->nparameters; i++)

@@ -93,6 +93,9 @@ PetscErrorCode MpmStepperSet(MpmStepper *stepper, const char name[], PetscReal v
 /* Not collective. The value that a parameter had at the start; *found says whether there is one. */
 PetscErrorCode MpmStepperParameterOf(const MpmStepper *stepper, const char name[], PetscReal *value, PetscBool *found);
 
+/* Not collective. What messages say of the parameters that a code names: their names, or that there are none. */
+PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, size_t room, char names[]);
+
 /*
    MpmStepperStep - replaces the state of particles by the one after some steps. A number that is not finite is a
    failure of the code. After a failure the state stays as it is.

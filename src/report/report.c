@@ -65,14 +65,15 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
 
 static PetscErrorCode PrintErrors(const MpmRun *run)
 {
-  const MpmWave *wave = run->scene->scheme.formulation->wave;
+  const char    *name[MPM_MOST_ERRORS];
+  const PetscInt n = run->has_errors ? MpmSceneErrorFields(run->scene, name) : 0;
 
   PetscFunctionBegin;
   if (run->has_errors) {
     MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
-             run->scene->layout.dim == 1 ? wave->equations : wave->equations_nd, "field", "l1", "l2", "linf");
-    for (PetscInt f = 0; run->scene->scheme.table->fields[f]; f++) {
-      MpmPrint("  %-5s", run->scene->scheme.table->fields[f]);
+             MpmSceneEquations(run->scene), "field", "l1", "l2", "linf");
+    for (PetscInt f = 0; f < n; f++) {
+      MpmPrint("  %-5s", name[f]);
       PetscCall(PrintNumber(run->error[f].l1));
       PetscCall(PrintNumber(run->error[f].l2));
       PetscCall(PrintNumber(run->error[f].linf));
@@ -80,14 +81,16 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
     }
   } else
     MpmPrint("error: none, these data have no exact solution\n");
-  if (run->scene->scheme.formulation->nenergy) {
+  if (MpmSchemeEnergyTerms(&run->scene->scheme)) {
     MpmPrint("energy");
     PetscCall(PrintNumber(run->energy_initial));
     MpmPrint(" first");
     PetscCall(PrintNumber(run->energy_final));
     MpmPrint(" last\n");
   } else
-    MpmPrint("energy: none, the formulation names none; growth is that of the norm of its fields\n");
+    MpmPrint("energy: none, %s; growth is that of the norm of its fields\n",
+             run->scene->scheme.formulation->nenergy ? "the stress about a prestressed state does not say it"
+                                                     : "the formulation names none");
   if (run->blew_up_at_step != MPM_NEVER)
     MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
              run->lost ? "; the run stopped there" : "; it was followed by rescaling");
@@ -158,6 +161,8 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
     MpmPrint(
         ", the state leaves the range of double precision from one sample to the next: growth above %.1e per step\n",
         run->growth_above);
+  else if (run->scene->scheme.space.finite && run->scene->initial != MPM_INITIAL_RANDOM)
+    MpmPrint(", a motion at finite deformation has no growth; -initial random measures that about a uniform state\n");
   else if (!growth->measured)
     MpmPrint(", the growth could not be measured\n");
   else if (!growth->decided)
@@ -187,6 +192,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintConserved(run));
   PetscCall(PrintLoad(run));
   PetscCall(PrintTransfer(run));
+  PetscCall(MpmTangentsPrint(run->tangents));
   PetscCall(PrintVerdict(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -166,7 +166,7 @@ static PetscErrorCode PrintReason(PetscInt dim, const MpmRequest *request, const
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
   if (request->verbose && c->closed > 0 && isfinite(c->closed))
-    MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (-DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
+    MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
              "(transfer)\n",
              c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -19,15 +19,17 @@ static json_t *Predicted(const MpmRun *run)
 
 static json_t *Errors(const MpmRun *run)
 {
-  json_t *errors = json_object();
+  json_t        *errors = json_object();
+  const char    *name[MPM_MOST_ERRORS];
+  const PetscInt n = MpmSceneErrorFields(run->scene, name);
 
-  for (PetscInt f = 0; run->scene->scheme.table->fields[f]; f++) {
+  for (PetscInt f = 0; f < n; f++) {
     json_t *error = json_object();
 
     MpmJsonSet(error, "l1", run->error[f].l1);
     MpmJsonSet(error, "l2", run->error[f].l2);
     MpmJsonSet(error, "linf", run->error[f].linf);
-    json_object_set_new(errors, run->scene->scheme.table->fields[f], error);
+    json_object_set_new(errors, name[f], error);
   }
   return errors;
 }
@@ -91,6 +93,7 @@ static json_t *Run(const MpmRun *run)
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
   SetTransfer(object, run);
+  if (run->tangents) MpmTangentsJson(run->tangents, object);
   if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
   if (run->blew_up_at_step != MPM_NEVER)
     json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));

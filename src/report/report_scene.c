@@ -51,6 +51,10 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
     MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n",
              (PetscReal)s->layout.first[0] / s->layout.ppc[0],
              (PetscReal)(s->layout.first[0] + s->layout.particles) / s->layout.ppc[0], s->layout.particles);
+  if (s->scheme.space.finite) {
+    PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
+    PetscCall(PrintFields(s, request, s->scheme.space.loaded ? ", gravity {gravity}\n" : "\n"));
+  }
   if (material != MPM_MATERIAL_UNIFORM)
     PetscCall(PrintFields(s, request,
                           "material {material}: density ratio {density_ratio}, stiffness ratio {stiffness_ratio}"));

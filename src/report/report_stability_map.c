@@ -86,6 +86,7 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   PetscCall(PrintPicture(map));
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
   if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
+  if (map->scene && !map->request->refine) MpmPrint(" (growth between them is not seen: -refine looks for it)");
   MpmPrint("\n");
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
@@ -130,6 +131,7 @@ PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
   for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
   if (map->waves) json_object_set_new(part, "phases", json_integer(MpmStabilityMapPhases(map)));
+  if (map->request->refine) json_object_set_new(part, "refined", json_true());
   json_object_set_new(part, "unstable", json_integer(map->unstable));
   json_object_set_new(part, "undecided", json_integer(map->undecided));
   if (map->limits) {

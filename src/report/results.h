@@ -16,6 +16,10 @@
 PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
+/* Collective. Print the tangent beside a run (NULL: nothing), and add the key 'tangent' to the run's JSON object. */
+PetscErrorCode MpmTangentsPrint(const MpmTangents *tangents);
+void           MpmTangentsJson(const MpmTangents *tangents, json_t *object);
+
 /*
    Collective. Print the table for people, and write the JSON object. spectrum: of the bulk, or NULL. all: of the
    neighbourhoods, or NULL where there is the bulk alone. more: an object whose keys JSON has too, or NULL.

@@ -6,14 +6,14 @@
 
 #define LONGEST_HEADER 1024
 
-/* Appends a column for each field to the header. */
-static PetscErrorCode Columns(const MpmTable *table, PetscBool wanted, const char name[], char header[])
+/* Appends a column for each of n fields to the header. */
+static PetscErrorCode Columns(PetscInt n, const char *const field[], const char name[], char header[])
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; wanted && table->fields[f]; f++) {
+  for (PetscInt f = 0; f < n; f++) {
     PetscCall(PetscStrlcat(header, ",", LONGEST_HEADER));
     PetscCall(PetscStrlcat(header, name, LONGEST_HEADER));
-    PetscCall(PetscStrlcat(header, table->fields[f], LONGEST_HEADER));
+    PetscCall(PetscStrlcat(header, field[f], LONGEST_HEADER));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -23,13 +23,17 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
   const MpmScene   *scene                  = run->scene;
   const MpmRequest *request                = run->request;
   char              header[LONGEST_HEADER] = "step,time,norm,energy,log10_norm";
+  const MpmTable   *table                  = scene->scheme.table;
+  const char       *error[MPM_MOST_ERRORS];
   size_t            length;
 
   PetscFunctionBegin;
-  PetscCall(Columns(scene->scheme.table, run->has_errors, "error_l2_", header));
+  if (run->has_errors) PetscCall(Columns(MpmSceneErrorFields(scene, error), error, "error_l2_", header));
   if (request->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
-  PetscCall(Columns(scene->scheme.table, request->source_term, "source_", header));
-  PetscCall(Columns(scene->scheme.table, request->ringing, "ringing_", header));
+  if (request->source_term) PetscCall(Columns(table->nstate, table->fields, "source_", header));
+  if (request->ringing) PetscCall(Columns(table->nstate, table->fields, "ringing_", header));
+  if (request->tangent)
+    PetscCall(PetscStrlcat(header, ",tangent_log10_growth,window_growth,window_waves", LONGEST_HEADER));
   length = strlen(header);
   MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
                 "restart %s: its CSV has other columns; allowed: weights, source_term and ringing as before",
@@ -47,7 +51,8 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   const MpmScene   *scene   = run->scene;
   const MpmRequest *request = run->request;
   const PetscInt    n       = scene->scheme.table->nstate;
-  MpmError          error[MPM_MAX_FIELDS];
+  MpmError          error[MPM_MOST_ERRORS];
+  const char       *name[MPM_MOST_ERRORS];
 
   PetscFunctionBegin;
   if (run->has_errors) PetscCall(MpmDiagnosticsErrors(march, error));
@@ -57,7 +62,7 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   MpmTextFileCell(csv, exp(log_norm));
   MpmTextFileCell(csv, energy);
   MpmTextFileCell(csv, log_norm / M_LN10);
-  for (PetscInt f = 0; run->has_errors && f < n; f++) MpmTextFileCell(csv, error[f].l2);
+  for (PetscInt f = 0; run->has_errors && f < MpmSceneErrorFields(scene, name); f++) MpmTextFileCell(csv, error[f].l2);
   if (request->weights) {
     MpmTextFileCell(csv, diagnostics->last.c1_mean);
     MpmTextFileCell(csv, diagnostics->last.c1_min);
@@ -65,6 +70,14 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   }
   for (PetscInt f = 0; request->source_term && f < n; f++) MpmTextFileCell(csv, diagnostics->last.source[f]);
   for (PetscInt f = 0; request->ringing && f < n; f++) MpmTextFileCell(csv, diagnostics->last.ringing[f]);
+  if (run->tangents) {
+    const MpmTangents     *t    = run->tangents;
+    const MpmTangentWindow last = t->nwindows ? t->at[t->nwindows - 1] : (MpmTangentWindow){.norm = NAN, .waves = NAN};
+
+    MpmTextFileCell(csv, t->log_growth[0] / M_LN10);
+    MpmTextFileCell(csv, last.norm);
+    MpmTextFileCell(csv, last.waves);
+  }
   fprintf(csv->stream, "\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

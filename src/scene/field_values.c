@@ -58,6 +58,7 @@ static PetscErrorCode TakeValue(const MpmField *field, const MpmScene *scene, co
   PetscFunctionBegin;
   *value = (MpmValue){
       .field = field, .kind = field->real ? MPM_AS_REAL : field->value, .n = field->each ? scene->layout.dim : 1};
+  if (field->numbers) value->n = field->numbers(scene);
   for (PetscInt a = 0; a < value->n; a++)
     PetscCall(TakeOne(scene, owner + field->at + (size_t)a * field->each, a, value));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -102,11 +103,14 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
 
 PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[])
 {
-  static const char axes[] = "xyz";
+  static const char        axes[]  = "xyz";
+  static const char *const plane[] = {"xx", "xy", "yy"}, *const space[] = {"xx", "xy", "xz", "yy", "yz", "zz"};
 
   PetscFunctionBegin;
   if (value->n == 1)
     PetscCall(PetscStrncpy(name, value->field->name, room));
+  else if (value->field->numbers)
+    PetscCall(PetscSNPrintf(name, room, "%s_%s", value->field->name, value->n == 3 ? plane[a] : space[a]));
   else
     PetscCall(PetscSNPrintf(name, room, "%s_%c", value->field->name, axes[a]));
   PetscFunctionReturn(PETSC_SUCCESS);

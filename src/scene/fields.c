@@ -8,6 +8,7 @@
    that decides what a run computes has a place in checkpoints.
 */
 #include "scene/fields.h"
+#include "scene/layout.h"
 #include "scene/material.h"
 #include <string.h>
 
@@ -68,6 +69,26 @@ static const char *MoveOf(const MpmScene *scene)
   return MpmMoveNames[scene->scheme.space.move];
 }
 
+static const char *ShapeWord(PetscInt i)
+{
+  return MpmShapeNames[i];
+}
+
+static const char *TangentWord(PetscInt i)
+{
+  return MpmTangentNames[i];
+}
+
+static const char *KinematicsWord(PetscInt i)
+{
+  return MpmKinematicsNames[i];
+}
+
+static const char *KinematicsOf(const MpmScene *scene)
+{
+  return MpmKinematicsNames[scene->scheme.space.finite ? 1 : 0];
+}
+
 static const char *MaterialWord(PetscInt i)
 {
   return i < MPM_MATERIAL_KINDS ? MpmMaterialNames[i] : MpmLawNames[i - MPM_MATERIAL_KINDS + 1];
@@ -109,6 +130,11 @@ static const char *AxisWord(PetscInt i)
 }
 
 /* ---- values that are kept as something else ---- */
+
+static const char *ShapeOf(const MpmScene *scene)
+{
+  return scene->layout.shape ? scene->layout.shape : MpmShapeNames[0];
+}
 
 static const char *FormulationOf(const MpmScene *scene)
 {
@@ -331,25 +357,51 @@ static PetscBool HasMaterialName(const MpmScene *scene, MpmRecord record)
 static PetscBool HasPrestress(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->scheme.space.prestress != 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmSpaceIsPrestressed(&scene->scheme.space);
+}
+
+static PetscInt StressNumbers(const MpmScene *scene)
+{
+  return scene->layout.dim * (scene->layout.dim + 1) / 2;
 }
 
 static PetscBool HasMove(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->scheme.space.displaced;
+  return scene->scheme.space.displaced || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool IsFinite(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->scheme.space.finite;
+}
+
+static PetscBool HasShape(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->layout.shape ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasGravity(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    if (scene->gravity[a] != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 static PetscBool HasStretch(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->law != MPM_LAW_LINEAR ? PETSC_TRUE : PETSC_FALSE;
+  return scene->law != MPM_LAW_LINEAR || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscBool HasLameRatio(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->law == MPM_LAW_NEO ? PETSC_TRUE : PETSC_FALSE;
+  return scene->law == MPM_LAW_NEO || (scene->scheme.space.finite && scene->law <= MPM_LAW_SVK) ? PETSC_TRUE
+                                                                                                : PETSC_FALSE;
 }
 
 static PetscBool HasExponent(const MpmScene *scene, MpmRecord record)
@@ -427,18 +479,24 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = HasSeed},
   {"fill", MPM_RANGE, NULL, "cells lo,hi between which there are particles (default: all)",
    ANY},
+  {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
+   .word = ShapeWord, .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), .shown = HasShape},
   {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic",
    .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), .shown = HasMaterialName, .json = "material.kind"},
-  {"stretch", MPM_REAL, "1", "F0, how far the material is stretched in the state that the scheme is linear about; it gives prestress and the wave speed there",
-   ABOVE(0), KEPT(AS_REAL, stretch), IN(76, 58, 49, 42), .shown = HasStretch, .json = "material.stretch"},
-  {"lame_ratio", MPM_REAL, "0", "material neo: lambda / mu",
+  {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
+   ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), .shown = HasStretch, .json = "material.stretch"},
+  {"lame_ratio", MPM_REAL, "0", "material neo, and all solids with kinematics finite: lambda / mu",
    FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), .shown = HasLameRatio, .json = "material.lame_ratio"},
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
    ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), .shown = HasExponent, .json = "material.exponent"},
-  {"prestress", MPM_REAL, "0", "momentum schemes: s0 = sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of waves there",
-   BETWEEN(-1e6, 1e6), KEPT(AS_REAL, scheme.space.prestress), IN(79, 61, 52, 45), .shown = HasPrestress},
-  {"move", MPM_WORD, "grid", "with a prestress: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
+  {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
+   BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), .shown = HasPrestress},
+  {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
    .word = MoveWord, TEXT(MoveOf), IN(80, 62, 53, 46), .shown = HasMove},
+  {"kinematics", MPM_WORD, "linear", "momentum schemes: linear, about a state; or finite, where particles carry the stretch F, move with the grid's velocity, and have the stress of material at F",
+   .word = KinematicsWord, TEXT(KinematicsOf), IN(81, 63, 56, 47), .shown = IsFinite},
+  {"gravity", MPM_REAL, NULL, "kinematics finite: acceleration of gravity in each direction, in length / time^2, such as 0,-9.81",
+   ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), .shown = HasGravity},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = HasMaterial, .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
@@ -477,16 +535,16 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), .shown = HasRanks},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
    ABOVE(0), .rival = "steps", .tasks = "run"},
-  {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step",
-   .word = InitialWord, .tasks = "run", TEXT(InitialOf), IN(6, 0, 23, 0)},
+  {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step; with kinematics finite mode, random, manufactured, vortex, simple_wave, shock_tube, collision or uniform",
+   .word = InitialWord, .tasks = "run, spectrum", TEXT(InitialOf), IN(6, 0, 23, 0)},
   {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; of several directions as 1,-1, and one number is along x; number in mode_file, with eigenmode",
-   BETWEEN(-2147483646, 2147483646), .tasks = "run", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
+   BETWEEN(-2147483646, 2147483646), .tasks = "run, spectrum", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
   {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
-   .word = PolarisationWord, .tasks = "run", TEXT(PolarisationOf), IN(35, 0, 30, 0), .shown = HasPolarisation},
+   .word = PolarisationWord, .tasks = "run, spectrum", TEXT(PolarisationOf), IN(35, 0, 30, 0), .shown = HasPolarisation},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run"},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
-   ABOVE(0), .tasks = "run", KEPT(AS_REAL, amplitude), IN(21, 0, 25, 0)},
+   ABOVE(0), .tasks = "run, spectrum", KEPT(AS_REAL, amplitude), IN(21, 0, 25, 0)},
   {"stagger", MPM_SWITCH, "false", "start the field updated first half a step early",
    .tasks = "run", KEPT(AS_SWITCH, stagger), IN(7, 0, 26, 0)},
   {"weights", MPM_SWITCH, "false", "measure the slides' weights C1 and C2 at each sampled step",
@@ -500,7 +558,7 @@ const MpmField MpmOptions[] = {
   {"phases", MPM_INTEGER, NULL, "phases in [0, 2 pi) at which the symbol is taken, in each direction (default: cells; of matrix_blocks, program and plugin 64, 32 or 16 in 1, 2 or 3 dimensions)",
    BETWEEN(1, 2147483646), .tasks = "symbol, map", ASKED(AS_COUNT, phases[0]), .each = sizeof(PetscInt), OF_MATRIX},
   {"refine", MPM_SWITCH, "false", "take growth also at more and more phases in (0, pi], until the largest stops moving",
-   .tasks = "symbol", ASKED(AS_SWITCH, refine)},
+   .tasks = "symbol, map", ASKED(AS_SWITCH, refine)},
   {"verbose", MPM_SWITCH, "false", "also print the symbols alpha, kappa and mu at the wave that sets the limit",
    .tasks = "critical", ASKED(AS_SWITCH, verbose)},
   {"damping", MPM_SWITCH, "false", "also how fast waves along x decay, and how far their frequency is off",
@@ -535,6 +593,16 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1000000), .tasks = "spectrum", ASKED(AS_COUNT, powers), OF_MATRIX},
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
    BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
+  {"tangent", MPM_WORD, "none", "kinematics finite: take small perturbations through the steps of the run, random ones, or first a velocity like the mode; says how they grow, and warns",
+   .word = TangentWord, .tasks = "run"},
+  {"window", MPM_INTEGER, "320", "tangent: steps of a window; the largest growth of any perturbation from its beginning is found after 5 steps, 10, 20 and so on, and at its end",
+   BETWEEN(1, 10000), .tasks = "run", ASKED(AS_COUNT, window)},
+  {"exponents", MPM_INTEGER, "1", "tangent: perturbations that are followed, each orthogonal to those before it; their growth per step is listed",
+   BETWEEN(1, 1000), .tasks = "run", ASKED(AS_COUNT, exponents)},
+  {"warn_above", MPM_REAL, "5", "tangent: warn where a perturbation can grow more than this times 1 + c t / h",
+   ABOVE(0), .tasks = "run", ASKED(AS_REAL, warn_above)},
+  {"at_step", MPM_INTEGER, "0", "kinematics finite: eigenvalues of the tangent of the step after this step of the run",
+   BETWEEN(0, 1000000000), .tasks = "spectrum", ASKED(AS_LONG, at_step)},
   {"matrix", MPM_PATH, NULL, "file with the matrix of anybody's step in place of a scene: Matrix Market, PETSc's binary, HDF5 or scipy's .npz",
    NO_RANGE, .tasks = "spectrum", FILE_IN(matrix), IN(61, 43, 0, 0), OF_MATRIX},
   {"matrix_blocks", MPM_PATH, NULL, "HDF5 or .npz file with the blocks A_d of anybody's step on a lattice in place of a scene: arrays d and A; or a matrix that the hook has written, if all cells are alike",

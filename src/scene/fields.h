@@ -61,6 +61,7 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    of_matrix  - the option is also read where a matrix from a file takes the place of the scene
    each       - of a value for each direction: the distance in bytes from one direction's place to the next one's. 0: it
                 has one value
+   numbers    - how many values it has, where that is not one for each direction: the components of a stress
    by_hand    - the value is not read from the option as it stands, but by the code that makes its owner
    real       - records have the whole number as a double, as they have all numbers of transfers
    place      - for each record its place among those that are shown there, from 1; 0: it is not shown
@@ -79,7 +80,8 @@ typedef struct {
   MpmValueKind value;
   MpmOwner     owner;
   size_t       at, each;
-  PetscBool    by_hand, real, of_matrix;
+  PetscInt (*numbers)(const MpmScene *scene);
+  PetscBool by_hand, real, of_matrix;
   const char *(*text)(const MpmScene *scene);
   int place[MPM_RECORDS];
   PetscBool (*shown)(const MpmScene *scene, MpmRecord record);
@@ -96,20 +98,20 @@ extern const MpmField MpmOptions[], MpmDerived[];
 #define MPM_NOT_AN_OPTION -1
 PetscInt MpmOptionIndex(const char name[]);
 /*S
-   MpmValue - a field's value in a scene, or its n values, one for each direction. Its kind says where they are:
+   MpmValue - a field's value in a scene, or its n values, one for each direction or component. Its kind says where they are:
    AS_COUNT, AS_LONG in whole; AS_REAL in number[i][0], AS_RANGE in number; AS_FRACTION in fraction; the others in text.
 S*/
 typedef struct {
   const MpmField *field;
   MpmValueKind    kind;
   PetscInt        n;
-  PetscReal       number[MPM_MAX_DIM][2];
+  PetscReal       number[MPM_MAX_STRESS][2];
   PetscInt64      whole[MPM_MAX_DIM];
   MpmFraction     fraction[MPM_MAX_DIM];
   char            text[MPM_COUNTS_TEXT];
 } MpmValue;
 
-#define MPM_MAX_VALUES 80
+#define MPM_MAX_VALUES 110
 
 /*
    MpmValuesIn - the values that a record of a scene shows, in their order there.
@@ -122,7 +124,10 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
 /* Not collective. The value of one field, by its name. */
 PetscErrorCode MpmValueOf(const char name[], const MpmScene *scene, const MpmRequest *request, MpmValue *value);
 
-/* Not collective. The name of direction a's value as an attribute: the field's, with _x, _y or _z where there are several. */
+/*
+   Not collective. The name of value a as an attribute: the field's, where there are several with _x, _y or _z, and of a
+   stress with _xx, _xy and so on.
+*/
 PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[]);
 
 /* Not collective. The value of direction a with all its digits, as MpmValueText has it. */

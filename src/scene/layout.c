@@ -47,6 +47,7 @@ PetscInt MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell)
 
 void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[])
 {
+  id = MpmLayoutBoxOf(layout, id);
   for (PetscInt a = 0; a < layout->dim - 1; a++) {
     site[a] = layout->first[a] + id % layout->row[a];
     id /= layout->row[a];

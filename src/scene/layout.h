@@ -16,6 +16,15 @@ void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscI
 PetscInt64 MpmLayoutSitesBefore(const MpmLayout *layout, PetscInt cell);
 PetscInt   MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell);
 
+extern const char *const MpmShapeNames[]; /* of the option shape */
+
+/*
+   Not collective. The number of particle id in the box of sites that particles take, and the particle at a site of the
+   box, -1: none. They are the same where particles fill the box.
+*/
+PetscInt64 MpmLayoutBoxOf(const MpmLayout *layout, PetscInt64 id);
+PetscInt64 MpmLayoutIdAt(const MpmLayout *layout, PetscInt64 box);
+
 /* Not collective. The site of particle id in each direction. */
 void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 

@@ -20,6 +20,7 @@ static PetscReal Share(const MpmLayout *layout, const PetscReal x[])
       if (!(x[a] >= m->inclusion[a][0] && x[a] < m->inclusion[a][1])) return 0;
     return 1;
   }
+  if (m->kind == MPM_MATERIAL_WAVE) return sin(2 * PETSC_PI * s);
   return layout->grid[0].ends[0] == MPM_PERIODIC ? 1 - fabs(2 * s - 1) : s;
 }
 
@@ -30,6 +31,11 @@ static PetscReal Ratio(const MpmLayout *layout, PetscReal ratio, PetscInt64 id)
   if (layout->material.kind == MPM_MATERIAL_UNIFORM || ratio == 1) return 1;
   MpmLayoutRest(layout, id, x);
   return pow(ratio, Share(layout, x));
+}
+
+PetscReal MpmMaterialDensity(const MpmLayout *layout, const PetscReal x[])
+{
+  return layout->material.kind == MPM_MATERIAL_UNIFORM ? 1 : pow(layout->material.density, Share(layout, x));
 }
 
 PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id)
@@ -50,7 +56,8 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
 {
   const PetscBool varied = layout->material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
 
-  bound[MPM_MASS]      = varied ? PetscMin(1, layout->material.density) : 1;
+  bound[MPM_MASS] = varied ? PetscMin(1, layout->material.density) : 1;
+  if (layout->material.kind == MPM_MATERIAL_WAVE) bound[MPM_MASS] = 1 / layout->material.density;
   bound[MPM_STIFFNESS] = varied ? PetscMax(1, layout->material.stiffness) : 1;
   bound[MPM_VOLUME]    = 1;
   for (PetscInt r = 0; r < layout->counts.n; r++)

@@ -20,5 +20,8 @@ extern const char *const MpmMaterialNames[];
 */
 PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, PetscInt64 id);
 
+/* Not collective. The density at place x in cells, relative to the first material's. */
+PetscReal MpmMaterialDensity(const MpmLayout *layout, const PetscReal x[]);
+
 /* Not collective. Finds bounds of the properties over a scene: the least mass, and the largest volume and stiffness. */
 void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES]);

@@ -45,7 +45,8 @@ static PetscErrorCode CheckRandom(const MpmSettings *settings, const MpmRequest 
 /* Refuses what is of the bulk where the bulk is not looked at. */
 static PetscErrorCode CheckBulk(const MpmSettings *settings, const MpmRequest *request)
 {
-  static const char *const bulk[] = {"csv", "output", "powers", "pseudospectrum", "modes", "measure", "write_matrix"};
+  static const char *const bulk[] = {"csv",   "output",  "powers", "pseudospectrum",
+                                     "modes", "measure", "nodal",  "write_matrix"};
 
   PetscFunctionBegin;
   if (request->neighbourhood[MPM_IN_BULK]) PetscFunctionReturn(PETSC_SUCCESS);

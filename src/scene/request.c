@@ -1,6 +1,6 @@
 /* From settings to a request: what a task is to do with its scene. */
 #include "scene/request.h"
-#include "scene/settings.h"
+#include "scene/solution.h"
 #include <math.h>
 #include <string.h>
 
@@ -78,6 +78,10 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
     PetscCall(MpmSettingsRefuse(settings, "damping",
                                 "the formulation names no continuous problem whose waves could be followed; allowed: a "
                                 "formulation with an exact solution"));
+  if (scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space))
+    PetscCall(MpmSettingsRefuse(settings, "damping",
+                                "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
+                                "without a prestress"));
   if (request->phases[0] < 3)
     PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
                                 "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
@@ -187,6 +191,8 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
     PetscCall(MpmSettingsRefuse(
         settings, "map_axes",
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space))
+    PetscCall(MpmSettingsRefuse(settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes"));
   for (int i = 0; i < 2 && MpmRequestVaries(request, MPM_AXIS_POISSON); i++)
     if (MpmSettingsGiven(settings, moduli[i]))
       PetscCall(MpmSettingsRefuse(settings, moduli[i],
@@ -426,15 +432,52 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 
 #define NODAL_FROM 500 /* unknowns of particles; fewer take no time, and their operator is the better balanced one */
 
+/* What reads the linear step of a scheme has none at finite deformation. */
+static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  static const char *const linear[] = {"symbol", "critical", "map", "ensemble"};
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(linear) && scene->scheme.space.finite; i++)
+    if (!strcmp(request->task, linear[i]))
+      PetscCall(MpmSettingsRefuse(
+          settings, "kinematics",
+          "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
+          "material and stretch, or prestress, is about a uniform state"));
+  if (scene->scheme.space.finite && (request->weights || request->source_term || request->ringing))
+    PetscCall(MpmSettingsRefuse(settings, "kinematics",
+                                "weights, source_term and ringing are of the linear step; allowed: without them"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* An exact solution that ends before the run does would be wrong. */
+static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+{
+  const MpmSolution *solution = MpmSolutionOf(scene);
+  char               why[160];
+
+  PetscFunctionBegin;
+  if (!solution || request->steps * scene->dt <= solution->end(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(why, sizeof why,
+                          "its exact solution holds until time %.6g; allowed: a run to that time or before",
+                          (double)solution->end(scene)));
+  PetscCall(MpmSettingsRefuse(settings, "initial", why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     request->phases[a] = scene->layout.grid[a].cells; /* unless something else is said */
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &scene->layout.dim, request));
-  if (!MpmSettingsGiven(settings, "nodal"))
+  request->nodal_asked = MpmSettingsGiven(settings, "nodal");
+  if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(CheckKinematics(settings, scene, request));
+  PetscCall(MpmSettingsReadTangent(settings, scene, request));
   PetscCall(ReadSteps(settings, scene, request));
+  PetscCall(CheckSolution(settings, scene, request));
   PetscCall(CheckSurvey(settings, request));
   PetscCall(ReadDamping(settings, scene, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;

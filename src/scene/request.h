@@ -50,6 +50,12 @@ E*/
 typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_MATRIX_FREE, MPM_PROBE_ANY } MpmProbeKind;
 extern const char *const MpmProbeNames[];
 
+/*E
+   MpmTangentKind - the perturbation that goes with a run: none, random numbers, or a velocity like the mode of the scene.
+E*/
+typedef enum { MPM_TANGENT_NONE, MPM_TANGENT_RANDOM, MPM_TANGENT_MODE } MpmTangentKind;
+extern const char *const MpmTangentNames[];
+
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
 #define MPM_MAX_DIVISORS 16
 
@@ -63,9 +69,11 @@ extern const char *const MpmProbeNames[];
    phases            - at which symbol and map take the symbol, in each direction
    refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
-   nodal             - whether eigenvalues are sought of the nodes' operator, where there is one
+   nodal, nodal_asked - whether eigenvalues are sought of the nodes' operator, where there is one; whether that was given
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
+   tangent, window, exponents, warn_above - the perturbations beside a run (analysis/tangents.h)
+   at_step           - at kinematics finite, the step of the run whose tangent spectrum takes
    survey            - whether critical goes through all schemes
    neighbourhood     - those that critical and spectrum look at
    layouts           - how many random layouts an ensemble, or neighbourhood random, has
@@ -88,12 +96,16 @@ typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
   PetscReal       tolerance, voids;
-  PetscBool       weights, source_term, ringing, measure, nodal, survey, refine, damping, verbose;
+  PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
+  MpmTangentKind  tangent;
+  PetscInt        window, exponents;
+  PetscInt64      at_step;
+  PetscReal       warn_above;
   PetscBool       at_mach;
   MpmMach         mach;
   MpmExpect       expect;

@@ -214,7 +214,7 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
       PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanReact, "nodal increment that a wall could add to"));
   }
   if (l->grid[a].ends[0] == MPM_PERIODIC) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(scene->step.drift[a].value == 0,
+  MpmCheckInput(scene->step.drift[a].value == 0 || scene->scheme.space.finite,
                 "drift %g with boundary %s: particles would leave the domain; allowed: drift 0, or boundary periodic",
                 scene->step.drift[a].value, scene->boundary);
   MpmCheckInput(
@@ -436,15 +436,23 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
-  PetscCall(MpmSettingsReadLaw(settings, scene));
+  PetscCall(MpmSettingsReadKinematics(settings, scene));
+  if (scene->scheme.space.finite)
+    PetscCall(MpmSettingsReadFiniteLaw(settings, scene));
+  else
+    PetscCall(MpmSettingsReadLaw(settings, scene));
   PetscCall(MpmSettingsReadGrid(settings, scene));
   PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
+  PetscCall(MpmSettingsReadShape(settings, scene));
   PetscCall(ReadSpace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
-  PetscCall(MpmSettingsReadPrestress(settings, scene));
+  if (scene->scheme.space.finite)
+    PetscCall(MpmSettingsCheckFinite(settings, scene));
+  else
+    PetscCall(MpmSettingsReadPrestress(settings, scene));
   PetscCall(MpmTableCreate(scene->scheme.formulation, scene->scheme.transfer, &scene->scheme.numbers,
                            &scene->scheme.space, &scene->scheme.table));
   PetscCall(MpmSettingsReadInitial(settings, scene));
@@ -452,8 +460,8 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes a scene from a file or from text. A refusal frees what there is, so that the caller can go on. */
-static PetscErrorCode FromYaml(const char path[], const char yaml[], MpmScene **scene)
+/* Makes a scene from a file, or from text that messages call by a name. A refusal frees what there is, so that the caller can go on. */
+static PetscErrorCode FromYaml(const char path[], const char name[], const char yaml[], MpmScene **scene)
 {
   MpmSettings   *settings = NULL;
   PetscErrorCode ierr;
@@ -461,7 +469,7 @@ static PetscErrorCode FromYaml(const char path[], const char yaml[], MpmScene **
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
   ierr = MpmSettingsCreate(&settings);
-  if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, yaml);
+  if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, name, yaml);
   if (!ierr) ierr = MpmSettingsReadProblem(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
@@ -469,17 +477,24 @@ static PetscErrorCode FromYaml(const char path[], const char yaml[], MpmScene **
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(FromYaml(NULL, name, yaml, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(FromYaml(NULL, yaml, scene));
+  PetscCall(MpmSceneFromNamedText("text", yaml, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
 {
   PetscFunctionBegin;
-  PetscCall(FromYaml(path, NULL, scene));
+  PetscCall(FromYaml(path, NULL, NULL, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -488,6 +503,7 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   PetscFunctionBegin;
   if (*scene) {
     PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
+    PetscCall(PetscFree((*scene)->layout.spans));
     PetscCall(MpmWrittenFormulationDestroy(&(*scene)->own));
     PetscCall(MpmWrittenDestroy(&(*scene)->written));
   }

@@ -1,5 +1,5 @@
 /* The initial data of a scene: which wave it starts from, and whether that wave exists between its ends. */
-#include "scene/settings.h"
+#include "scene/solution.h"
 #include <string.h>
 
 /* asked: the initial data that the settings name. Where there is no such solution scene->initial has others. */
@@ -15,11 +15,13 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmInitial asked,
       PetscCall(MpmSettingsRefuse(settings, "stagger",
                                   "no field of this formulation lags half a step; allowed: with those where one does"));
   }
-  if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE) {
+  if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE &&
+      !MpmSolutionOf(scene)) {
     scene->stagger = PETSC_FALSE;
     if (!lost && !MpmSettingsOverruled(settings, "stagger", "initial"))
-      PetscCall(
-          MpmSettingsRefuse(settings, "stagger", "these data have no half step; allowed: with initial mode or pulse"));
+      PetscCall(MpmSettingsRefuse(settings, "stagger",
+                                  "these data have no half step; allowed: with initial mode or pulse, or an exact "
+                                  "solution at finite strain"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -118,6 +120,10 @@ static PetscErrorCode CheckExact(const MpmSettings *settings, MpmScene *scene)
   if (!scene->scheme.formulation->wave)
     PetscCall(FallBack(settings, scene, "formulation",
                        "the formulation has no exact solution to start from; allowed: random or eigenmode"));
+  else if (scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space))
+    PetscCall(FallBack(settings, scene, scene->law == MPM_LAW_LINEAR ? "prestress" : "material",
+                       "waves about a prestressed state have no exact solution here; allowed: with dim 1, or random or "
+                       "eigenmode"));
   else if (mode && !MpmSceneProfile(scene, 1).nwaves)
     PetscCall(FallBack(settings, scene, "boundary",
                        "no such wave stands between these ends; allowed: another mode, boundary periodic or symmetry, "
@@ -133,6 +139,9 @@ PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *sce
   const MpmInitial asked = scene->initial;
 
   PetscFunctionBegin;
+  if (!scene->scheme.space.finite && scene->initial >= MPM_INITIAL_MANUFACTURED)
+    PetscCall(FallBack(settings, scene, "kinematics",
+                       "allowed: with kinematics finite; or mode, random, pulse, eigenmode and step"));
   PetscCall(ReadMode(settings, scene));
   PetscCall(ReadPolarisation(settings, scene));
   PetscCall(CheckExact(settings, scene));

@@ -1,5 +1,5 @@
 /* What follows from a scene: whether it has an exact solution, the size of its fields, and its numbers of particles. */
-#include <mpmstab/scene.h>
+#include "scene/solution.h"
 #include <math.h>
 #include <string.h>
 
@@ -13,11 +13,20 @@ PetscBool MpmSceneHasPoisson(const MpmScene *scene)
 PetscBool MpmSceneHasExact(const MpmScene *scene)
 {
   if (!scene->scheme.formulation->wave) return PETSC_FALSE;
+  if (scene->scheme.space.finite) return MpmSolutionOf(scene) ? PETSC_TRUE : PETSC_FALSE;
   if (!MpmInitialHasExact(scene->initial) || scene->layout.material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
   if (MpmSceneIsFull(scene)) return PETSC_TRUE;
   return scene->layout.dim == 1 && scene->layout.first[0] == 0 && scene->layout.grid[0].ends[1] == MPM_FREE
              ? PETSC_TRUE
              : PETSC_FALSE;
+}
+
+const char *MpmSceneEquations(const MpmScene *scene)
+{
+  const MpmWave *wave = scene->scheme.formulation->wave;
+
+  if (scene->scheme.space.finite) return MpmSolutionOf(scene)->equations;
+  return scene->layout.dim == 1 ? wave->equations : wave->equations_nd;
 }
 
 PetscInt MpmSceneExponent(const MpmScene *scene)

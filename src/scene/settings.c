@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Takes away what a weaker source said in another way; the same source must not say it twice. */
-PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source)
+PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmOrigin source)
 {
   PetscFunctionBegin;
   MpmCheckInput(settings->source[other] != source, "%s and %s are both given %s%s; allowed: one of them",
@@ -18,7 +18,7 @@ PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line)
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmOrigin source, int line)
 {
   PetscFunctionBegin;
   for (const char *rival = MpmOptions[option].rival; rival && *rival; rival += strcspn(rival, ",")) {
@@ -36,7 +36,7 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 }
 
 /* Sets the options in PETSc's database that have one source. */
-static PetscErrorCode ReadFrom(MpmSettings *settings, MpmSource source)
+static PetscErrorCode ReadFrom(MpmSettings *settings, MpmOrigin source)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {

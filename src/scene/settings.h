@@ -9,12 +9,12 @@
 #include <mpmstab/errors.h>
 
 /* Outside: PETSC_OPTIONS, or a file in which PETSc looks for options. */
-typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_OUTSIDE, MPM_FROM_COMMAND_LINE } MpmSource;
+typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_OUTSIDE, MPM_FROM_COMMAND_LINE } MpmOrigin;
 
 /* What was said of a parameter of the scheme, or of map_ and its name. */
 typedef struct {
   char     *name, *text;
-  MpmSource source;
+  MpmOrigin source;
   int       line;
 } MpmSettingsParameter;
 
@@ -26,7 +26,7 @@ typedef struct {
 */
 typedef struct {
   char     *text[MPM_MAX_OPTIONS]; /* NULL: not given and no default */
-  MpmSource source[MPM_MAX_OPTIONS];
+  MpmOrigin source[MPM_MAX_OPTIONS];
   int       line[MPM_MAX_OPTIONS]; /* in the scene, from 1 */
   char      scene[PETSC_MAX_PATH_LEN];
 
@@ -41,21 +41,21 @@ PetscErrorCode MpmSettingsCreate(MpmSettings **settings);
 PetscErrorCode MpmSettingsDestroy(MpmSettings **settings);
 
 /*
-   Collective. Reads the keys of a scene, from a YAML file or from YAML text, and the options in PETSc's database. Each
-   refuses keys that are unknown and what is given twice.
+   Collective. Reads the keys of a scene, from a YAML file or from YAML text that messages call by a name, and the options
+   in PETSc's database. Each refuses keys that are unknown and what is given twice.
 */
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
-PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[]);
+PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char name[], const char yaml[]);
 PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
 
 /*
    Collective. Takes away what is said of another option where an option of this source says it in another way. Refuses
    what the same source says in both.
 */
-PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmSource source);
+PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmOrigin source);
 
 /* Collective. Sets an option's text, and takes away those of its rivals. line: in the scene, from 1. */
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmSource source, int line);
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmOrigin source, int line);
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
@@ -76,7 +76,7 @@ PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[
 */
 PetscErrorCode MpmSettingsKeepScheme(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *node,
                                      int line);
-PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmSource source,
+PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmOrigin source,
                                         int line);
 PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
 const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
@@ -105,7 +105,8 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
-   List: whole numbers with commas between them, at most room. Words: the same of words, as their indices.
+   List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of words,
+   as their indices.
 
    Each: the values of dim directions, which are one for all or one for each with commas between them. The Ends of
    several directions have a hyphen between the two words of one: periodic,fixed-free.
@@ -125,13 +126,15 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
 PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[]);
+PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscReal list[]);
 PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                 PetscInt index[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether an option has a value, who gave it, and the value as text. */
 PetscBool   MpmSettingsGiven(const MpmSettings *settings, const char name[]);
-MpmSource   MpmSettingsSource(const MpmSettings *settings, const char name[]);
+MpmOrigin   MpmSettingsSource(const MpmSettings *settings, const char name[]);
 const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
 
 /*
@@ -163,6 +166,9 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
 
 /* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
+
+/* Collective. As MpmSceneFromText; messages call the text by the name. */
+PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
@@ -206,10 +212,33 @@ PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *s
 PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
 
 /*
+   Collective. Reads whether a scene has finite deformation, and the gravity there; the material and the stretch of one
+   that has, in the place of MpmSettingsReadLaw; and what else it asks for, in the place of MpmSettingsReadPrestress.
+*/
+PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene);
+
+/* Collective. Reads the shape that particles fill. The box that they are in and the kinematics must be known. */
+PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene);
+
+/*
+   Collective. Refuses scenes that have no exact solution at finite strain from the initial data that they name, and sets
+   the body force and the densities of one that has. All but the table must be known.
+*/
+PetscErrorCode MpmSettingsReadSolution(const MpmSettings *settings, MpmScene *scene);
+
+/*
    Collective. Reads what else a prestress asks for, and refuses scenes whose particles would not stay where they are.
    Scheme, layout, step and ends must be known.
 */
 PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene);
+
+/*
+   Collective. Reads what a run is asked of its tangent, and refuses it for a scene whose step has none. The table of the
+   scene, and the other fields of the request, must be known.
+*/
+PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 
 /*
    Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none

@@ -16,7 +16,7 @@ PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
   return settings->text[MpmOptionIndex(name)] ? PETSC_TRUE : PETSC_FALSE;
 }
 
-MpmSource MpmSettingsSource(const MpmSettings *settings, const char name[])
+MpmOrigin MpmSettingsSource(const MpmSettings *settings, const char name[])
 {
   return settings->source[MpmOptionIndex(name)];
 }
@@ -451,6 +451,23 @@ PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], P
       PetscCall(MpmSettingsRefuse(settings, name, why));
     list[(*n)++] = (PetscInt)value;
     if (!*end) break;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
+                                PetscReal list[])
+{
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  const char     *text   = MpmSettingsText(settings, name);
+  char            part[PART];
+
+  PetscFunctionBegin;
+  for (*n = 0; *n == 0 || *text++ == ','; text += strcspn(text, ",")) {
+    PetscCall(PetscStrncpy(part, text, PetscMin(strcspn(text, ",") + 1, sizeof part)));
+    if (*n == room || !ParseReal(part, &list[*n]) || !InRange(option, list[*n]))
+      PetscCall(RefuseNumber(settings, name, "finite numbers"));
+    ++*n;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

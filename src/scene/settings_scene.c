@@ -219,10 +219,10 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char yaml[])
+PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char name[], const char yaml[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(settings->scene, "text", sizeof settings->scene));
+  PetscCall(PetscStrncpy(settings->scene, name, sizeof settings->scene));
   PetscCall(MpmYamlReadText("scene", settings->scene, yaml, ReadRoot, settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -54,7 +54,7 @@ static PetscErrorCode UseFile(void *context, yaml_document_t *document, const ya
 static PetscErrorCode Choose(MpmSettings *settings)
 {
   const PetscInt  formulation = MpmOptionIndex("formulation"), scheme = MpmOptionIndex("scheme");
-  const MpmSource says = settings->source[formulation], text = settings->source[scheme];
+  const MpmOrigin says = settings->source[formulation], text = settings->source[scheme];
   PetscInt        i;
 
   PetscFunctionBegin;
@@ -91,7 +91,7 @@ static PetscErrorCode Load(MpmSettings *settings)
 
 /* ---- parameters ---- */
 
-PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmSource source,
+PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmOrigin source,
                                         int line)
 {
   MpmSettingsParameter *said = settings->parameter;

@@ -57,14 +57,15 @@ void MpmPlaceBlock(PetscInt n, const PetscInt *restrict cell0, const PetscReal *
 PetscReal MpmSumSquares(PetscInt n, const PetscReal *restrict q)
 {
   enum { SIDE = 32 };
-  PetscReal part[SIDE] = {0}, sum = 0;
+  PetscReal part[SIDE] = {0};
   PetscInt  p;
 
   for (p = 0; p + SIDE <= n; p += SIDE)
     for (int i = 0; i < SIDE; i++) part[i] += q[p + i] * q[p + i];
-  for (; p < n; p++) sum += q[p] * q[p];
-  for (int i = 0; i < SIDE; i++) sum += part[i];
-  return sum;
+  for (int i = 0; i < n - p; i++) part[i] += q[p + i] * q[p + i];
+  for (int half = SIDE / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; i++) part[i] += part[i + half];
+  return part[0];
 }
 
 void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)

@@ -35,7 +35,8 @@
 #include <mpmstab/wave.h>
 #include <math.h>
 
-const char *const MpmInitialNames[]      = {"mode", "random", "pulse", "eigenmode", "step", NULL};
+const char *const MpmInitialNames[] = {"mode",   "random",      "pulse",      "eigenmode", "step",    "manufactured",
+                                       "vortex", "simple_wave", "shock_tube", "collision", "uniform", NULL};
 const char *const MpmPolarisationNames[] = {"p", "s", NULL};
 
 static PetscReal PulseWidth(const MpmProfile *p)

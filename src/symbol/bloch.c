@@ -26,12 +26,22 @@
 #define SELDOM 8       /* and only after so many steps a matrix may have to be divided */
 #define BLOCK 4        /* numbers that are added at once; rows are filled up with zeros to a multiple of it */
 
-/* Every table has a P2G, whose weights give the masses. SOLVE needs G2P too. */
-static PetscBool IsUsed(const MpmScheme *scheme, MpmOpKind kind)
+/*
+   Finds the kinds whose weights the maps of a scheme have along some direction. Every table has a P2G, whose weights give
+   the masses. SOLVE needs G2P too.
+*/
+static void FindUsed(const MpmScheme *scheme, PetscBool used[])
 {
-  if (!scheme->basis->kernel[kind]) return PETSC_FALSE;
-  if (kind == MPM_G2P && MpmTableHas(scheme->table, MPM_SOLVE)) return PETSC_TRUE;
-  return MpmTableHas(scheme->table, kind);
+  const MpmTable *t = scheme->table;
+
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp      *op     = &t->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (op->kind == MPM_SOLVE) used[MPM_G2P] = PETSC_TRUE;
+    if (traits.src == traits.dst) continue;
+    for (PetscInt a = 0; a < t->dim; a++) used[MpmKindAlong(op->kind, op->axis, a)] = PETSC_TRUE;
+  }
 }
 
 static PetscInt FullWidth(PetscInt columns)
@@ -83,22 +93,38 @@ static PetscErrorCode FindTurn(const MpmFraction drift[], MpmBloch *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Particles that move take the smaller matrix of a turn where there is one. */
+static PetscErrorCode FindTaken(MpmBloch *b)
+{
+  PetscFunctionBegin;
+  b->turn_size = b->size;
+  if (b->period == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTakenFind(b->scheme->table, &b->taken));
+  if (b->taken) b->turn_size = b->taken->numbers + b->taken->left * b->ppc;
+  if (b->taken && b->turn_size < b->size) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(b->taken));
+  b->turn_size = b->size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[], MpmBloch *b)
 {
   const MpmTable *table = scheme->table;
   MpmStep         step  = {.courant = 0};
 
   PetscFunctionBegin;
+  PetscCall(MpmTableRequireLinear(table));
   *b = (MpmBloch){.layout = layout, .scheme = scheme, .fields = table->nstate, .ppc = MpmLayoutPpc(layout)};
   for (PetscInt a = 0; a < layout->dim; a++) step.drift[a] = drift[a];
   PetscCall(MpmStepPeriod(&step, &b->period));
   b->size = b->fields * b->ppc;
   PetscCall(FindTurn(drift, b));
+  PetscCall(FindTaken(b));
   PetscCall(PetscMalloc2(2 * table->nparticles * b->ppc * FullWidth(b->size), &b->particle,
                          2 * table->nnodes * FullWidth(b->size), &b->nodes));
   PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops, &b->values));
   for (PetscInt o = 0; o < table->nops; o++) b->traits[o] = MpmOpTraitsOf(table->ops[o].kind);
-  for (PetscInt kind = 0; kind < KINDS; kind++) b->used[kind] = IsUsed(scheme, (MpmOpKind)kind);
+  FindUsed(scheme, b->used);
   for (PetscInt a = 0; a < layout->dim; a++) {
     PetscCall(MpmTiesCreate(layout, scheme, a, &drift[a], b->used, &b->ties[a]));
     PetscCall(PetscMalloc1(b->ties[a].period * KINDS * layout->ppc[a], &b->tie[a]));
@@ -118,6 +144,7 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
   }
   PetscCall(PetscFree2(b->particle, b->nodes));
   PetscCall(PetscFree2(b->place, b->beyond));
+  PetscCall(PetscFree(b->taken));
   PetscCall(PetscFree2(b->traits, b->values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -162,7 +189,7 @@ double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, Pet
   if (b->layout->dim == 1) return b->now[0][kind * ppc[0] + j];
   product = 1;
   for (PetscInt a = 0; a < b->layout->dim; a++) {
-    product = MpmTimes(product, b->now[a][(a == axis ? kind : MPM_P2G) * ppc[a] + j % ppc[a]]);
+    product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * ppc[a] + j % ppc[a]]);
     j /= ppc[a];
   }
   return product;
@@ -368,20 +395,25 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal be
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What was a particle's goes to the one whose place it has taken, with the phase of the cells in between. */
-PetscErrorCode MpmBlochTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
-                            PetscInt *exponent)
+/* The phase factor of what goes from particle j to the one whose place it has taken, for the cells in between. */
+static double complex PhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
+{
+  PetscReal angle = 0;
+
+  for (PetscInt a = 0; a < b->layout->dim; a++) angle -= beta[a] * (PetscReal)b->beyond[j][a];
+  return angle == 0 ? 1 : cexp(I * angle);
+}
+
+static PetscErrorCode WholeTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
+                                PetscInt *exponent)
 {
   const PetscInt n = b->size;
 
   PetscFunctionBegin;
   PetscCall(Steps(b, courant, beta, b->turn, PETSC_FALSE, exponent));
   for (PetscInt j = 0; j < b->ppc; j++) {
-    PetscReal      angle = 0;
-    double complex wave;
+    const double complex wave = PhaseBeyond(b, beta, j);
 
-    for (PetscInt a = 0; a < b->layout->dim; a++) angle -= beta[a] * (PetscReal)b->beyond[j][a];
-    wave = angle == 0 ? 1 : cexp(I * angle);
     for (PetscInt field = 0; field < b->fields; field++) {
       const PetscReal *row = Rows(b, field) + 2 * j * b->width;
 
@@ -389,5 +421,99 @@ PetscErrorCode MpmBlochTurn(MpmBloch *b, PetscReal courant, const PetscReal beta
         G[c * n + b->fields * b->place[j] + field] = MpmTimes(wave, CMPLX(row[c], row[b->width + c]));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a turn of what particles take from nodes, and of the rest ---- */
+
+/*
+   Sets the registers at the start of a turn. The nodes gave their numbers at the step before, when particles stood as at the
+   last step of a turn, but for the places that they have taken since.
+*/
+static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscReal courant)
+{
+  const MpmTaken *t   = b->taken;
+  PetscInt        col = t->numbers;
+
+  SetStep(b, b->turn - 1);
+  for (PetscInt j = 0; j < b->ppc; j++) {
+    const double complex wave = PhaseBeyond(b, beta, j);
+
+    for (PetscInt n = 0; n < t->numbers; n++) {
+      const MpmTakenGift *gift = &t->gift[t->first[n]];
+
+      for (PetscInt i = 0; i < gift->parts; i++) {
+        const MpmTakenPart  *part = &gift->part[i];
+        PetscReal           *row  = Rows(b, part->dst) + 2 * b->place[j] * b->width;
+        const double complex tie  = MpmScaled(part->factor * PetscPowRealInt(courant, part->power),
+                                              MpmTimes(wave, MpmBlochTie(b, part->kind, part->axis, j)));
+
+        row[n] += creal(tie);
+        row[b->width + n] += cimag(tie);
+      }
+    }
+  }
+  for (PetscInt j = 0; j < b->ppc; j++)
+    for (PetscInt r = 0; r < b->fields; r++)
+      if (!t->taken[r]) Rows(b, r)[2 * j * b->width + col++] = 1;
+}
+
+/* The last step of a turn: the nodes' numbers, rows of 2 x width, are noted before they are given to particles. */
+static void LastStep(MpmBloch *b, const PetscReal beta[], PetscReal numbers[])
+{
+  const MpmTaken *t = b->taken;
+
+  for (PetscInt i = 0; i < t->numbers * 2 * b->width; i++) numbers[i] = 0;
+  SetStep(b, b->turn - 1);
+  for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
+    for (PetscInt g = 0; g < t->ngifts; g++)
+      if (t->gift[g].at == o)
+        AddRow(b->width, t->gift[g].times, Row(b, t->gift[g].src), numbers + t->gift[g].number * 2 * b->width);
+    ApplyOp(b, o, beta);
+  }
+}
+
+static PetscErrorCode SmallerTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
+                                  PetscInt *exponent)
+{
+  const MpmTaken *t = b->taken;
+  const PetscInt  n = b->turn_size, every = courant <= MODERATE ? SELDOM : 1;
+  PetscReal      *numbers;
+
+  PetscFunctionBegin;
+  *exponent = 0;
+  PetscCall(Begin(b, courant, beta, b->turn, n));
+  PetscCall(PetscMalloc1(t->numbers * 2 * b->width, &numbers));
+  SpreadTaken(b, beta, courant);
+  for (PetscInt step = 0; step < b->turn - 1; step++) {
+    Step(b, step, beta);
+    if (step % every == every - 1) *exponent += Rescale(b);
+  }
+  *exponent += Rescale(b);
+  LastStep(b, beta, numbers);
+  for (PetscInt y = 0; y < t->numbers; y++)
+    for (PetscInt c = 0; c < n; c++)
+      G[c * n + y] = CMPLX(numbers[2 * y * b->width + c], numbers[(2 * y + 1) * b->width + c]);
+  for (PetscInt j = 0; j < b->ppc; j++) {
+    const double complex wave = PhaseBeyond(b, beta, j);
+    PetscInt             to   = t->numbers + t->left * b->place[j];
+
+    for (PetscInt r = 0; r < b->fields; r++) {
+      const PetscReal *row = Rows(b, r) + 2 * j * b->width;
+
+      if (t->taken[r]) continue;
+      for (PetscInt c = 0; c < n; c++) G[c * n + to] = MpmTimes(wave, CMPLX(row[c], row[b->width + c]));
+      to++;
+    }
+  }
+  PetscCall(PetscFree(numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
+                            PetscInt *exponent)
+{
+  PetscFunctionBegin;
+  PetscCall((b->taken ? SmallerTurn : WholeTurn)(b, courant, beta, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /* The amplification matrix of one phase: a table applied to one Bloch mode. MpmSymbolCreate calls it for each phase. */
 #pragma once
+#include "symbol/bloch_taken.h"
 #include "symbol/ties.h"
 
 typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
@@ -18,6 +19,8 @@ typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
    turn         - after so many steps the particles have changed places with one another: particle j has the place that
                   place[j] had, beyond[j] cells farther. A period is a whole number of turns. A turn is shorter where
                   ppc and the denominator of the drift have a common divisor.
+   taken, turn_size - what particles take from nodes, and the order of the matrix of a turn. NULL and size for particles at
+                  rest, and where the registers hold no more
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
@@ -32,7 +35,8 @@ S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  PetscInt         fields, ppc, size, width, period, turn, *place, (*beyond)[MPM_MAX_DIM];
+  PetscInt         fields, ppc, size, width, period, turn, turn_size, *place, (*beyond)[MPM_MAX_DIM];
+  MpmTaken        *taken;
   PetscBool        used[MPM_OP_KINDS];
   MpmTies          ties[MPM_MAX_DIM];
   double complex   wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM], *now[MPM_MAX_DIM];
@@ -70,7 +74,8 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscRea
    one, m the cells that particles move in a period, and growth per step is the same. With two particles a cell and a
    drift of 1/8 a turn takes four steps, and a period eight.
 
-   Not collective.
+   Not collective. G is turn_size x turn_size by columns. Where particles take values from nodes (MpmTaken) it is of the
+   smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those of the turn, but for zeros.
 */
 PetscErrorCode MpmBlochTurn(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], double complex G[],
                             PetscInt *exponent);

@@ -9,7 +9,7 @@
 
    MpmBlochGrowths - that, and growth without the null space; NaN where it is not known.
 
-   Not collective. eigen has the order bloch->size and is overwritten.
+   Not collective. eigen has the order bloch->turn_size and is overwritten.
 */
 PetscErrorCode MpmBlochGrowth(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal courant, const PetscReal beta[],
                               PetscReal *growth);

@@ -5,8 +5,7 @@
 
 /*
    Nodes have one number of a number, and a vector of a vector or of a stress. An affine part adds to its vector's own
-   numbers. Displacements are sums of what else is in the state, so that each has a factor of 1 of its own; all of them are
-   left out.
+   numbers, and displacements to those of the stress, since nodes feel the two in one force.
 */
 void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscReal *factor)
 {
@@ -23,6 +22,8 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
     if (t->field[r] < 0 || t->component[r] > 0) continue;
     for (PetscInt other = 0; other < t->nstate; other++) components += t->field[other] == t->field[r];
     seen = scheme->formulation->particle_ranks[t->field[r]] == MPM_SCALAR ? 1 : t->dim;
+    if (scheme->formulation->particle_ranks[t->field[r]] == MPM_TENSOR && t->displacement != MPM_NONE)
+      components += t->dim;
     numbers[t->filtered[r]] -= PetscMin(seen, components * b->ppc);
   }
   *rest   = numbers[0];

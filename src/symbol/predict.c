@@ -1,5 +1,6 @@
 /* The closed forms of the formulations, at the phases beta = 2 pi m / cells of a grid. */
 #include "linalg/hermitian.h"
+#include "linalg/small_qr.h"
 #include "scene/layout.h"
 #include "symbol/predict.h"
 #include <math.h>
@@ -36,7 +37,8 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
 
 const char *MpmPredictionText(const MpmScheme *scheme)
 {
-  return scheme->space.prestress == 0 ? scheme->formulation->corrected_text : "with a prestress: THEORY.md, section 9";
+  return MpmSpaceIsPrestressed(&scheme->space) ? "with a prestress: THEORY.md, section 9"
+                                               : scheme->formulation->corrected_text;
 }
 
 static MpmOpKind GradientOf(const MpmScheme *scheme)
@@ -49,6 +51,18 @@ static MpmOpKind CurveOf(const MpmScheme *scheme)
   return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_CURVE_MLS : MPM_CURVE;
 }
 
+/* Whether displaced particles make forces by the second derivatives along one direction. */
+static PetscBool IsCurved(const MpmScheme *scheme)
+{
+  return scheme->space.displaced && scheme->space.curved ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Whether they make forces by those along two directions. */
+static PetscBool HasSlopes(const MpmScheme *scheme)
+{
+  return scheme->space.displaced && scheme->space.dim > 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscBool HasStress(const MpmPredictor *p)
 {
   return MpmFormulationHas(p->scheme->formulation, MPM_DIV);
@@ -59,6 +73,7 @@ static PetscInt Problems(const MpmPredictor *p)
 {
   const PetscInt dim = p->layout->dim, numbers = MpmSpaceIsFluid(&p->scheme->space) ? 1 : dim * (dim + 1) / 2;
 
+  if (dim > 1 && MpmSpaceIsPrestressed(&p->scheme->space)) return dim;
   return HasStress(p) ? PetscMin(dim, numbers * MpmLayoutPpc(p->layout)) : 1;
 }
 
@@ -74,6 +89,14 @@ static PetscBool ThetaIsReal(const MpmPredictor *p)
   return PETSC_TRUE;
 }
 
+/* Whether the closed form asks for the sum of kappa and chi alone. In more dimensions these are matrices. */
+static PetscBool HasSum(const MpmScheme *scheme)
+{
+  return scheme->formulation->corrected && (scheme->formulation->sums_chi || scheme->space.move == MPM_MOVES_PROJECTED)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
 {
   const MpmFraction rest               = {.den = 1};
@@ -86,11 +109,16 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
                                         .why_not           = WhyNot(layout, scheme, drifts),
                                         .why_not_published = WhyNotPublished(layout, scheme, drifts)};
   p->why_not_corrected = scheme->formulation->corrected ? p->why_not : "the formulation has no closed form";
+  if (layout->dim > 1 && MpmSpaceIsPrestressed(&scheme->space))
+    p->why_not_corrected = HasSum(scheme) ? p->why_not
+                                          : "with a prestress in more dimensions usl has one, and others with move "
+                                            "projected";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   p->problems              = Problems(p);
   used[MPM_P2G]            = PETSC_TRUE;
   used[GradientOf(scheme)] = PETSC_TRUE;
-  if (scheme->space.displaced) used[CurveOf(scheme)] = PETSC_TRUE;
+  if (IsCurved(scheme)) used[CurveOf(scheme)] = PETSC_TRUE;
+  if (HasSlopes(scheme)) used[MPM_GRAD] = PETSC_TRUE;
   if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[scheme->table->affine_map] = PETSC_TRUE;
   for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &rest, used, &p->ties[a]));
   for (PetscInt j = 0; j < layout->ppc[0]; j++) {
@@ -130,7 +158,8 @@ MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
     along.alpha += creal(conj(value) * value) / ties->n;
     along.kappa += creal(conj(slope) * slope) / ties->n;
     along.mu += conj(value) * slope / ties->n;
-    if (p->scheme->space.displaced) along.chi += conj(MpmTie(ties, 0, CurveOf(p->scheme), j, wave)) * value / ties->n;
+    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, 0, CurveOf(p->scheme), j, wave)) * value / ties->n;
+    if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, 0, MPM_GRAD, j, wave) / ties->n;
     if (p->scheme->table->affine != MPM_NONE)
       along.theta += conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) *
                      MpmTie(ties, 0, p->scheme->table->affine_map, j, wave) / ties->n;
@@ -149,6 +178,12 @@ static PetscReal Others(const MpmPredictor *p, const MpmAlong along[], PetscInt 
   return product;
 }
 
+/* The mean over a cell's particles of conj(symbol of DIV along a) times that of GRAD along b. */
+static double complex Slopes(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
+{
+  return Others(p, along, a, b) * (a == b ? along[a].kappa : conj(along[a].mu) * along[b].mu);
+}
+
 /* K and its eigenvalues and vectors. In one dimension K is kappa, whatever Poisson's ratio is. */
 static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal kappa[MPM_MAX_DIM],
                       double complex vector[MPM_MAX_DIM][MPM_MAX_DIM])
@@ -161,13 +196,43 @@ static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal k
   vector[0][0] = 1;
   if (dim == 1) return;
   for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++)
-      M[a][b] = Others(p, along, a, b) * (a == b ? along[a].kappa : conj(along[a].mu) * along[b].mu);
+    for (PetscInt b = 0; b < dim; b++) M[a][b] = Slopes(p, along, a, b);
     trace += M[a][a];
   }
   for (PetscInt a = 0; a < dim; a++)
     for (PetscInt b = 0; b < dim; b++) K[a][b] = lambda * M[a][b] + mu * ((a == b ? trace : 0) + conj(M[a][b]));
   MpmHermitianSolve(dim, K, kappa, vector);
+}
+
+/* The same of CURVE along a and b and of G2P. */
+static double complex Curves(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
+{
+  return Others(p, along, a, b) * (a == b ? along[a].chi : conj(along[a].mu) * conj(along[b].nu));
+}
+
+/*
+   The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with a
+   prestress. Source: THEORY.md, section 9.
+*/
+static PetscBool Prestressed(const MpmPredictor *p, const MpmAlong along[], double complex value[MPM_MAX_DIM])
+{
+  const PetscInt  dim   = p->layout->dim;
+  const MpmSpace *space = &p->scheme->space;
+  double complex  K[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscBool       ok;
+
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt c = 0; c < dim; c++) {
+      double complex *sum = &K[c * dim + a];
+
+      *sum = 0;
+      for (PetscInt b = 0; b < dim; b++) {
+        for (PetscInt d = 0; d < dim; d++) *sum += MpmSpaceTangent(space, a, b, c, d) * Slopes(p, along, b, d);
+        *sum += MpmSpacePrestress(space, a, b) * Curves(p, along, b, c);
+      }
+    }
+  MpmSmallQr(dim, K, value, &ok);
+  return ok;
 }
 
 /* A motion that particles do not resist has a kappa of 0, of which rounding may make a little less. */
@@ -176,8 +241,8 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
   const PetscInt  dim   = p->layout->dim;
   const MpmSpace *space = &p->scheme->space;
   MpmCellSymbols  all   = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
-  PetscReal       kappa[MPM_MAX_DIM], sharp                = 1;
-  double complex  vector[MPM_MAX_DIM][MPM_MAX_DIM], square = 0;
+  PetscReal       kappa[MPM_MAX_DIM], sharp = 1;
+  double complex  vector[MPM_MAX_DIM][MPM_MAX_DIM], sums[MPM_MAX_DIM], square = 0;
 
   for (PetscInt a = 0; a < dim; a++) {
     const double complex m = along[a].mu * Others(p, along, a, a);
@@ -194,13 +259,22 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
   if (p->scheme->transfer->sharp_symbol) sharp = p->scheme->transfer->sharp_symbol(&p->scheme->numbers, all.alpha);
   all.alpha *= sharp;
   all.mu *= sharp;
+  if (dim > 1 && MpmSpaceIsPrestressed(space)) {
+    PetscCheckAbort(Prestressed(p, along, sums), PETSC_COMM_SELF, PETSC_ERR_CONV_FAILED, "QR steps of a small matrix");
+    for (PetscInt i = 0; i < dim; i++) {
+      cell[i]           = all;
+      cell[i].chi       = sharp * sums[i];
+      cell[i].projected = space->move == MPM_MOVES_PROJECTED ? PETSC_TRUE : PETSC_FALSE;
+    }
+    return dim;
+  }
   if (HasStress(p)) Stiffness(p, along, kappa, vector);
   for (PetscInt i = 0; i < p->problems; i++) {
     cell[i]       = all;
     cell[i].kappa = sharp * (HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa);
-    if (space->prestress == 0) continue;
-    cell[i].kappa *= 1 + space->prestress;
-    cell[i].chi       = sharp * space->prestress * along[0].chi;
+    if (!MpmSpaceIsPrestressed(space)) continue;
+    cell[i].kappa *= 1 + space->prestress[0];
+    cell[i].chi       = sharp * space->prestress[0] * along[0].chi;
     cell[i].projected = space->move == MPM_MOVES_PROJECTED ? PETSC_TRUE : PETSC_FALSE;
   }
   return p->problems;

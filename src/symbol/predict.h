@@ -8,12 +8,13 @@
    MpmAlong - the symbols of the maps along one direction, at a phase of that direction.
 
    alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
-   chi   - the symbol of CURVE G2P, where particles are displaced
+   chi   - the symbol of CURVE G2P, where particles are displaced and the slopes of the basis have slopes
+   nu    - the symbol of P2G GRAD with the slopes of the basis; mu has those of the gradient
    theta - the symbol of P2G_AFFINE and the table's affine map after one another; it must be a real number (why_not)
 S*/
 typedef struct {
   PetscReal      alpha, kappa, lap;
-  double complex mu, theta, chi;
+  double complex mu, nu, theta, chi;
 } MpmAlong;
 
 /* Not collective. The corrected formula of a scheme as text. */
@@ -60,7 +61,8 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
      K = lambda M + mu (tr M I + conj M),    M_ab = the symbol of DIV_a GRAD_b,
 
    and its kappa is the eigenvalue. Each eigenvector that no particle resists (a fluid has many) leaves one amplification
-   factor besides, the filter symbol. So do the motions of a gas without divergence.
+   factor besides, the filter symbol. So do the motions of a gas without divergence. With a prestress, in more dimensions, a
+   problem belongs to an eigenvector of DIV STRESS GRAD + sigma0 CURVE G2P; its chi is the eigenvalue, and kappa 0.
 */
 PetscInt MpmPredictorSymbols(const MpmPredictor *predictor, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM]);
 MpmAlong MpmPredictorAlong(const MpmPredictor *predictor, PetscInt axis, PetscReal beta);

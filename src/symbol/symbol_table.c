@@ -105,21 +105,22 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
 {
   const MpmBloch  *b      = &t->bloch;
   const MpmLayout *layout = b->layout;
+  const MpmSpace  *space  = &b->scheme->space;
 
   PetscFunctionBegin;
   *source = (MpmSource){.dim       = layout->dim,
                         .size      = b->size,
                         .period    = b->period,
                         .matrix    = Matrix,
-                        .growths   = b->turn < b->period || b->nodal ? Growths : NULL,
+                        .growths   = b->turn < b->period || b->nodal || b->taken ? Growths : NULL,
                         .context   = t,
                         .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
                         .null_all  = MPM_NONE};
   for (PetscInt a = 0; a < layout->dim; a++) {
-    source->reflects[a] = Reflects(layout, step, a);
+    source->reflects[a] = Reflects(layout, step, a) && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
     source->alike[a]    = a;
     for (PetscInt other = a - 1; other >= 0; other--)
-      if (Alike(layout, step, a, other)) source->alike[a] = other;
+      if (Alike(layout, step, a, other) && MpmSpaceAlike(space, a, other)) source->alike[a] = other;
   }
   MpmBlochCountNull(b, &source->null_rest, &source->null_all, &source->null_factor);
   PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
@@ -135,7 +136,7 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   PetscFunctionBegin;
   PetscCall(MpmSymbolCheck(layout));
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
-  PetscCall(MpmSmallEigenCreate(table.bloch.size, &table.eigen));
+  PetscCall(MpmSmallEigenCreate(table.bloch.turn_size, &table.eigen));
   PetscCall(Describe(&table, step, &source));
   PetscCall(MpmSymbolFromSource(comm, &source, wish, symbol));
   (*symbol)->layout = layout;

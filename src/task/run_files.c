@@ -17,6 +17,7 @@ typedef struct {
   PetscInt64        from;   /* the step at which this run began */
   MpmOutput        *output; /* NULL: none is written */
   MpmTextFile       csv;
+  PetscInt64        kept; /* the step of the last checkpoint that this run has written, or MPM_NEVER */
 } Files;
 
 static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
@@ -96,6 +97,7 @@ static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *marc
   if (!*stop && march->step % request->checkpoint_every) PetscFunctionReturn(PETSC_SUCCESS);
   if (request->csv[0]) PetscCall(MpmTextFileSoFar(&files->csv, &csv));
   PetscCall(MpmCheckpointWrite(request->checkpoint, march, run, csv));
+  files->kept = march->step;
   PetscCall(PetscFree(csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -132,12 +134,38 @@ static PetscErrorCode End(void *context, const MpmRun *run, MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   Writes the state of the last whole step before a particle failed. That step is marched once more, from the last
+   checkpoint or from the start, so that a run keeps nothing for the case that it fails.
+*/
+static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRun *failed)
+{
+  MpmRequest            request   = *files->request;
+  Files                 again     = {.scene = files->scene, .request = &request, .kept = MPM_NEVER};
+  const MpmRunCallbacks callbacks = {.context = &again, .begin = Begin, .sample = Sample, .step = Step, .end = End};
+  char                  more[128];
+  MpmRun               *run;
+
+  PetscFunctionBegin;
+  request.steps     = failed->steps;
+  request.output[0] = request.xmf[0] = request.csv[0] = request.json[0] = '\0';
+  if (files->kept != MPM_NEVER) PetscCall(PetscStrncpy(request.restart, request.checkpoint, sizeof request.restart));
+  if (files->kept != failed->steps) {
+    PetscCall(MpmRunCreate(files->scene, &request, &callbacks, started, &run));
+    PetscCall(MpmRunDestroy(&run));
+  }
+  PetscCall(PetscSNPrintf(more, sizeof more, "; the checkpoint has the state of step %" PetscInt64_FMT, failed->steps));
+  PetscCall(PetscStrlcat(failed->failure, more, sizeof failed->failure));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run)
 {
-  Files                 files     = {.scene = scene, .request = request};
+  Files                 files     = {.scene = scene, .request = request, .kept = MPM_NEVER};
   const MpmRunCallbacks callbacks = {.context = &files, .begin = Begin, .sample = Sample, .step = Step, .end = End};
 
   PetscFunctionBegin;
   PetscCall(MpmRunCreate(scene, request, &callbacks, started, run));
+  if ((*run)->failure[0] && request->checkpoint[0]) PetscCall(KeepLastWhole(&files, started, *run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -59,13 +59,13 @@ static json_t *One(const MpmField *o)
     return Word(o);
   case MPM_RANGE:
   case MPM_SPAN:
-    return Several(Fraction(o), 2, 2);
+    return json_pack("{s:[o,{s:s}]}", "anyOf", Several(Fraction(o), 2, 2), "type", "string");
   default:
     return Type("string");
   }
 }
 
-/* Lists, ends and words may be text with commas or an array; so may a value for each direction. */
+/* Lists, ranges, ends and words may be text with commas or an array; so may a value for each direction. */
 static json_t *Value(const MpmField *o)
 {
   if (o->kind == MPM_LIST) return json_pack("{s:[s,s,s]}", "type", "integer", "string", "array");

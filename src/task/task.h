@@ -12,7 +12,11 @@ typedef struct {
 
 extern const MpmTask MpmTasks[];
 
-/* Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations that are not met. */
+/*
+   Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations
+   that are not met, or MPM_WORK_FAILED: the work has ended early, and has said why.
+*/
+#define MPM_WORK_FAILED -1
 typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                        PetscInt *missed);
 

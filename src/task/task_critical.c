@@ -1,4 +1,5 @@
 /* The task critical: mpmstab critical [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
+#include "analysis/nodal_choice.h"
 #include "linalg/eigen.h"
 #include "report/report_program.h"
 #include "report/results.h"
@@ -81,6 +82,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
     PetscCall(OfProgram(request, started, missed));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmNodalChoiceCheck(scene, request));
   if (MpmSymbolWhyNot(&scene->layout)) PetscCall(MpmEigenTryOptions(MPM_EIGEN_DENSE));
   PetscCall(MpmEigenRefuseUnread());
   if (request->survey)

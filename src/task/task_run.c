@@ -12,7 +12,10 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscFunctionBegin;
   PetscCall(MpmRunFilesCreate(scene, request, started, &run));
   *missed = 0;
-  if (run->stopped)
+  if (run->failure[0]) {
+    MpmPrintFailure(run->failure);
+    *missed = MPM_WORK_FAILED;
+  } else if (run->stopped)
     MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
              "; to go on: the same command with -restart %s\n",
              run->steps, request->steps, request->checkpoint);

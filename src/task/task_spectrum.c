@@ -1,6 +1,7 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "analysis/certified.h"
+#include "analysis/frozen.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
@@ -61,6 +62,31 @@ static PetscErrorCode Write(const char path[], const MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The spectrum of the tangent of one step of a nonlinear run. */
+static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  MpmSpectrum *s;
+  PetscReal    mismatch;
+  json_t      *more = json_object(), *tangent = json_object();
+
+  PetscFunctionBegin;
+  PetscCall(MpmFrozenSpectrum(scene, request, started, &s, &mismatch));
+  PetscCall(MpmSpectrumWriteFiles(s));
+  json_object_set_new(more, "tangent", tangent);
+  json_object_set_new(tangent, "at_step", json_integer(request->at_step));
+  if (isfinite(mismatch)) json_object_set_new(tangent, "step_mismatch", json_real(mismatch));
+  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, s, NULL, s->wall_s, more));
+  json_decref(more);
+  PetscCall(MpmSpectrumPrint(scene, request, s, NULL));
+  MpmPrint("tangent: of the step after step %" PetscInt64_FMT
+           ", as if the state stayed as it is; its step differs from the march's by %.1e\n",
+           request->at_step, mismatch);
+  if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, s->op));
+  PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
+  PetscCall(MpmSpectrumDestroy(&s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmSpectrum      *bulk = NULL;
@@ -71,6 +97,10 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscFunctionBegin;
   if (MpmRequestProbes(request)) {
     PetscCall(MpmSpectrumOfProgram(request, started, missed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (scene && scene->scheme.space.finite) {
+    PetscCall(OfTangent(scene, request, started, missed));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(CheckWritten(scene, request));

@@ -58,7 +58,10 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
   PetscCall(work(scene, &request, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(MpmSettingsCheckUnused());
-  *status = MpmStopped() ? MPM_EXIT_STOPPED : missed ? MPM_EXIT_MISSED : MPM_EXIT_DONE;
+  *status = missed == MPM_WORK_FAILED ? MPM_EXIT_FAILED
+            : MpmStopped()            ? MPM_EXIT_STOPPED
+            : missed                  ? MPM_EXIT_MISSED
+                                      : MPM_EXIT_DONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,5 @@
 /*
-   The main test: for every example scene measured growth, spectrum and symbol agree, and A q = march(q). For unstable
+   The main test: for every example scene of a linear scheme measured growth, spectrum and symbol agree, and A q = march(q). For unstable
    scenes symbol and spectrum agree to 1e-9, and the measured rate is within 2% of the logarithm. For stable scenes none
    of the three grows.
 

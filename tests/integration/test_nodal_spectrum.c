@@ -1,9 +1,12 @@
 /*
    Eigenvalues of the nodes' own operator are those of the particles', multiplicities included; its vectors are lifted to
-   vectors of the particles, from the left and from the right; and the tasks that use it say the same without it.
+   vectors of the particles, from the left and from the right; and the tasks that use it say the same without it. Where the
+   leftmost eigenvalues are said to decide, all that grow are real and below -1, and the leftmost ones are found.
 */
 #include "check.h"
 #include "analysis/ensemble.h"
+#include "analysis/leftmost.h"
+#include "base/hash.h"
 #include "linalg/eigen.h"
 #include "operator/nodal_matrix.h"
 #include <mpmstab/critical.h>
@@ -89,7 +92,7 @@ static PetscErrorCode CheckAllOf(const char options[], PetscInt *compared)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Every formulation with every transfer; bases, boundaries, layouts and materials take turns. */
+/* Every formulation with every transfer; bases, boundaries and layouts take turns. Then particles of two materials. */
 static PetscErrorCode CheckAll(void)
 {
   static const char *const layouts[] = {
@@ -111,7 +114,138 @@ static PetscErrorCode CheckAll(void)
                               layouts[which / 2 % PETSC_STATIC_ARRAY_LENGTH(layouts)]));
       PetscCall(CheckAllOf(options, &compared));
     }
+  PetscCall(CheckAllOf("-formulation usl -cells 8 -ppc 2 -jitter 0.5 -courant 0.4 -material two -density_ratio 50 "
+                       "-stiffness_ratio 3 -boundary fixed",
+                       &compared));
   CHECK(compared > 500, "%d eigenvalues compared", (int)compared);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* One of n words. The same on all ranks. */
+static const char *Choice(PetscInt scene, PetscInt column, PetscInt n, const char *const words[])
+{
+  return words[(PetscInt)(n * MpmHash(scene + 5000, column))];
+}
+#define CHOICE(scene, column, words) Choice(scene, column, PETSC_STATIC_ARRAY_LENGTH(words), words)
+
+/* A random scene. */
+static PetscErrorCode RandomScene(PetscInt n, size_t room, char options[])
+{
+  static const char *const formulations[] = {"usl", "usf", "musl", "usavg"};
+  static const char *const transfers[]    = {"flip", "pic", "blend -blend_ratio 0.3", "xpic -xpic_order 3", "apic"};
+  static const char *const bases[] = {"linear", "quadratic", "cubic", "gimp"}, *const gradients[] = {"basis", "mls"};
+  static const char *const layouts[] = {
+      "-cells 9 -ppc 3 -jitter 0.9",
+      "-cells 8 -ppc 2 -jitter 0.5 -boundary fixed,free",
+      "-cells 8 -ppc 1 -jitter 0.9",
+      "-cells 8 -ppc 2 -jitter 0.7 -material two -density_ratio 50 -stiffness_ratio 3 -boundary fixed",
+      "-cells 8 -ppc 3 -jitter 0.7 -fill 0,5 -boundary symmetry,free",
+      "-dim 2 -cells 4 -ppc 2,1 -jitter 0.9 -poisson 0.3",
+      "-dim 2 -cells 3 -ppc 2 -boundary fixed -poisson 0.5"};
+
+  PetscFunctionBegin;
+  PetscCall(
+      PetscSNPrintf(options, room, "-formulation %s -transfer %s -basis %s -gradient %s %s -seed %d -courant %.4f",
+                    CHOICE(n, 0, formulations), CHOICE(n, 1, transfers), CHOICE(n, 2, bases), CHOICE(n, 3, gradients),
+                    layouts[n % PETSC_STATIC_ARRAY_LENGTH(layouts)], (int)n, 0.3 + 2.5 * MpmHash(n, 77)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define SCENES 70
+
+/* No eigenvalue has an abs above 1, but for real ones below -1. */
+static PetscErrorCode CheckGrowing(void)
+{
+  PetscInt growing = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt n = 0; n < SCENES; n++) {
+    char         options[512];
+    PetscBool    turn = PETSC_FALSE;
+    MpmScene    *scene;
+    MpmOperator *op;
+    MpmEigen    *all;
+
+    PetscCall(CheckHasTurn(n, &turn));
+    if (!turn) continue;
+    PetscCall(RandomScene(n, sizeof options, options));
+    PetscCall(CheckScene(options, &scene));
+    CHECK(MpmLeftmostDecides(scene), "%s: not decided", options);
+    PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+    PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &all));
+    for (PetscInt j = 0; j < all->n; j++) {
+      if (hypot(all->re[j], all->im[j]) <= 1 + 1e-5)
+        continue; /* a defective pair at 1 splits by 1e-6 where masses differ */
+      growing++;
+      CHECK(all->re[j] < -1 && fabs(all->im[j]) <= 1e-6 * fabs(all->re[j]), "%s: %.9g %+.9gi grows", options,
+            all->re[j], all->im[j]);
+    }
+    PetscCall(MpmEigenDestroy(&all));
+    PetscCall(MpmOperatorDestroy(&op));
+    PetscCall(MpmSceneDestroy(&scene));
+  }
+  CHECK(growing > 20, "%d eigenvalues grow", (int)growing);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The leftmost eigenvalues are those of all, and 1 is listed beside them. Where they do not decide nobody says so. */
+static PetscErrorCode CheckLeftmost(const char options[], PetscBool grows)
+{
+  MpmScene    *scene;
+  MpmOperator *op;
+  MpmReduced  *nodal;
+  MpmEigen    *all, *left;
+  PetscReal    least = INFINITY, found = INFINITY;
+  PetscBool    has_one = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  CHECK(MpmLeftmostDecides(scene), "%s", options);
+  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
+  PetscCall(MpmNodalMatrixOf(op, &nodal));
+  PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, MPM_EIGEN_DENSE, NULL, &all));
+  PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, MPM_EIGEN_LEFTMOST, NULL, &left));
+  CHECK(left->leftmost && !left->largest && all->complete && !all->leftmost, "%s: %d found", options, (int)left->n);
+  for (PetscInt j = 0; j < all->n; j++) least = PetscMin(least, all->re[j]);
+  for (PetscInt j = 0; j < left->n; j++) {
+    found = PetscMin(found, left->re[j]);
+    if (left->re[j] == 1 && left->im[j] == 0) has_one = PETSC_TRUE;
+  }
+  CHECK_NEAR(found, least, 1e-7);
+  CHECK(has_one && (found < -1) == grows, "%s: leftmost %.9g", options, found);
+  PetscCall(MpmEigenDestroy(&all));
+  PetscCall(MpmEigenDestroy(&left));
+  PetscCall(MpmReducedDestroy(&nodal));
+  PetscCall(MpmOperatorDestroy(&op));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckUndecided(const char options[])
+{
+  MpmScene *scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  CHECK(!MpmLeftmostDecides(scene), "%s: decided", options);
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CheckDecisions(void)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckGrowing());
+  PetscCall(CheckLeftmost("-formulation usl -cells 60 -ppc 3 -jitter 0.9 -courant 0.5", PETSC_FALSE));
+  PetscCall(
+      CheckLeftmost("-formulation musl -transfer apic -dim 2 -cells 6 -ppc 2 -jitter 0.8 -courant 1.9", PETSC_TRUE));
+  PetscCall(CheckUndecided("-formulation usl -cells 8 -ppc 2 -drift 1/8"));
+  PetscCall(CheckUndecided("-formulation gas2 -cells 8 -ppc 2"));
+  PetscCall(CheckUndecided("-formulation usl -transfer aflip -cells 8 -ppc 2"));
+  PetscCall(CheckUndecided("-formulation usl -transfer tpic -cells 8 -ppc 2"));
+  PetscCall(CheckUndecided("-formulation usl -cells 8 -ppc 2 -fill 0,4"));
+  PetscCall(CheckUndecided("-formulation usl -cells 8 -ppc 2 -boundary fixed_reaction,free"));
+  PetscCall(CheckUndecided("-formulation usl -cells 8 -ppc 2 -basis quadratic -prestress 0.1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -185,6 +319,23 @@ static PetscErrorCode CheckTranspose(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where masses differ M is balanced: no column is large. */
+static PetscErrorCode CheckBalance(const char options[])
+{
+  MpmScene   *scene;
+  MpmReduced *r;
+  PetscReal   norm;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, NULL, &r));
+  PetscCall(MatNorm(r->M, NORM_1, &norm));
+  CHECK(norm < 10, "%s: norm %g", options, norm);
+  PetscCall(MpmReducedDestroy(&r));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CheckUnknowns(const char options[], PetscInt64 expected)
 {
   MpmScene  *scene;
@@ -249,7 +400,9 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckUnknowns("-formulation usl -cells 8 -ppc 2 -drift 1/8", 0)); /* particles move */
   PetscCall(CheckUnknowns("-formulation usl -cells 8 -ppc 1", 0));            /* as many as of the particles */
   PetscCall(CheckUnknowns("-formulation usl -dim 3 -cells 4 -ppc 2", 6 * 64));
+  PetscCall(CheckBalance("-formulation usl -cells 8 -ppc 3 -jitter 0.5 -material two -density_ratio 1e9"));
   PetscCall(CheckTasks());
+  PetscCall(CheckDecisions());
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

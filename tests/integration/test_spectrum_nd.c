@@ -245,11 +245,11 @@ static PetscErrorCode CheckPowers(void)
   PetscFunctionBegin;
   PetscCall(CheckScene("-dim 2 -cells 6,5 -formulation usl -courant 0.6 -drift 1/2,1/2 -basis quadratic", &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 8, 1, &with));
+  PetscCall(MpmTransientCreate(op, NULL, 8, 1, &with));
   A = op->A;
   PetscCall(MpmShellCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &op->A));
   op->assembled = PETSC_FALSE;
-  PetscCall(MpmTransientCreate(op, 8, 1, &without));
+  PetscCall(MpmTransientCreate(op, NULL, 8, 1, &without));
   PetscCall(MatDestroy(&A));
   for (PetscInt i = 1; i < with->n; i++) CHECK_NEAR(with->norm[i], without->norm[i], 1e-5 * with->norm[i]);
   CHECK(with->largest > 1.01, "norms of 1 show nothing: %g", with->largest);

@@ -89,26 +89,30 @@ static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
 
 /*
    The amplification factors of a period are powers of those of a turn, times the phase of the cells that particles move.
-   Sorted out one by one, since a defective pair splits by rounding.
+   Sorted out one by one, since a defective pair splits by rounding. The turn is of a smaller matrix where particles take
+   values from nodes; those of its factors that are missing are 0. unknowns: the order of the matrix of a turn.
 */
-static PetscErrorCode CheckTurn(const char options[], PetscInt turn)
+static PetscErrorCode CheckTurn(const char options[], PetscInt turn, PetscInt unknowns)
 {
   const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
-  double complex  value[64];
-  PetscReal       angle = 0;
+  double complex  value[64]         = {0};
+  PetscReal       angle             = 0;
   PetscInt        exponent;
+  MpmSmallEigen   smaller;
   Wave            w;
 
   PetscFunctionBegin;
   PetscCall(WaveCreate(options, &w));
   CHECK(w.bloch.turn == turn && w.bloch.size <= 64, "%s: a turn of %d steps", options, (int)w.bloch.turn);
-  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, w.eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&w.eigen, PETSC_FALSE));
+  CHECK(w.bloch.turn_size == unknowns, "%s: %d unknowns of %d", options, (int)w.bloch.turn_size, (int)w.bloch.size);
+  PetscCall(MpmSmallEigenCreate(w.bloch.turn_size, &smaller));
+  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, smaller.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&smaller, PETSC_FALSE));
   for (PetscInt a = 0; a < w.scene->layout.dim; a++)
     angle += beta[a] * w.scene->step.drift[a].value * (PetscReal)w.bloch.period;
-  for (PetscInt i = 0; i < w.eigen.n; i++)
+  for (PetscInt i = 0; i < smaller.n; i++)
     value[i] =
-        cpow(w.eigen.value[i] * scalbn(1, (int)exponent), (double)(w.bloch.period / w.bloch.turn)) * cexp(I * angle);
+        cpow(smaller.value[i] * scalbn(1, (int)exponent), (double)(w.bloch.period / w.bloch.turn)) * cexp(I * angle);
   PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
   for (PetscInt i = 0; i < w.eigen.n; i++) {
     PetscInt nearest = i;
@@ -119,6 +123,7 @@ static PetscErrorCode CheckTurn(const char options[], PetscInt turn)
           cabs(value[nearest] - w.eigen.value[i]));
     value[nearest] = value[i];
   }
+  PetscCall(MpmSmallEigenDestroy(&smaller));
   PetscCall(WaveDestroy(&w));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -126,13 +131,22 @@ static PetscErrorCode CheckTurn(const char options[], PetscInt turn)
 static PetscErrorCode CheckTurns(void)
 {
   PetscFunctionBegin;
-  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 0.9", 4));
-  PetscCall(CheckTurn("-formulation gas2 -basis quadratic -ppc 6 -drift -7/4 -offset 0.3 -courant 0.4", 2));
-  PetscCall(CheckTurn("-formulation musl -basis gimp -ppc 3 -drift 5/6 -courant 0.7 -transfer apic", 2));
-  PetscCall(CheckTurn("-formulation usl -ppc 1 -drift 1/8 -courant 0.9", 8));
-  PetscCall(CheckTurn("-dim 2 -formulation usl -basis quadratic -ppc 2,3 -drift 1/4,-2/3 -courant 0.5", 2));
-  PetscCall(CheckTurn("-dim 2 -formulation usf -basis cubic -ppc 2,2 -drift 1/4,1/3 -courant 0.5 -transfer apic", 6));
-  PetscCall(CheckTurn("-dim 3 -formulation gas1 -basis linear -ppc 2,1,2 -drift 1/2,1/2,3/4 -courant 0.2", 2));
+  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 0.9", 4, 4));
+  PetscCall(CheckTurn("-formulation gas2 -basis quadratic -ppc 6 -drift -7/4 -offset 0.3 -courant 0.4", 2, 12));
+  PetscCall(CheckTurn("-formulation musl -basis gimp -ppc 3 -drift 5/6 -courant 0.7 -transfer apic", 2, 1 + 3));
+  PetscCall(CheckTurn("-formulation usl -ppc 1 -drift 1/8 -courant 0.9", 8, 2));
+  PetscCall(CheckTurn("-dim 2 -formulation usl -basis quadratic -ppc 2,3 -drift 1/4,-2/3 -courant 0.5", 2, 30));
+  PetscCall(
+      CheckTurn("-dim 2 -formulation usf -basis cubic -ppc 2,2 -drift 1/4,1/3 -courant 0.5 -transfer apic", 6, 2 + 12));
+  PetscCall(CheckTurn("-dim 3 -formulation gas1 -basis linear -ppc 2,1,2 -drift 1/2,1/2,3/4 -courant 0.2", 2, 16));
+  PetscCall(CheckTurn("-formulation usl -ppc 3 -drift 1/8 -courant 1.3 -transfer pic", 8, 1 + 3));
+  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 3/8 -courant 1.2 -transfer xpic -xpic_order 3", 4, 1 + 2));
+  PetscCall(CheckTurn("-formulation gas2 -ppc 2 -drift 1/8 -courant 0.5 -transfer pic", 4, 2));
+  PetscCall(CheckTurn("-formulation usavg -ppc 2 -drift 1/8 -courant 0.5 -transfer blend", 4, 4)); /* not set to 0 */
+  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 1.2 -transfer aflip", 4, 2 * 2 + 1));
+  PetscCall(CheckTurn("-dim 3 -formulation usl -basis quadratic -ppc 1,1,2 -drift 1/2 -courant 0.4 -transfer tpic "
+                      "-gradient mls",
+                      2, 3 + 12));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

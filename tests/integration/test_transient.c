@@ -1,5 +1,6 @@
 /*
    Transient growth: norms of powers are compared with those of the dense products by LAPACK, at rest and under drift.
+   At rest the nodes' operator makes the same norms.
    Growth like n of a defective eigenvalue and norms near a limit are compared with closed forms, and the Kreiss
    constant with its bounds.
 */
@@ -8,6 +9,7 @@
 #include "scene/material.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/transient.h"
+#include "operator/nodal_matrix.h"
 #include <slepcsys.h>
 
 #define LAST 19
@@ -58,10 +60,29 @@ static PetscErrorCode CheckNorm(const char options[], PetscInt step, PetscReal n
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The norms again, by the powers of the nodes' operator where there is one. Scenes that have one are counted. */
+static PetscErrorCode CheckNodal(const char options[], const MpmOperator *op, const MpmTransient *t, PetscInt *scenes)
+{
+  MpmReduced   *nodal;
+  MpmTransient *again;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalMatrixOf(op, &nodal));
+  if (!nodal) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTransientCreate(op, nodal, LAST, NAN, &again));
+  for (PetscInt i = 0; i < t->n; i++)
+    CHECK(fabs(again->norm[i] / t->norm[i] - 1) <= 1e-12, "%s: norm(A^%d) = %.15g, without the nodes' %.15g", options,
+          (int)t->steps[i], again->norm[i], t->norm[i]);
+  PetscCall(MpmTransientDestroy(&again));
+  PetscCall(MpmReducedDestroy(&nodal));
+  (*scenes)++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Applies the steps of the period in turn. Where a period ends, it compares with the period's operator applied at once.
 */
-static PetscErrorCode CheckNorms(const char options[])
+static PetscErrorCode CheckNorms(const char options[], PetscInt *nodal)
 {
   MpmScene     *scene;
   MpmOperator  *op;
@@ -72,7 +93,7 @@ static PetscErrorCode CheckNorms(const char options[])
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, LAST, NAN, &t));
+  PetscCall(MpmTransientCreate(op, NULL, LAST, NAN, &t));
   n = op->order;
   CHECK(t->n == 18 && t->steps[t->n - 1] == LAST && t->missing == 0 && t->norm[0] == 1, "%s: %d norms", options,
         (int)t->n);
@@ -92,6 +113,7 @@ static PetscErrorCode CheckNorms(const char options[])
     at++;
   }
   PetscCall(PetscFree2(product, periods));
+  PetscCall(CheckNodal(options, op, t, nodal));
   PetscCall(MpmTransientDestroy(&t));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmSceneDestroy(&scene));
@@ -110,7 +132,7 @@ static PetscErrorCode CheckLinear(const char options[], PetscReal c)
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, (PetscInt)last, 1, &t));
+  PetscCall(MpmTransientCreate(op, NULL, (PetscInt)last, 1, &t));
   CHECK(fabs(t->largest / norm - 1) <= 1e-9 && t->at_step == (PetscInt)last && fabs(t->excess / norm - 1) <= 1e-9,
         "%s: %.12g, closed form %.12g", options, t->largest, norm);
   CHECK_NEAR(t->power, 1, 0.01);
@@ -135,7 +157,7 @@ static PetscErrorCode CheckKreiss(const char options[], PetscReal least)
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 300, 1, &t));
+  PetscCall(MpmTransientCreate(op, NULL, 300, 1, &t));
   PetscCall(MpmPseudospectrumCreate(op->A, 5, 1e-6, &p));
   CHECK(p->kreiss >= least && p->kreiss <= t->largest * (1 + 1e-9) && t->largest <= M_E * p->order * p->kreiss,
         "%s: Kreiss %.9g, norms up to %.9g", options, p->kreiss, t->largest);
@@ -166,7 +188,7 @@ static PetscErrorCode CheckNearLimit(PetscReal k)
   PetscCall(PetscSNPrintf(options, sizeof options, "-cells 8 -ppc 1 -courant %.17g", (double)k));
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 200, 1, &t));
+  PetscCall(MpmTransientCreate(op, NULL, 200, 1, &t));
   PetscCall(MpmPseudospectrumCreate(op->A, 3, 1e-6, &p));
   CHECK(p->kreiss <= kreiss * (1 + 1e-9) && p->kreiss >= 0.999 * kreiss, "%s: Kreiss %.9g, closed form %.9g", options,
         p->kreiss, kreiss);
@@ -192,7 +214,7 @@ static PetscErrorCode CheckOffRange(void)
   PetscFunctionBegin;
   PetscCall(CheckScene("-formulation gas1 -courant 200 -cells 8", &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmTransientCreate(op, 200, growth, &t));
+  PetscCall(MpmTransientCreate(op, NULL, 200, growth, &t));
   CHECK(isnan(t->norm[t->n - 1]) && isnan(t->largest) && t->at_step == 200 && t->missing == 0, "largest %g at %d",
         t->largest, (int)t->at_step);
   CHECK_NEAR(t->log_norm[t->n - 1] - t->log_norm[t->n - 2], (200 - t->steps[t->n - 2]) * log(growth), 1e-7);
@@ -205,22 +227,27 @@ static PetscErrorCode CheckOffRange(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
+  PetscInt nodal = 0;
+
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
-  PetscCall(CheckNorms("-cells 12"));
-  PetscCall(CheckNorms("-formulation elastic -cells 12 -courant 1.1 -jitter 0.6 -ppc 1"));
-  PetscCall(CheckNorms("-formulation usl -transfer apic -basis quadratic -cells 8"));
-  PetscCall(CheckNorms("-formulation musl -transfer pic -boundary fixed,free -cells 8"));
-  PetscCall(CheckNorms("-formulation gas1 -cells 8 -courant 3"));
-  PetscCall(CheckNorms("-cells 8 -drift 1/8 -courant 0.1"));
-  PetscCall(CheckNorms("-formulation usf -cells 8 -drift -2/3 -jitter 0.4"));
-  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/40")); /* the period is longer than the powers */
-  PetscCall(CheckNorms("-formulation usl -cells 8 -counts 1,3 -material two -density_ratio 50 -stiffness_ratio 7"));
-  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/4 -courant 0.1 -material two -density_ratio 50"));
-  PetscCall(CheckNorms("-formulation usf -cells 8 -ppc 1 -fill 3,4")); /* A = 1 */
-  PetscCall(CheckLinear("-cells 16 -courant 0.5", 0.5));               /* beta = pi: c = k sqrt(alpha kappa) = k */
+  PetscCall(CheckNorms("-cells 12", &nodal));
+  PetscCall(CheckNorms("-formulation elastic -cells 12 -courant 1.1 -jitter 0.6 -ppc 1", &nodal));
+  PetscCall(CheckNorms("-formulation usl -transfer apic -basis quadratic -cells 8", &nodal));
+  PetscCall(CheckNorms("-formulation musl -transfer pic -boundary fixed,free -cells 8", &nodal));
+  PetscCall(CheckNorms("-formulation gas1 -cells 8 -courant 3", &nodal));
+  PetscCall(CheckNorms("-cells 8 -drift 1/8 -courant 0.1", &nodal));
+  PetscCall(CheckNorms("-formulation usf -cells 8 -drift -2/3 -jitter 0.4", &nodal));
+  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/40", &nodal)); /* the period is longer than the powers */
+  PetscCall(
+      CheckNorms("-formulation usl -cells 8 -counts 1,3 -material two -density_ratio 50 -stiffness_ratio 7", &nodal));
+  PetscCall(CheckNorms("-formulation musl -cells 8 -drift 1/4 -courant 0.1 -material two -density_ratio 50", &nodal));
+  PetscCall(CheckNorms("-formulation usf -cells 8 -ppc 1 -fill 3,4", &nodal));                   /* A = 1 */
+  PetscCall(CheckNorms("-formulation usl -transfer blend -ppc 3 -cells 8 -jitter 0.7", &nodal)); /* C has 1 and 0.9 */
+  CHECK(nodal == 6, "%d scenes with an operator of the nodes", (int)nodal);
+  PetscCall(CheckLinear("-cells 16 -courant 0.5", 0.5)); /* beta = pi: c = k sqrt(alpha kappa) = k */
   PetscCall(CheckLinear("-cells 16 -ppc 4 -courant 0.5", 0.5 * sqrt(4 * 0.3125))); /* mean of xi (1 - xi): 11 / 64 */
   PetscCall(CheckLinear("-formulation elastic -cells 16 -courant 0.8", 0.8));
   PetscCall(CheckKreiss("-formulation musl -courant 1.7 -cells 16", 5));

@@ -3,6 +3,7 @@
 
 check_bench.py spectrum|phases|startup|growth|scaling|boxes. MPMSTAB names the program. Silent when all is well.
 """
+import argparse
 import contextlib
 import io
 import json
@@ -63,7 +64,7 @@ def check_matrix():
 def check_spectrum():
     check_matrix()
     found = run("spectrum", "--orders", "8000", "--dense", "200", "--restarts", "3", "--symbol", "1000", "--map", "8",
-                "--repeats", "1")
+                "--bar", "80", "--plane", "8", "--space", "4", "--layouts", "4", "--repeats", "1")
     row = found["near"][0]
     expected = complex(1 - K**2 / 2, math.sqrt(1 - (1 - K**2 / 2) ** 2))  # at beta = pi / 2, 8000 / 4 cells have it
     theirs = row["arpack_found"]
@@ -78,6 +79,8 @@ def check_spectrum():
     check(dense["same"] and dense["listed"] == 200 and abs(dense["numpy_radius"] - 1) < 1e-6, f"all: {dense}")
     check([sum(row["task"] == task for row in found["tasks"]) for task in ("symbol", "critical", "map")] == [3, 12, 1],
           f"tasks: {found['tasks']}")
+    check([row["nodal_unknowns"] for row in found["nodal"]] == [160, 4 * 64, 4 * 64, 6 * 64, 6 * 64], f"{found['nodal']}")
+    check(found["powers"]["same"] and found["powers"]["apart"] < 1e-11, f"powers: {found['powers']}")
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         bench_spectrum.show_near(row | {"same": False, "difference": 0.25})
@@ -86,9 +89,9 @@ def check_spectrum():
 
 
 def check_phases():
-    found = run("phases", "--plane", "8", "--space", "4", "--dims", "2", "--drifts", "0", "--repeats", "1")
+    found = run("phases", "--plane", "8", "--space", "4", "--turns", "4", "--dims", "2", "--drifts", "0", "--repeats", "1")
     check([(row["task"], row["ranks"], row["target_s"]) for row in found["tasks"]] ==
-          [("symbol", 1, 1), ("symbol", 2, 60), *[("symbol", 1, None)] * 3, ("critical", 1, 0.1)], f"{found['tasks']}")
+          [("symbol", 1, 1), ("symbol", 2, 60), *[("symbol", 1, None)] * 7, ("critical", 1, 0.1)], f"{found['tasks']}")
     check([row["order"] for row in found["factors"]] == [4, 20, 72, 144], f"{found['factors']}")
     for row in found["factors"]:
         rates = 40 * row["order"]**3 / row["own_s"], 2 * row["dgemm_order"]**3 / row["dgemm_s"]
@@ -189,7 +192,12 @@ def check_boxes():
         counts = bench_boxes.counts_of(2, along)
         part = [(bench_boxes.COUNTED_CELLS[2] / n, n > 1) for n in along]
         sums = counts["bytes"] / 8 / bench_boxes.ghosts_of_part(part, 2)
-        check(near(sums, 8) and counts["messages"] == 8 * neighbours, f"boxes: {along}: {counts}, {sums} times the ghosts")
+        check(near(sums, 8) and counts["messages"] == 2 * neighbours, f"boxes: {along}: {counts}, {sums} times the ghosts")
+    bench_boxes.bench_runs.BOXES[2]["1e6"] = 24
+    once = argparse.Namespace(repeats=1)
+    small = bench_boxes.make_model(2, once)
+    rows = bench_boxes.check(small, once, network)["rows"]
+    check([row["particles"] for row in rows] == [48 ** 2, 48 ** 2, 48 ** 2 // 2], f"boxes: {rows}")
 
 
 if __name__ == "__main__":

@@ -144,7 +144,7 @@ def check_scripts(name):
         check(done.returncode == 0, f"{command[0]}: {done.stderr}")
     with open(name + ".svg") as file:
         picture = file.read()
-    for text in ("k = 0.2, drift 0.142857", "time step", "square root of energy"):
+    for text in ("k = 0.2, drift 0.142857", "time step", "size of the state"):
         check(text in picture, f"'{text}' is not on the picture")
     lines = done.stdout.splitlines()
     check(lines[3].split() == ["gas2", "0.2", "0.142857", "-", "-", "1.250000", "-", "-", "-", "unstable"], f"{lines}")

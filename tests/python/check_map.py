@@ -123,8 +123,31 @@ def check_plane(mpmstab):
     check(all(abs(limit - 1.75**-0.5) < 1e-9 for limit in found["corrected_limit"]), f"{found['corrected_limit']}")
 
 
+def check_refined(mpmstab):
+    """With -refine a point has the growth that 'symbol -refine' finds: gas2 at drift 1/3 grows between 64 waves alone."""
+    scene = ["-formulation", "gas2", "-ppc", "2"]
+    said = {}
+    for more in ([], ["-refine"]):
+        done = subprocess.run([mpmstab, "map", *scene, "-map_courant", "0.1,0.2", "-map_drift", "0,1/3", "-map_points",
+                               "2,2", "-csv", "refined.csv", "-json", "refined.json", *more], capture_output=True,
+                              text=True, check=True)
+        with open("refined.json") as file:
+            found = json.load(file)["map"]
+        said[bool(more)] = found["unstable"], "-refine looks for it" in done.stdout, found.get("refined", False)
+    check(said == {False: (0, True, False), True: (2, False, True)}, f"without and with -refine: {said}")
+    with open("refined.csv") as file:
+        row = list(csv.DictReader(file))[1]
+    subprocess.run([mpmstab, "symbol", *scene, "-courant", "0.1", "-drift", "1/3", "-refine", "-json", "symbol.json"],
+                   stdout=subprocess.DEVNULL, check=True)
+    with open("symbol.json") as file:
+        refined = json.load(file)["refined"]
+    check(float(row["growth"]) == refined["growth"] > 1.0007 and
+          abs(float(row["beta"]) - abs(refined["beta_at_max"][0])) < 1e-12, f"{row}, but symbol -refine finds {refined}")
+
+
 def main(mpiexec, mpmstab):
     check_letters(mpmstab)
+    check_refined(mpmstab)
     check_plane(mpmstab)
     result, text, data, table = run(mpiexec, mpmstab, 1)
     found, rows = result["map"], list(csv.DictReader(text.splitlines()))

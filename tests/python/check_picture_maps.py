@@ -45,20 +45,40 @@ def check_map():
         json.dump(result, file)
     figure = pictures.growth_map("map.h5", "map.json")
     axes = figure.axes[0]
-    mesh = axes.collections[0].get_array().reshape(5, 9)
-    unstable = numpy.nan_to_num(growth, nan=1).T > 1 + 1e-6
+    mesh = axes.collections[0].get_array().reshape(9, 5)
+    unstable = numpy.nan_to_num(growth, nan=1) > 1 + 1e-6
     check((numpy.ma.getmaskarray(mesh) == ~unstable).all(), "what is coloured is not what is unstable")
-    finite = unstable & numpy.isfinite(growth.T)
-    close(mesh[finite], growth.T[finite] - 1, "colours are not growth - 1")
+    finite = unstable & numpy.isfinite(growth)
+    close(mesh[finite], growth[finite] - 1, "colours are not growth - 1")
     labels = axes.get_legend_handles_labels()[1]
     check(labels == ["undecided", "published limit at rest: k = 0.7071", "corrected limit: k = 1.5, at rest only"],
           f"{labels}")
-    check(list(line(figure, "published")[0]) == [0.7071] * 2, "the published limit is elsewhere")
+    check(list(line(figure, "published")[1]) == [0.7071] * 2, "the published limit is elsewhere")
     x, y = line(figure, "corrected")
-    check((x[0], y[0]) == (1.5, 0) and numpy.isnan(x[1:]).all(), "the corrected limit is elsewhere")
-    close(numpy.transpose(line(figure, "undecided")), [[k[8], drift[3]]], "undecided points")
+    check((x[0], y[0]) == (0, 1.5) and numpy.isnan(y[1:]).all(), "the corrected limit is elsewhere")
+    close(numpy.transpose(line(figure, "undecided")), [[drift[3], k[8]]], "undecided points")
     check(f"{100 * unstable.sum() / 45:.1f}% of 45 points" in axes.get_title(), axes.get_title())
     check(len(pictures.growth_map("map.h5").axes[0].lines) == 1, "a limit that no file says")
+
+
+def check_map_of_code():
+    """A map of a code has its parameters as axes and its command under the picture. Another code is refused."""
+    growth = numpy.array([[1, 1.5, 2], [1, 1, 1.25]])
+    with h5py.File("code.h5", "w") as file:
+        file.attrs.update({"program": "python3 mine.py", "program_set": "E=400", "tolerance": 1e-6})
+        file["map/dt"], file["map/c"], file["map/growth"] = [0.1, 0.2], [1.0, 2, 3], growth
+    for name, program in (("code", "python3 mine.py"), ("another", "python3 other.py")):
+        with open(f"{name}.json", "w", encoding="utf-8") as file:
+            json.dump({"task": "map", "program": program, "program_set": "E=400", "map": {
+                "axes": ["dt", "c"], "dt": [0.1, 0.2], "c": [1, 2, 3], "unstable": 3, "phases": 64}}, file)
+    figure = pictures.growth_map("code.h5", "code.json")
+    axes, mesh = figure.axes[0], figure.axes[0].collections[0].get_array()
+    close(mesh.compressed(), [0.5, 1, 0.25], "colours of a map of a code")
+    said = axes.get_xlabel(), axes.get_ylabel(), figure._supxlabel.get_text()
+    check(said == ("c (units of the code)", "dt (units of the code)", "program python3 mine.py, E=400"), f"{said}")
+    check("50.0% of 6 points\n" in axes.get_title(), axes.get_title())
+    check_refused(("map", "code.h5", "another.json"), "program python3 mine.py, E=400 and program python3 other.py, E=400")
+    check_refused(("map", "code.h5", "gas2.json"), "gas2.json: is not a result of mpmstab")
 
 
 def smallest_singular(z):
@@ -76,12 +96,12 @@ def check_real_map():
     axes = pictures.growth_map("real.h5", "real.json", "real.csv").axes[0]
     with open("real.json", encoding="utf-8") as file:
         found = json.load(file)["map"]
-    where = [[row["courant"], row["drift"]] for row in rows if row["verdict"] == "undecided"]
+    where = [[row["drift"], row["courant"]] for row in rows if row["verdict"] == "undecided"]
     check(len(where) == found["undecided"] > 0, f"{len(where)} undecided points, so this tests nothing")
     close(numpy.transpose(line(axes.figure, "undecided")), where, "undecided points")
-    mesh = axes.collections[0].get_array().reshape(33, 7).T.ravel()
+    mesh = axes.collections[0].get_array().ravel()
     close(mesh.compressed(), [row["growth"] - 1 for row in rows if row["growth"] > 1 + 1e-6], "colours of a real map")
-    check(f"{100 * found['unstable'] / 231:.1f}% of 231" in axes.get_title(), axes.get_title())
+    check(f"{100 * found['unstable'] / 231:.1f}% of 231 points, of 16 waves at each" in axes.get_title(), axes.get_title())
 
 
 def check_jordan():
@@ -106,6 +126,8 @@ def check_jordan():
         file["pseudospectrum/re"], file["pseudospectrum/im"], file["pseudospectrum/sigma"] = real, imaginary, sigma
         file["spectrum/eigenvalues"] = numpy.array([[0.5, 0], [0.5, 0]])
     figure = pictures.pseudospectrum("jordan.h5")
+    check(figure.axes[0].get_title().startswith("pseudospectrum: σ, the smallest singular value of z − A"), "its title")
+    check(not figure.axes[0].texts, "labels in the picture, which may collide")
     z = complex(*(part[0] for part in line(figure, "kreiss")))
     outside = numpy.array([r + 1j * i for r in real for i in imaginary if abs(r + 1j * i) > 1])
     best = max((abs(outside) - 1) / smallest_singular(outside))
@@ -141,12 +163,13 @@ def check_real_powers():
 def main():
     mpmstab(MPMSTAB, "spectrum", "gas2", "-output", "gas2.h5", "-json", "gas2.json")
     check_map()
+    check_map_of_code()
     check_real_map()
     check_jordan()
     check_real_powers()
     check_written("transient", ("largest:", "time step n"), "jordan.json")
     check_written("pseudospectrum", ("Kreiss point", "gas2, linear basis"), "jordan.h5")
-    check_written("map", ("Courant number k = c dt / h", "drift / cells per step", "unstable at"), "map.h5", "map.json")
+    check_written("map", ("Courant number k = c dt / h", "drift U0 dt / h (cells per step)", "unstable at"), "map.h5", "map.json")
     square = numpy.eye(3)
     with made_up("square.h5") as file:
         file["map/courant"], file["map/drift"], file["map/growth"] = square[0], square[0], square + 1

@@ -19,6 +19,7 @@ from picture_files import steps_of
 from picture_runs import frame, predicted_of, through
 from picture_scenes import attributes
 from picture_spectra import published_factors
+from picture_style import new_figure, plain_powers
 
 SCENES = {"gas1": "-formulation gas1 -courant 0.5", "gas2": "-formulation gas2 -courant 0.5",
           "elastic": "-formulation elastic -courant 1", "drift": "-formulation gas2 -courant 0.1 -drift 1/8",
@@ -100,6 +101,9 @@ def check_symbol():
     with h5py.File("gas1.h5") as file:
         check(len(beta) == numpy.isfinite(file["spectrum/beta"][:]).sum() > 10, f"{len(beta)} eigenvalues by phase")
     close([size.min(), size.max()], [1, math.sqrt(1.25)], "eigenvalues by phase", 1e-6)
+    seen = numpy.genfromtxt("gas1-symbol.csv", delimiter=",", names=True)
+    check(len(seen["growth_seen"]) == 9, "growth of what nodes see is not in the CSV: this tests nothing")
+    close(line(pictures.symbol("gas1-symbol.h5"), "growth_seen"), [seen["beta"], seen["growth_seen"]], "what nodes see")
     _, size = line(pictures.symbol("drift-symbol.h5", None, "drift.h5"), "eigenvalues")
     check(math.isclose(size.max(), loaded("drift.json")["growth"], rel_tol=1e-9), "growth of a period is not per step")
 
@@ -129,6 +133,29 @@ def check_modes():
         pair = file["modes/0001"].attrs["im"] != 0
     check(f"mode 1\ngrowth {growth:.9g}\n" in figure.axes[0].get_title(), figure.axes[0].get_title())
     check(figure.axes[1].get_title().startswith(f"mode {3 if pair else 2}\n"), "of a pair both are shown, or none")
+
+
+def check_idle():
+    """In a stable scene the modes that oscillate are drawn, the longest wave first, and idle ones where they are asked for."""
+    mpmstab(sys.argv[1], "spectrum", "gas2", "-modes", "64", "-measure", "false", "-output", "all.h5")
+    with h5py.File("all.h5") as file:
+        values, beta = file["spectrum/eigenvalues"][:] @ [1, 1j], file["spectrum/beta"][:]
+    check(abs(values[0] - 1) < 1e-6, "the first mode is not idle: this tests nothing")
+    titles = [axes.get_title() for axes in pictures.modes("all.h5", 2).axes[:2]]
+    drawn = [int(title.split()[1]) - 1 for title in titles]
+    check(all(abs(values[one] - 1) > 0.1 and abs(beta[one] - math.pi / 8) < 1e-9 for one in drawn), f"{titles}")
+    check(pictures.modes("all.h5", 1, True).axes[0].get_title().startswith("mode 1\n"), "an idle mode is left out")
+
+
+def check_plain_ticks():
+    """A logarithmic axis over less than a decade must have plain numbers, and small ones powers of ten."""
+    for low, high, wanted, other in ((1, 1.03, "1.0", "10^"), (1e-7, 1e-2, "10^{-5}", "0.00001")):
+        figure = new_figure(3, "")
+        axes = figure.add_subplot(yscale="log", ylim=(low, high))
+        plain_powers(axes.yaxis)
+        figure.draw(FigureCanvasAgg(figure).get_renderer())
+        texts = [text.get_text() for which in ("major", "minor") for text in axes.get_yticklabels(which=which)]
+        check(any(wanted in text for text in texts) and not any(other in text for text in texts), f"{texts}")
 
 
 def check_room():
@@ -176,7 +203,7 @@ def check_spacetime():
         times = numpy.repeat([float(file[step].attrs["step"]) for step in steps], 32)
     close(picture.get_array(), values, "colours are not the values")
     check((boxes[:, 0, 0] <= x).all() and (x <= boxes[:, 1, 0]).all(), "particles are not where they are drawn")
-    check(figure.axes[1].get_ylabel() == "u of particles", "colours are not said to be the values")
+    check(figure.axes[1].get_ylabel() == "velocity u (length / time)", "colours are not said to be the values")
     check((boxes[:, 0, 1] <= times).all() and (times <= boxes[:, 2, 1]).all(), "steps are not where they are drawn")
     close((boxes[:, 1, 0] - boxes[:, 0, 0]).reshape(len(steps), -1).sum(axis=1), numpy.ones(len(steps)), "gaps in x")
 
@@ -245,7 +272,7 @@ def check_command():
 
 def main(program):
     make(program)
-    for one in (check_spectrum, check_symbol, check_modes, check_room, check_growth, check_spacetime, check_own_scale,
+    for one in (check_spectrum, check_symbol, check_modes, check_idle, check_plain_ticks, check_room, check_growth, check_spacetime, check_own_scale,
                 check_frames, check_command):
         one()
 

@@ -175,10 +175,12 @@ def check_failures():
     for words, said in ((["-program", "/nonexistent/code"], "No such file or directory"), (["-program", "'open"], "quotation mark"),
                         (["-plugin", "/nonexistent.so"], "cannot be loaded"),
                         (["-program", program("program_fails.py", "ok", "set"), "-program_set", "dt=2"], "dt is too large"),
-                        (["-program", program("program_fails.py", "ok", "set"), "-program_set", "E=2"], "no parameter E"),
+                        (["-program", program("program_fails.py", "ok", "set"), "-program_set", "E=2"], "no parameter E; allowed: dt\n"),
                         (["-program", "a", "-courant", "0.5"], "takes the place of a scene"), (["-at", "3"], "only with program")):
         answer = run("spectrum", *words, status=2)
         check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+    said = run("critical", "-program", program("program_fails.py", "ok", "set"), "-program_dt", "step", status=2)
+    check("-program_dt step: " in said and "allowed: dt\n" in said, f"a time step of another name: {said}")
     for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
         pids = f"signal{int(number)}"
         with subprocess.Popen([MPMSTAB, "spectrum", "-program", program("program_fails.py", "hangs", pids)],
@@ -309,7 +311,7 @@ def check_compare():
     check(found["comparison"]["same"] and found["comparison"]["difference"] < 1e-8, f"moving: {found['comparison']}")
     near("growth of both", found["comparison"]["growth"], found["comparison"]["code_growth"], 1e-8)
     check_compare_plane()
-    for text, said in (("formulation=usl", "how far waves go"), ("usl", "keys of a scene"), ("formulation=foo,courant=1", "gas1"),
+    for text, said in (("formulation=usl", "how far waves go"), ("usl", "keys of a scene"), ("formulation=foo,courant=1", "-compare:1: formulation: foo: allowed: gas1"),
                        ("formulation=usl,courant=0.5,ppc=1", "are not where"), ("formulation=usl,courant=0.5,drift=1/2", "of 2"),
                        ("formulation=usl,courant=0.5,boundary=fixed,free", "boundary fixed,free")):
         answer = run("symbol", *bar, "-compare", text, status=2)

@@ -18,11 +18,9 @@ import sys
 import tempfile
 import types
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
-
 os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
 from checks import ROOT, SCRIPTS, check, check_one_line, run_script, text_of
+from browser import WAIT, browser, check_quiet, clipboard_after, opened, require_browser, resize
 import report_page  # noqa: E402 (which program it runs comes first)
 import report_runs  # noqa: E402
 
@@ -35,9 +33,7 @@ SCENES = {"rings": "formulation: gas2\ncells: 8\ncourant: 0.1\ndrift: 1/8\niniti
           "space": "dim: 3\nformulation: usl\ntransfer: apic\ngradient: mls\nbasis: quadratic\ncells: 4,2,2\nppc: 1\n"
                    "length: 2,1,1\ninitial: random\nsteps: 20\n",
           "wrong one's": "formulation: gas2\ncells: minus one\n"}
-FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-         "--disable-component-update --disable-sync --disable-dev-shm-usage").split()
-WIDTHS = ((360, 740), (1280, 900))
+WIDTHS = ((390, 844), (1280, 900))
 
 
 def report(*arguments, **how):
@@ -118,12 +114,14 @@ def check_text(page):
     check("<b>map</b>" not in article(page, "rings"), "a map has nothing to expect")
     said, again = text.split("The same again")
     check("mpirun" not in said, "what is not the program's")
-    words = shlex.split(html.unescape(again.split("<pre", 1)[1].split(">", 1)[1]).splitlines()[0])
+    words = shlex.split(html.unescape(re.search("<code>(.*?)</code>", again)[1]))
     check(words[:4] == ["mpirun", "-q", "-n", "2"] and os.path.abspath("wrong one's.yaml") in
           [os.path.join(report_runs.ROOT, word) for word in words], f"not to be typed: {words}")
     check("not examined" in text and "cells" in text and "minus one" in text, "a scene that cannot be read")
-    for name in ("PETSc", "SLEPc", "MPI", "Python", "processor", "git revision", "date", "command"):
+    for name in ("PETSc", "SLEPc", "MPI", "Python", "processor", "git revision", "date"):
         check(re.search(rf"<td>{name}</td><td>[^<]+</td>", page), f"no {name}")
+    check(re.search(r"<td>command</td><td>.*<code>scripts/report.py rings.yaml [^<]+</code>", page), "no command")
+    check_album(page)
     network = re.search(r"""(src|href)\s*=\s*["']?\s*(https?:)?//|@import|url\(""", page)
     check(not network, f"the network is named: {network}")
     least = {"rings": 6, "rests": 7, "jitters": 4, "plane": 8, "space": 4, "wrong-one-s": 0}
@@ -134,6 +132,16 @@ def check_text(page):
     check(damped == ["rings", "rests", "plane", "space"], f"damping: {damped}")
     check("not drawn" not in page, "a picture was not drawn")
     check(all(re.findall(r'<img [^>]*alt="([^"]+)"', page)), "a picture without words")
+
+
+def check_album(page):
+    """Each picture of the page is saved beside it, and its link leads there."""
+    links = [html.unescape(link) for link in re.findall(r'<a href="(page-pictures/[^"]+)">', page)]
+    check(len(links) == len(set(links)) == page.count("<img ") and "page-pictures/rests-spectrum.svg" in links, f"{links}")
+    for link in links:
+        with open(link, "rb") as file:
+            embedded = base64.b64encode(file.read()).decode()
+        check(embedded in page, f"{link} is not the picture of the page")
 
 
 def check_overview(page):
@@ -191,33 +199,22 @@ def check_transient(page):
 
 def check_browser(path, screenshots=""):
     """In a browser the page must not complain, ask the network or scroll sideways, and must show every picture."""
-    options = webdriver.ChromeOptions()
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    with tempfile.TemporaryDirectory() as profile:
-        for flag in (*FLAGS, f"--user-data-dir={profile}"):
-            options.add_argument(flag)
-        driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-        try:
-            driver.get("about:blank")
-            driver.get_log("performance")  # the browser's own first page
-            for width, height in WIDTHS:
-                look(driver, path, width, height, screenshots)
-        finally:
-            driver.quit()
+    with browser() as driver:
+        for width, height in WIDTHS:
+            resize(driver, width, height)
+            opened(driver, path)
+            driver.execute_async_script(WAIT + "Promise.all([...document.images].map(i => i.decode()))"
+                                        ".then(() => done(), e => done(e))")
+            check_quiet(driver, width)
+            look(driver, width)
+            use(driver, width)
+            if screenshots:
+                picture = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "format": "png"})
+                with open(f"{screenshots}-{width}.png", "wb") as file:
+                    file.write(base64.b64decode(picture["data"]))
 
 
-def look(driver, path, width, height, screenshots):
-    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    driver.get("file://" + os.path.abspath(path))
-    driver.execute_async_script("const done = arguments[0]; Promise.all([...document.images].map(i => i.decode()))"
-                                ".then(() => done(), e => done(e))")
-    check(not driver.get_log("browser"), f"console: {driver.get_log('browser')}")
-    events = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    urls = [event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"]
-    check(urls and all(url.startswith(("file:", "data:")) for url in urls), f"requests: {[u[:80] for u in urls]}")
-    inner, wide = driver.execute_script("return [innerWidth, document.documentElement.scrollWidth]")
-    check(inner == width and wide <= width, f"at {width}: the page is {wide} wide in a window of {inner}")
+def look(driver, width):
     empty = driver.execute_script("return [...document.images].filter(i => !(i.naturalWidth > 0)).map(i => i.alt)")
     check(not empty and driver.execute_script("return document.images.length") > 0, f"empty pictures: {empty}")
     over = driver.execute_script("return [...document.images].filter(i => i.getBoundingClientRect().right > "
@@ -226,10 +223,27 @@ def look(driver, path, width, height, screenshots):
     seen = driver.execute_script("return [...document.querySelectorAll('.verdict')].map(v => v.checkVisibility ? "
                                  "v.checkVisibility() && v.offsetHeight > 0 : v.offsetHeight > 0)")
     check(seen and all(seen), f"at {width}: a verdict is not seen: {seen}")
-    if screenshots:
-        picture = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "format": "png"})
-        with open(f"{screenshots}-{width}.png", "wb") as file:
-            file.write(base64.b64decode(picture["data"]))
+    beyond = driver.execute_script("return [...document.querySelectorAll('.command pre')].filter(p => p.scrollWidth > "
+                                   "p.clientWidth).map(p => p.textContent)")
+    check(not beyond, f"at {width}: commands that do not wrap: {beyond}")
+
+
+def use(driver, width):
+    """A button copies its command, a tap opens a picture large, and a table scrolls beside its first column."""
+    wanted = driver.execute_script("return document.querySelector('.command code').textContent")
+    found = clipboard_after(driver, ".command .copy")
+    check(found == [wanted, "Copied"] and " spectrum " in wanted, f"{found}, not {wanted}")
+    large = driver.execute_async_script(
+        WAIT + "document.querySelector('.enlarge').click(); setTimeout(() => { const d = document.querySelector('dialog');"
+        "const shown = [d.open, d.querySelector('img').getBoundingClientRect().width]; d.querySelector('.close').click();"
+        "setTimeout(() => done([...shown, document.querySelectorAll('dialog').length]), 100); }, 100)")
+    check(large[0] and large[1] >= 900 and large[2] == 0, f"at {width}: a picture opens as {large}")
+    table = driver.execute_script(
+        "const box = document.querySelector('.scroll'), cells = box.querySelector('tbody tr').cells;"
+        "const at = cell => cell.getBoundingClientRect().left, before = [at(cells[0]), at(cells[1])];"
+        "box.scrollLeft = 150; return [box.scrollLeft, before[0] - at(cells[0]), before[1] - at(cells[1])]")
+    check(abs(table[1]) < 2 and abs(table[2] - table[0]) < 2 and (table[0] == 150 or width > 500),
+          f"at {width}: the table has scrolled by {table[0]}, its first two columns by {table[1:]}")
 
 
 def check_code():
@@ -287,6 +301,7 @@ def check_places():
 
 
 def main():
+    require_browser()
     page = make()
     check_text(page)
     check_browser("page.html")

@@ -21,13 +21,14 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   (void)argv;
   PetscCall(PetscNew(&plan));
-  MpmRowPlanCompile(&pass, basis, plan);
+  MpmRowPlanCompile(&pass, basis, 2, plan);
   CHECK(plan->nsteps == 5, "%d steps", (int)plan->nsteps);
   for (PetscInt s = 0; s < plan->nsteps; s++) CHECK(plan->step[s].kind == expected[s], "step %d", (int)s);
   CHECK(plan->step[0].particle == 2, "a register that no map of the group changes is scaled before it");
   CHECK(plan->step[2].particle == 1 && plan->step[2].a == 4, "a register that a map has changed is scaled after it");
   CHECK(plan->nlines == 2 && plan->nmaps == 3, "%d lines, %d maps", (int)plan->nlines, (int)plan->nmaps);
-  CHECK(plan->line[0].axis == 1 && plan->line[0].across == MPM_DIV, "the slopes are across x");
+  CHECK(plan->across[plan->line[0].across].y == MPM_DIV && plan->across[plan->line[0].across].z == MPM_P2G,
+        "the slopes are across x");
   CHECK(plan->map[0].kernel == basis->kernel[MPM_G2P] && plan->map[0].shared == 1 && plan->map[1].shared == 0,
         "two maps share a line and its result along x");
   CHECK(plan->nkinds == 2 && plan->kind[0] == MPM_P2G && plan->kind[1] == MPM_DIV, "weights that are not needed");

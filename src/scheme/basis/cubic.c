@@ -41,5 +41,6 @@ const MpmBasis MpmCubic = {.name        = "cubic",
                            .reach_right = 2,
                            .slope_sum   = 2,
                            .curve_sum   = 8,
+                           .moment      = 1.0 / 3,
                            .smooth      = PETSC_TRUE,
                            KERNELS};

@@ -43,4 +43,5 @@ const MpmBasis MpmQuadratic = {.name        = "quadratic",
                                .reach_right = 2,
                                .slope_sum   = 2,
                                .curve_sum   = 8,
+                               .moment      = 1.0 / 4,
                                KERNELS};

@@ -34,5 +34,5 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 #define STRESS_AHEAD                                                                                                   \
   .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
   .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit,      \
-  .mls_bound = PETSC_TRUE
+  .mls_bound = PETSC_TRUE, .leftmost = PETSC_TRUE
 /* clang-format on */

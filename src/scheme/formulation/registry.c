@@ -43,22 +43,34 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_P2G_AFFINE] = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_MASS},
       [MPM_DIV]        = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
       [MPM_DIV_MLS]    = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
-      [MPM_CURVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
-      [MPM_CURVE_MLS]  = {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME},
+      [MPM_CURVE] =
+          {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME, .first = MPM_DIV, .second = MPM_DIV},
+      [MPM_CURVE_MLS] =
+          {.dst = MPM_ON_NODES, .src = MPM_ON_PARTICLES, .weight = MPM_VOLUME, .first = MPM_DIV_MLS, .second = MPM_DIV},
       [MPM_G2P]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_G2P_AFFINE] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
       [MPM_GRAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
       [MPM_GRAD_MLS]   = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
       [MPM_G2P_SLOPE]  = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES},
+      [MPM_STRESS]     = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_LOAD]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_STRETCH]    = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_SCALE]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_ADD]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LAP]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
       [MPM_COPY]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
       [MPM_SOLVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_WALL]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_ADVANCE]    = {.dst = MPM_NOWHERE, .src = MPM_ON_PARTICLES},
       [MPM_DRIFT]      = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},
   };
   return traits[kind];
+}
+
+MpmOpKind MpmKindAlongOfTwo(MpmOpKind kind, PetscInt axes, PetscInt direction)
+{
+  if (direction == MpmAxesFirst(axes)) return MpmOpTraitsOf(kind).first;
+  return direction == MpmAxesSecond(axes) ? MpmOpTraitsOf(kind).second : MPM_P2G;
 }
 
 PetscReal MpmOpValue(const MpmOp *op, PetscReal courant)

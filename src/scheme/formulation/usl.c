@@ -55,4 +55,6 @@ const MpmFormulation MpmUsl = {.name      = "usl",
                                .limit_text     = "s = k^2 kappa <= 2 (1 + f) / (1 + f - alpha)",
                                .corrected      = Corrected,
                                .limit          = Limit,
-                               .mls_bound      = PETSC_TRUE};
+                               .mls_bound      = PETSC_TRUE,
+                               .leftmost       = PETSC_TRUE,
+                               .sums_chi       = PETSC_TRUE};

@@ -16,4 +16,5 @@ const MpmTransfer MpmApic = {.name = "apic",
                              .mls_bound     = PETSC_TRUE,
                              .filter        = MpmTransferFromGrid,
                              .filter_symbol = MpmTransferFromGridSymbol,
+                             .leftmost      = PETSC_TRUE,
                              .null_factor   = MpmTransferForgets};

@@ -37,4 +37,5 @@ const MpmTransfer MpmBlend = {.name          = "blend",
                               .number        = Number,
                               .filter        = Filter,
                               .filter_symbol = FilterSymbol,
+                              .leftmost      = PETSC_TRUE,
                               .null_factor   = NullFactor};

@@ -18,4 +18,5 @@ const MpmTransfer MpmFlip = {.name          = "flip",
                              .summary       = "particles gain increments from the grid",
                              .reference     = "Brackbill and Ruppel 1986",
                              .filter_symbol = FilterSymbol,
+                             .leftmost      = PETSC_TRUE,
                              .null_factor   = NullFactor};

@@ -27,4 +27,5 @@ const MpmTransfer MpmPic = {.name          = "pic",
                             .reference     = "Harlow 1964",
                             .filter        = MpmTransferFromGrid,
                             .filter_symbol = MpmTransferFromGridSymbol,
+                            .leftmost      = PETSC_TRUE,
                             .null_factor   = MpmTransferForgets};

@@ -65,4 +65,5 @@ const MpmTransfer MpmXpic = {.name          = "xpic",
                              .number        = MpmTransferOrder,
                              .filter        = MpmTransferXpic,
                              .filter_symbol = MpmTransferXpicSymbol,
+                             .leftmost      = PETSC_TRUE,
                              .null_factor   = MpmTransferForgets};

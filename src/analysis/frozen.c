@@ -1,0 +1,37 @@
+/* The spectrum of a frozen tangent. */
+#include "analysis/frozen.h"
+#include "operator/tangent_march.h"
+
+PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum, PetscReal *mismatch)
+{
+  MpmMarch       *march;
+  MpmTangentSpace space;
+  MpmTangentState state;
+  MpmFinding     *finding;
+  Mat             tangent, matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
+  while (march->step < request->at_step && !march->failure[0]) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+  MpmCheckInput(!march->failure[0], "-at_step %" PetscInt64_FMT ": the run ends before it, %s", request->at_step,
+                march->failure);
+  PetscCall(MpmTangentSpaceCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &space));
+  PetscCall(MpmTangentStateCreate(&space, &state));
+  PetscCall(MpmTangentStateOf(&space, march, &state));
+  PetscCall(MpmTangentCheck(&space, &state));
+  PetscCall(MpmTangentStateDestroy(&space, &state));
+  PetscCall(MpmTangentMismatch(&space, march, &tangent, mismatch));
+  PetscCall(MpmMarchDestroy(&march));
+  PetscCall(MpmTapeAssemble(tangent, &matrix));
+  PetscCall(MatDestroy(&tangent));
+  PetscCall(MpmTangentSpaceDestroy(&space));
+  PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, request, started, spectrum));
+  PetscCall(MatDestroy(&matrix));
+  finding = &(*spectrum)->finding;
+  if (!(*mismatch <= MPM_MISMATCH)) {
+    finding->verdict = MPM_UNDECIDED;
+    PetscCall(PetscStrlcat(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,15 @@
+/* Where the leftmost eigenvalues decide on stability. */
+#pragma once
+#include <mpmstab/scene.h>
+
+/*
+   MpmLeftmostDecides - whether every eigenvalue of abs above 1 is real and below -1, so that a scheme is stable where the
+   eigenvalue of least real part is not below -1.
+
+   This is proved for momentum schemes at rest on any layout, with any masses and stiffnesses, in any dimension, between
+   any ends but walls that react (THEORY.md, section 5). DIV has to be the adjoint of GRAD: a node without mass beside a
+   particle that hats put on another node would break that, so that layouts with holes must be jittered.
+
+   Not collective.
+*/
+PetscBool MpmLeftmostDecides(const MpmScene *scene);

@@ -1,0 +1,66 @@
+/*
+   Operations of finite deformation in a pass, and what goes wrong in them. A particle whose det F is not positive, that
+   goes a cell or further in a step, or that leaves the domain ends the run in the step in which it does.
+*/
+#pragma once
+#include "march/march_private.h"
+
+/*E
+   MpmFailureKind - what is wrong with a particle.
+E*/
+typedef enum { MPM_NO_FAILURE, MPM_INVERTED, MPM_TOO_FAST } MpmFailureKind;
+
+/*S
+   MpmWatch_ - what passes find out about the places of this rank's particles.
+
+   range     - the least and the largest cell of each direction, after the last ADVANCE
+   kind      - what is wrong with a particle, the first of those that failed
+   particle  - its number on this rank
+   way       - how far it would go, in cells
+S*/
+struct MpmWatch_ {
+  PetscInt       range[MPM_MAX_DIM][2];
+  MpmFailureKind kind;
+  PetscInt       particle;
+  PetscReal      way[MPM_MAX_DIM];
+};
+
+/*S
+   MpmFiniteBlock - the n particles from begin on, which go through an operation together. to and from: the arrays of the fields that it
+   writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. stiffness: of
+   the particles, or NULL where all are alike.
+S*/
+typedef struct {
+  PetscInt          begin, n;
+  PetscInt64        step;
+  PetscReal        *to[MPM_MAX_DIM * MPM_MAX_DIM], *from[MPM_MAX_DIM * MPM_MAX_DIM], *xi[MPM_MAX_DIM];
+  PetscInt         *cell[MPM_MAX_DIM];
+  const PetscInt64 *id;
+  const PetscReal  *stiffness;
+} MpmFiniteBlock;
+
+/* Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. */
+typedef struct {
+  PetscInt to, from;
+} MpmFiniteWidth;
+MpmFiniteWidth MpmFiniteWidthOf(MpmPassOpKind kind, PetscInt dim);
+
+/* Not collective. Runs an operation on a block. */
+void MpmFiniteRun(const MpmMarch *march, MpmPassOpKind kind, const MpmFiniteBlock *block);
+
+/*
+   Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the time
+   of a step, in units of c^2 / h.
+*/
+void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscReal step, PetscReal load[]);
+
+/* Not collective. Forgets ranges and failures, before a step. */
+void MpmFiniteForget(MpmMarch *march);
+
+/*
+   MpmFiniteAgree - finds out on all ranks whether a particle has failed, and how far particles are beyond the cells of
+   their ranks.
+
+   Collective. After a failure march->failure says what has happened.
+*/
+PetscErrorCode MpmFiniteAgree(MpmMarch *march, PetscInt *beyond);

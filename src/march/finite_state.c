@@ -1,0 +1,290 @@
+/* Where a march at finite deformation starts from, and the norms of its state. */
+#include "march/finite_state.h"
+#include "scene/material.h"
+#include "scene/solution.h"
+#include "scheme/deform.h"
+#include <math.h>
+
+/* A seed for each random field, so that these are independent. Places have the numbers after those of the state. */
+static PetscInt64 SeedOf(const MpmMarch *march, PetscInt field)
+{
+  return (PetscInt64)(0x1p52 * MpmHash(march->layout->seed + 1, -2 - field));
+}
+
+/*
+   What state register r starts from: of particles at X, in the scene's unit of length; without X what the uniform state
+   has.
+*/
+static PetscReal Start(const MpmMarch *march, const MpmProfile *profile, PetscInt r, const PetscReal X[])
+{
+  const MpmTable *t   = march->scheme->table;
+  const PetscInt  dim = t->dim, component = t->component[r];
+  PetscReal       value = 0;
+
+  if (X && MpmSolutionOf(march->scene)) return MpmSolutionRegister(march->scene, r, X, X, 0);
+  if (t->field[r] == MPM_STRETCHED)
+    return component / dim == component % dim ? march->scheme->space.stretch[component / dim] : 0;
+  if (t->field[r] != MPM_NONE) value = march->velocity[component];
+  if (X && march->scene->initial == MPM_INITIAL_COLLISION && X[0] > march->scene->length[0] / 2) value = -value;
+  if (profile) value += MpmSceneExact(march->scene, profile, r, X, 0) / march->scene->wave_speed;
+  return value;
+}
+
+static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, PetscReal noise, PetscInt r,
+                                const PetscInt64 id[])
+{
+  const MpmTable  *t       = march->scheme->table;
+  const PetscBool  stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal  size    = noise * (stretch ? march->scheme->space.stretch[t->component[r] % t->dim] : 1);
+  const PetscInt64 seed    = SeedOf(march, r);
+  PetscReal       *q;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal X[MPM_MAX_DIM] = {0};
+
+    MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
+    q[p] = Start(march, profile, r, march->scene ? X : NULL);
+    if (size > 0) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
+  }
+  PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves the particles out of their places at rest by random numbers in [-noise, noise) of a cell. */
+static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt64 id[])
+{
+  const MpmGrid *grid = march->grid;
+  PetscReal     *way, *xi;
+  PetscInt      *cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(march->particles->count, &way));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscInt64 seed     = SeedOf(march, march->scheme->table->nstate + a);
+    PetscInt         range[2] = {0, 0}, bad;
+
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi));
+    for (PetscInt p = 0; p < march->particles->count; p++) way[p] = noise * (2 * MpmHash(seed, id[p]) - 1);
+    bad = MpmAdvance(&march->layout->grid[a], grid->axis[a].first, march->particles->count, way, cell, xi, range);
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+    MpmCheckInput(bad == march->particles->count,
+                  "amplitude: the random start moves particle %" PetscInt64_FMT
+                  " by a cell or more, or out of the domain; allowed: a smaller one",
+                  id[bad]);
+  }
+  PetscCall(PetscFree(way));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
+{
+  const MpmScene  *scene   = march->scene;
+  const PetscBool  mode    = scene && scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
+  const MpmProfile profile = mode ? MpmSceneProfile(scene, scene->amplitude) : (MpmProfile){.dim = 0};
+  PetscInt64      *id;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++)
+    PetscCall(FillField(march, mode ? &profile : NULL, noise, r, id));
+  if (noise > 0) PetscCall(Displace(march, noise, id));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  if (noise > 0) PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- norms ---- */
+
+/* The way of each particle along axis a from the uniform motion, in cells: the shortest one in a periodic direction. */
+static PetscErrorCode Ways(const MpmMarch *march, PetscInt a, const PetscInt64 id[], PetscReal way[])
+{
+  const MpmDirection *direction = &march->layout->grid[a];
+  const PetscReal     went      = march->velocity[a] * march->courant * (PetscReal)march->particles->step;
+  const PetscInt     *cell;
+  const PetscReal    *xi;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal X[MPM_MAX_DIM];
+
+    MpmLayoutRest(march->layout, id[p], X);
+    way[p] = (march->grid->axis[a].first + cell[p] - X[a]) + xi[p] - went;
+    if (direction->ends[0] == MPM_PERIODIC) way[p] = remainder(way[p], direction->cells);
+  }
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The sum of n numbers over all ranks, and the sum of the squares of their differences from the mean, or from 0. */
+static PetscErrorCode Squares(const MpmMarch *march, PetscInt64 n, const PetscReal q[], PetscBool about_mean,
+                              PetscReal *sum)
+{
+  const MPI_Comm comm    = PetscObjectComm((PetscObject)march->grid->da);
+  PetscReal      both[2] = {0, n}, mean;
+
+  PetscFunctionBegin;
+  for (PetscInt64 p = 0; p < n; p++) both[0] += q[p];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, both, 2, MPIU_REAL, MPI_SUM, comm));
+  mean = about_mean && both[1] > 0 ? both[0] / both[1] : 0;
+  for (PetscInt64 p = 0; p < n; p++) *sum += PetscSqr(q[p] - mean);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The squares of what is left of a state register when its uniform value is taken out. */
+static PetscErrorCode FieldSquares(const MpmMarch *march, PetscInt r, PetscReal left[], PetscReal *sum)
+{
+  const MpmTable  *t       = march->scheme->table;
+  const PetscBool  stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal  unit    = stretch ? march->scheme->space.stretch[t->component[r] % t->dim] : 1;
+  const PetscReal *q;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
+  for (PetscInt p = 0; p < march->particles->count; p++) left[p] = (q[p] - Start(march, NULL, r, NULL)) / unit;
+  PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+  PetscCall(Squares(march, march->particles->count, left, stretch ? PETSC_FALSE : PETSC_TRUE, sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The squares of a node register without its mean, at this rank's nodes. */
+static PetscErrorCode NodeSquares(const MpmMarch *march, PetscInt node, PetscReal *sum)
+{
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox box  = MpmGridBoxOf(grid, 0);
+  PetscReal       *values, *f;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(MpmGridNodes(grid), &values));
+  PetscCall(MpmGridGetArray(grid, march->node[node], &f));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++)
+    PetscCall(PetscArraycpy(values + r * box.hi[0], f + MpmGridRow(grid, &box, r), box.hi[0]));
+  PetscCall(MpmGridRestoreArray(grid, march->node[node], &f));
+  PetscCall(Squares(march, MpmGridNodes(grid), values, PETSC_TRUE, sum));
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the squares of the node registers that particles are sent to. */
+static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
+{
+  const MpmTable *t                     = march->scheme->table;
+  PetscBool       taken[MPM_MAX_FIELDS] = {PETSC_FALSE};
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || taken[t->ops[o].dst]) continue;
+    taken[t->ops[o].dst] = PETSC_TRUE;
+    PetscCall(NodeSquares(march, t->ops[o].dst, sum));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A property of this rank's particles, or NULL where all are alike. */
+static PetscErrorCode Property(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+{
+  PetscFunctionBegin;
+  *values = NULL;
+  if (march->layout->varies[property]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+{
+  PetscFunctionBegin;
+  if (*values) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds m v^2 / 2 of this rank's particles, and their energy in the gravity, in units of rho0 c^2. */
+static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
+{
+  const MpmTable  *t = march->scheme->table;
+  const PetscReal *q, *mass;
+  const PetscInt  *cell;
+
+  PetscFunctionBegin;
+  PetscCall(Property(march, MPM_MASS, &mass));
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
+    PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
+    for (PetscInt p = 0; p < march->particles->count; p++) *sum += (mass ? mass[p] : 1) * q[p] * q[p] / 2;
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+  }
+  for (PetscInt a = 0; a < t->dim && march->scene; a++) {
+    const PetscReal gravity = march->scene->gravity[a] * march->cell_width / PetscSqr(march->scene->wave_speed);
+
+    if (gravity == 0) continue;
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &q));
+    for (PetscInt p = 0; p < march->particles->count; p++)
+      *sum -= (mass ? mass[p] : 1) * gravity * (march->grid->axis[a].first + cell[p] + q[p]);
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &q));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  }
+  PetscCall(RestoreProperty(march, MPM_MASS, &mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the strain energy of this rank's particles, in units of rho0 c^2. */
+static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *sum)
+{
+  const MpmTable  *t  = march->scheme->table;
+  const PetscInt   dd = t->dim * t->dim;
+  const PetscReal *stiffness;
+  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  PetscCall(Property(march, MPM_STIFFNESS, &stiffness));
+  MpmMaterialEnergy(&t->material, t->dim, march->particles->count, (const PetscReal *const *)F, psi);
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * psi[p];
+  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The volume of a particle at rest, in the scene's unit. The cells are filled in the state that the scene starts from. */
+static PetscReal VolumeAtRest(const MpmMarch *march)
+{
+  PetscReal volume = 1;
+
+  for (PetscInt a = 0; a < march->grid->dim; a++)
+    volume *= march->cell_width / (march->layout->ppc[a] * march->scheme->space.stretch[a]);
+  return volume;
+}
+
+PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
+{
+  const PetscReal speed   = march->scene ? march->scene->wave_speed : 1;
+  PetscReal       sums[3] = {0, 0, 0}, *one;
+  PetscInt64     *id;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(march->particles->count, &one));
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt a = 0; a < march->grid->dim; a++) {
+    PetscCall(Ways(march, a, id, one));
+    PetscCall(Squares(march, march->particles->count, one, PETSC_TRUE, &sums[0]));
+  }
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++) PetscCall(FieldSquares(march, r, one, &sums[0]));
+  PetscCall(SeenSquares(march, &sums[2]));
+  PetscCall(KineticEnergy(march, &sums[1]));
+  PetscCall(StrainEnergy(march, one, &sums[1]));
+  PetscCall(PetscFree(one));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  norms->state  = sqrt(sums[0] / (PetscReal)march->particles->total);
+  norms->grid   = sqrt(sums[2] / (PetscReal)MpmLayoutNodes(march->layout));
+  norms->energy = sums[1] * VolumeAtRest(march) * speed * speed;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,513 @@
+/*
+   A table about a state, and its differential on a tape. With w the weights of a map, w_c their derivatives along c, M the
+   nodal masses and dx the perturbation of the places at the start of the step:
+
+     P2G    y = a (sum w m q) / M          dy = a (sum w m dq + sum_c sum w_c m q dx_c) / M - y dM / M
+     mass   M = sum w m                    dM = sum_c sum w_c m dx_c
+     G2P    q += a sum w u                 dq += a sum w du + a sum_c (sum w_c u) dx_c
+     STRESS t = tau(F)                     dt = sum dtau/dF_ab dF_ab
+     LOAD   b                              db = 0
+     STRETCH F = F + L F                   dF = (I + L) dF + dL F
+
+   All weights are those of the start of the step. Operations that are linear with constant numbers are their own
+   differentials.
+*/
+#include "operator/tangent.h"
+#include "scene/material.h"
+#include <mpmstab/errors.h>
+
+static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+
+/*
+   The registers of a tape: those of the table's particles, then the places, their perturbation at the start, and a
+   copy of dF; on nodes those of the table, and the mass.
+*/
+typedef struct {
+  PetscInt place, start, copy, node, mass;
+} Slots;
+
+static Slots SlotsOf(const MpmTable *t)
+{
+  Slots s;
+
+  s.place = t->nparticles;
+  s.start = s.place + t->dim;
+  s.copy  = s.start + t->dim;
+  s.node  = s.copy + t->dim * t->dim;
+  s.mass  = s.node + t->nnodes;
+  return s;
+}
+
+/*
+   value: what the registers hold in the step itself. weight: properties of particles, NULL where they are 1. mass,
+   inverse: of the nodes.
+*/
+typedef struct {
+  const MpmRegisters *sizes;
+  const MpmTable     *table;
+  PetscReal           courant;
+  Slots               slot;
+  MpmPlacedMaps       maps;
+  MpmTape            *tape;
+  const Vec          *load;
+  Vec                 value[MPM_MAX_SLOTS], weight[MPM_PROPERTIES], mass, inverse;
+} Builder;
+
+/* ---- the space ---- */
+
+/* Particles go anywhere, and may fill any shape. So each rank has as many, in the order of their ids. */
+static PetscErrorCode Share(MpmRegisters *r, PetscInt64 particles)
+{
+  PetscInt all = (PetscInt)particles;
+
+  PetscFunctionBegin;
+  r->particles = PETSC_DECIDE;
+  PetscCall(PetscSplitOwnership(r->comm, &r->particles, &all));
+  PetscCallMPI(MPI_Scan(&r->particles, &r->begin, 1, MPIU_INT, MPI_SUM, r->comm));
+  r->begin -= r->particles;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentSpaceCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
+                                     MpmTangentSpace *space)
+{
+  const MpmTable *t    = scheme->table;
+  const MpmStep   rest = {.courant = 0};
+  const Slots     slot = SlotsOf(t);
+  PetscInt        state[MPM_MAX_SLOTS];
+
+  PetscFunctionBegin;
+  PetscCall(MpmRegistersSizes(comm, layout, scheme, &rest, &space->sizes));
+  PetscCall(Share(&space->sizes, layout->particles));
+  space->nstate = t->dim + t->nstate;
+  for (PetscInt f = 0; f < space->nstate; f++) state[f] = f < t->dim ? slot.place + f : f - t->dim;
+  PetscCall(MpmTapeWorkCreate(comm, space->sizes.particles, space->sizes.nodes, slot.node, t->nnodes + 1, space->nstate,
+                              state, &space->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentSpaceDestroy(MpmTangentSpace *space)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTapeWorkDestroy(&space->work));
+  PetscCall(MpmRegistersDestroy(&space->sizes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentStateCreate(const MpmTangentSpace *space, MpmTangentState *state)
+{
+  const MpmRegisters *r = &space->sizes;
+
+  PetscFunctionBegin;
+  *state = (MpmTangentState){.field = {NULL}};
+  for (PetscInt a = 0; a < r->layout->dim; a++) {
+    PetscCall(PetscCalloc2(r->particles, &state->places.cell[a], r->particles, &state->places.xi[a]));
+    PetscCall(VecDuplicate(space->work->slot[0], &state->load[a]));
+    PetscCall(VecSet(state->load[a], 0));
+  }
+  for (PetscInt f = 0; f < r->scheme->table->nstate; f++) {
+    PetscCall(VecDuplicate(space->work->slot[0], &state->field[f]));
+    PetscCall(VecSet(state->field[f], 0));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentStateDestroy(const MpmTangentSpace *space, MpmTangentState *state)
+{
+  const MpmRegisters *r = &space->sizes;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < r->layout->dim; a++) {
+    PetscCall(PetscFree2(state->places.cell[a], state->places.xi[a]));
+    PetscCall(VecDestroy(&state->load[a]));
+  }
+  for (PetscInt f = 0; f < r->scheme->table->nstate; f++) PetscCall(VecDestroy(&state->field[f]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- lines ---- */
+
+static PetscErrorCode Append(Builder *b, PetscInt dst, PetscInt src, Mat map, PetscBool to_nodes, Vec left, Vec right,
+                             PetscReal factor)
+{
+  const MpmTapeLine line = {
+      .dst = dst, .src = src, .map = map, .to_nodes = to_nodes, .left = left, .right = right, .factor = factor};
+
+  PetscFunctionBegin;
+  if (factor != 0) PetscCall(MpmTapeAppend(b->tape, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Multiplies a register and its perturbation by a number, and where left is given by those numbers, too. */
+static PetscErrorCode Multiply(Builder *b, PetscInt slot, Vec left, PetscReal factor)
+{
+  const MpmTapeLine line = {.dst = slot, .src = slot, .multiplies = PETSC_TRUE, .left = left, .factor = factor};
+
+  PetscFunctionBegin;
+  if (left) PetscCall(VecPointwiseMult(b->value[slot], b->value[slot], left));
+  PetscCall(factor == 0 ? VecSet(b->value[slot], 0) : VecScale(b->value[slot], factor));
+  PetscCall(MpmTapeAppend(b->tape, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A new vector left * right; NULL stands for ones, also in the result. */
+static PetscErrorCode Product(Vec left, Vec right, Vec *product)
+{
+  PetscFunctionBegin;
+  *product = NULL;
+  if (!left && !right) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(left ? left : right, product));
+  if (left && right)
+    PetscCall(VecPointwiseMult(*product, left, right));
+  else
+    PetscCall(VecCopy(left ? left : right, *product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The property of particles that multiplies what they give or get in an operation. NULL: it is 1. */
+static PetscErrorCode WeightOf(Builder *b, MpmOpKind kind, Vec *weight)
+{
+  const MpmLayout  *layout   = b->sizes->layout;
+  const MpmProperty property = MpmLayoutWeight(layout, kind);
+  PetscReal        *w;
+
+  PetscFunctionBegin;
+  *weight = b->weight[property];
+  if (*weight || property == MPM_NO_PROPERTY) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDuplicate(b->value[0], &b->weight[property]));
+  PetscCall(VecGetArray(b->weight[property], &w));
+  for (PetscInt p = 0; p < b->sizes->particles; p++) w[p] = MpmMaterialProperty(layout, property, b->sizes->begin + p);
+  PetscCall(VecRestoreArray(b->weight[property], &w));
+  *weight = b->weight[property];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nodal masses, and their perturbation by that of the places. */
+static PetscErrorCode Masses(Builder *b)
+{
+  Mat        map;
+  Vec        m, ones;
+  PetscReal *inverse;
+
+  PetscFunctionBegin;
+  PetscCall(WeightOf(b, MPM_P2G, &m));
+  PetscCall(MpmPlacedMapsGet(&b->maps, MPM_P2G, 0, MPM_NONE, even, &map));
+  PetscCall(VecDuplicate(b->value[0], &ones));
+  PetscCall(VecSet(ones, 1));
+  PetscCall(VecDuplicate(b->value[b->slot.mass], &b->inverse));
+  PetscCall(MatMultTranspose(map, m ? m : ones, b->inverse));
+  PetscCall(VecGetArray(b->inverse, &inverse));
+  for (PetscInt i = 0; i < b->sizes->nodes; i++) inverse[i] = inverse[i] > 0 ? 1 / inverse[i] : 0;
+  PetscCall(VecRestoreArray(b->inverse, &inverse));
+  PetscCall(VecDestroy(&ones));
+  for (PetscInt c = 0; c < b->table->dim; c++) {
+    PetscCall(Append(b, b->slot.start + c, b->slot.place + c, NULL, PETSC_FALSE, NULL, NULL, 1));
+    PetscCall(MpmPlacedMapsGet(&b->maps, MPM_P2G, 0, c, even, &map));
+    PetscCall(Append(b, b->slot.mass, b->slot.start + c, map, PETSC_TRUE, NULL, m, 1));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- operations ---- */
+
+static PetscErrorCode ToNodes(Builder *b, const MpmOp *op)
+{
+  const PetscInt   dst = b->slot.node + op->dst, src = op->src;
+  const MpmParity *parity = b->table->parity[op->dst];
+  const PetscReal  a      = MpmOpValue(op, b->courant);
+  Vec              weight, given, sum;
+  Mat              map;
+
+  PetscFunctionBegin;
+  if (!op->accumulates) PetscCall(Multiply(b, dst, NULL, 0));
+  PetscCall(WeightOf(b, op->kind, &weight));
+  PetscCall(Product(b->value[src], weight, &given));
+  PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, MPM_NONE, parity, &map));
+  PetscCall(Append(b, dst, src, map, PETSC_TRUE, b->inverse, weight, a));
+  PetscCall(VecDuplicate(b->value[dst], &sum));
+  PetscCall(MatMultTranspose(map, given, sum));
+  PetscCall(VecPointwiseMult(sum, sum, b->inverse));
+  PetscCall(VecAXPY(b->value[dst], a, sum));
+  PetscCall(VecPointwiseMult(sum, sum, b->inverse));
+  PetscCall(Append(b, dst, b->slot.mass, NULL, PETSC_FALSE, sum, NULL, -a));
+  for (PetscInt c = 0; c < b->table->dim; c++) {
+    PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, c, parity, &map));
+    if (map) PetscCall(Append(b, dst, b->slot.start + c, map, PETSC_TRUE, b->inverse, given, a));
+  }
+  PetscCall(VecDestroy(&given));
+  PetscCall(VecDestroy(&sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ToParticles(Builder *b, const MpmOp *op)
+{
+  const PetscInt   dst = op->dst, src = b->slot.node + op->src;
+  const MpmParity *parity = b->table->parity[op->src];
+  const PetscReal  a      = MpmOpValue(op, b->courant);
+  Vec              weight, got;
+  Mat              map;
+
+  PetscFunctionBegin;
+  PetscCall(WeightOf(b, op->kind, &weight));
+  for (PetscInt c = MPM_NONE; c < b->table->dim; c++) {
+    PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, c, parity, &map));
+    if (!map) continue;
+    PetscCall(VecDuplicate(b->value[dst], &got));
+    PetscCall(MatMult(map, b->value[src], got));
+    if (weight) PetscCall(VecPointwiseMult(got, got, weight));
+    if (c == MPM_NONE) {
+      PetscCall(Append(b, dst, src, map, PETSC_FALSE, weight, NULL, a));
+      PetscCall(VecAXPY(b->value[dst], a, got));
+    } else
+      PetscCall(Append(b, dst, b->slot.start + c, NULL, PETSC_FALSE, got, NULL, a));
+    PetscCall(VecDestroy(&got));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* dst = a src, or dst += a src, of registers at the same place. */
+static PetscErrorCode Copy(Builder *b, PetscBool accumulates, PetscReal a, PetscInt dst, PetscInt src)
+{
+  PetscFunctionBegin;
+  if (dst == src) {
+    PetscCall(Multiply(b, dst, NULL, accumulates ? 1 + a : a));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (!accumulates) PetscCall(Multiply(b, dst, NULL, 0));
+  PetscCall(VecAXPY(b->value[dst], a, b->value[src]));
+  PetscCall(Append(b, dst, src, NULL, PETSC_FALSE, NULL, NULL, a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nodes on one wall take a times what register src has there. */
+static PetscErrorCode Wall(Builder *b, const MpmOp *op)
+{
+  const MpmRegisters *r   = b->sizes;
+  const PetscInt      dst = b->slot.node + op->dst, src = b->slot.node + op->src;
+  const PetscInt      wall = op->side ? r->layout->grid[op->axis].nodes - 1 : 0;
+  const PetscReal     a    = MpmOpValue(op, b->courant);
+  Vec                 keep, take, taken;
+  PetscReal          *k, *t;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(b->value[dst], &keep));
+  PetscCall(VecDuplicate(b->value[dst], &take));
+  PetscCall(VecGetArray(keep, &k));
+  PetscCall(VecGetArray(take, &t));
+  for (PetscInt i = 0; i < r->nodes; i++) {
+    PetscInt stride;
+
+    t[i] = MpmNodeAlong(r->layout, r->node0 + i, op->axis, &stride) == wall ? a : 0;
+    k[i] = MpmNodeAlong(r->layout, r->node0 + i, op->axis, &stride) == wall ? (dst == src ? a : 0) : 1;
+  }
+  PetscCall(VecRestoreArray(take, &t));
+  PetscCall(VecRestoreArray(keep, &k));
+  PetscCall(Multiply(b, dst, keep, 1));
+  if (dst != src) {
+    PetscCall(Product(take, b->value[src], &taken));
+    PetscCall(VecAXPY(b->value[dst], 1, taken));
+    PetscCall(VecDestroy(&taken));
+    PetscCall(Append(b, dst, src, NULL, PETSC_FALSE, take, NULL, 1));
+  }
+  PetscCall(VecDestroy(&keep));
+  PetscCall(VecDestroy(&take));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- operations at finite deformation ---- */
+
+/* The arrays of n registers from one on, for those who loop over particles. */
+static PetscErrorCode GetArrays(const Builder *b, PetscInt first, PetscInt n, PetscReal *array[])
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(VecGetArray(b->value[first + c], &array[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreArrays(const Builder *b, PetscInt first, PetscInt n, PetscReal *array[])
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(VecRestoreArray(b->value[first + c], &array[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* dtau_rs += (dtau_rs / dF_ab) dF_ab for one component ab. unit: dF. */
+static PetscErrorCode StressAlong(Builder *b, const MpmOp *op, PetscInt ab, const PetscReal *const F[],
+                                  const PetscReal *const unit[], Vec weight)
+{
+  const PetscInt dim = b->table->dim, ntau = dim * (dim + 1) / 2;
+  Vec            slope[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
+  PetscReal     *dtau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
+
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < ntau; r++) {
+    PetscCall(VecDuplicate(b->value[op->dst], &slope[r]));
+    PetscCall(VecGetArray(slope[r], &dtau[r]));
+  }
+  MpmMaterialTangent(&b->table->material, dim, b->sizes->particles, F, unit, dtau);
+  for (PetscInt r = 0; r < ntau; r++) {
+    PetscCall(VecRestoreArray(slope[r], &dtau[r]));
+    if (weight) PetscCall(VecPointwiseMult(slope[r], slope[r], weight));
+    PetscCall(Append(b, op->dst + r, op->src + ab, NULL, PETSC_FALSE, slope[r], NULL, MpmOpValue(op, b->courant)));
+    PetscCall(VecDestroy(&slope[r]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Stress(Builder *b, const MpmOp *op)
+{
+  const PetscInt   dim = b->table->dim, nF = dim * dim, ntau = dim * (dim + 1) / 2, n = b->sizes->particles;
+  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2], *one, *zero;
+  const PetscReal *unit[MPM_MAX_DIM * MPM_MAX_DIM];
+  Vec              weight;
+
+  PetscFunctionBegin;
+  PetscCall(WeightOf(b, op->kind, &weight));
+  PetscCall(PetscCalloc2(n, &one, n, &zero));
+  for (PetscInt p = 0; p < n; p++) one[p] = 1;
+  for (PetscInt r = 0; r < ntau; r++) PetscCall(Multiply(b, op->dst + r, NULL, 0));
+  PetscCall(GetArrays(b, op->src, nF, F));
+  PetscCall(GetArrays(b, op->dst, ntau, tau));
+  MpmMaterialStress(&b->table->material, dim, n, (const PetscReal *const *)F, tau);
+  PetscCall(RestoreArrays(b, op->dst, ntau, tau));
+  for (PetscInt r = 0; r < ntau && weight; r++)
+    PetscCall(VecPointwiseMult(b->value[op->dst + r], b->value[op->dst + r], weight));
+  for (PetscInt ab = 0; ab < nF; ab++) {
+    for (PetscInt c = 0; c < nF; c++) unit[c] = c == ab ? one : zero;
+    PetscCall(StressAlong(b, op, ab, (const PetscReal *const *)F, unit, weight));
+  }
+  PetscCall(RestoreArrays(b, op->src, nF, F));
+  PetscCall(PetscFree2(one, zero));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* F_ab += sum_c L_ac F_cb. The lines read a copy of dF, and copies of F and L. */
+static PetscErrorCode Stretch(Builder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->table->dim, n = dim * dim;
+  Vec            F[MPM_MAX_DIM * MPM_MAX_DIM], L[MPM_MAX_DIM * MPM_MAX_DIM], change;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(Product(b->value[op->dst + i], NULL, &F[i]));
+    PetscCall(Product(b->value[op->src + i], NULL, &L[i]));
+    PetscCall(Multiply(b, b->slot.copy + i, NULL, 0));
+    PetscCall(Append(b, b->slot.copy + i, op->dst + i, NULL, PETSC_FALSE, NULL, NULL, 1));
+  }
+  for (PetscInt i = 0; i < n * dim; i++) {
+    const PetscInt ab = i / dim, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
+
+    PetscCall(Append(b, op->dst + ab, b->slot.copy + cb, NULL, PETSC_FALSE, L[ac], NULL, 1));
+    PetscCall(Append(b, op->dst + ab, op->src + ac, NULL, PETSC_FALSE, F[cb], NULL, 1));
+    PetscCall(Product(L[ac], F[cb], &change));
+    PetscCall(VecAXPY(b->value[op->dst + ab], 1, change));
+    PetscCall(VecDestroy(&change));
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(VecDestroy(&F[i]));
+    PetscCall(VecDestroy(&L[i]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A body force is what it is, whatever the state. */
+static PetscErrorCode Load(Builder *b, const MpmOp *op)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < b->table->dim; a++) {
+    PetscCall(Multiply(b, op->dst + a, NULL, 0));
+    PetscCall(VecCopy(b->load[a], b->value[op->dst + a]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* x += the way that particles go. The places of the builder are how far they have gone. */
+static PetscErrorCode Advance(Builder *b, const MpmOp *op)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < b->table->dim; a++) PetscCall(Copy(b, PETSC_TRUE, 1, b->slot.place + a, op->src + a));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscReal   a      = MpmOpValue(op, b->courant);
+
+  PetscFunctionBegin;
+  switch (op->kind) {
+  case MPM_WALL:
+    PetscCall(Wall(b, op));
+    break;
+  case MPM_COPY:
+    PetscCall(Copy(b, op->accumulates, a, b->slot.node + op->dst, b->slot.node + op->src));
+    break;
+  case MPM_SCALE:
+  case MPM_ADD:
+    PetscCall(Copy(b, op->kind == MPM_ADD ? PETSC_TRUE : PETSC_FALSE, a, op->dst, op->src));
+    break;
+  case MPM_STRESS:
+    PetscCall(Stress(b, op));
+    break;
+  case MPM_STRETCH:
+    PetscCall(Stretch(b, op));
+    break;
+  case MPM_LOAD:
+    PetscCall(Load(b, op));
+    break;
+  case MPM_ADVANCE:
+    PetscCall(Advance(b, op));
+    break;
+  default:
+    if (traits.dst == MPM_NOWHERE) break;
+    PetscCall(traits.dst == MPM_ON_NODES ? ToNodes(b, op) : ToParticles(b, op));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the tangent ---- */
+
+static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state)
+{
+  const MpmTapeWork *w = space->work;
+
+  PetscFunctionBegin;
+  *b = (Builder){.sizes   = &space->sizes,
+                 .table   = space->sizes.scheme->table,
+                 .courant = courant,
+                 .load    = state->load,
+                 .slot    = SlotsOf(space->sizes.scheme->table),
+                 .maps    = {.sizes = &space->sizes, .places = &state->places}};
+  for (PetscInt s = 0; s < w->nparticles + w->nnodes; s++) {
+    PetscCall(VecDuplicate(w->slot[s], &b->value[s]));
+    PetscCall(VecSet(b->value[s], 0));
+  }
+  for (PetscInt f = 0; f < b->table->nstate; f++) PetscCall(VecCopy(state->field[f], b->value[f]));
+  PetscCall(MpmTapeCreate(space->work, &b->tape));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode End(Builder *b)
+{
+  PetscFunctionBegin;
+  for (PetscInt s = 0; s < MPM_MAX_SLOTS; s++) PetscCall(VecDestroy(&b->value[s]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(VecDestroy(&b->weight[w]));
+  PetscCall(VecDestroy(&b->inverse));
+  PetscCall(MpmPlacedMapsDestroy(&b->maps));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state, Mat *tangent,
+                            Vec after[])
+{
+  Builder b;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(&b, space, courant, state));
+  PetscCall(Masses(&b));
+  for (PetscInt o = 0; o < b.table->nops; o++) PetscCall(ApplyOp(&b, &b.table->ops[o]));
+  for (PetscInt f = 0; f < space->nstate && after; f++) PetscCall(VecCopy(b.value[space->work->state[f]], after[f]));
+  PetscCall(MpmTapeMatrix(&b.tape, tangent));
+  PetscCall(End(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,78 @@
+/*
+   Tangent: the derivative of a step of a nonlinear scheme with respect to the state before it (theory of the tangent,
+   THEORY.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
+*/
+#pragma once
+#include "operator/placed_maps.h"
+#include "operator/tape.h"
+
+/*S
+   MpmTangentSpace - what the tangents of one scheme have in common.
+
+   sizes  - which particles and nodes this rank has
+   nstate - the number of fields of a state: the places in each direction, in cells, and then the registers of the
+            table's state. Unknown f of particle id has the number nstate id + f.
+   work   - the memory in which tangents are applied; they share it
+S*/
+typedef struct {
+  MpmRegisters sizes;
+  PetscInt     nstate;
+  MpmTapeWork *work;
+} MpmTangentSpace;
+
+/*S
+   MpmTangentState - a state that a tangent is taken at, of this rank's particles in the order of their ids.
+
+   places - where they are
+   field  - the registers of the table's state
+   load   - the body force on each particle in each direction, which does not depend on the state, in units of c^2 / h
+S*/
+typedef struct {
+  MpmParticlePlaces places;
+  Vec               field[MPM_MAX_FIELDS], load[MPM_MAX_DIM];
+} MpmTangentState;
+
+/*
+   MpmTangentSpaceCreate - makes what the tangents of a scheme have in common. layout and scheme must outlive it. Its
+   members are freed with MpmTangentSpaceDestroy, and tangents may outlive it.
+
+   Collective.
+*/
+PetscErrorCode MpmTangentSpaceCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,
+                                     MpmTangentSpace *space);
+PetscErrorCode MpmTangentSpaceDestroy(MpmTangentSpace *space);
+
+/* Collective. Memory for a state, with places and fields that are 0. */
+PetscErrorCode MpmTangentStateCreate(const MpmTangentSpace *space, MpmTangentState *state);
+PetscErrorCode MpmTangentStateDestroy(const MpmTangentSpace *space, MpmTangentState *state);
+
+/*
+   MpmTangentRoom - how far the particles of a state are from places where the step has no derivative, in cells: the least
+   distance of any particle, in any direction. On hats these places are the nodes, where the slopes of the weights jump, and
+   the tangent holds for perturbations that take no particle there. On quadratic splines they are the middles of cells, and
+   with gimp where the edge of a particle meets a node: there the slopes of the slopes jump. Infinite for cubic splines.
+
+   MpmTangentCheck - refuses (PETSC_ERR_USER_INPUT) a state with a particle at such a place. In a run that goes through such
+   a state the tangent is that of one side.
+
+   Collective.
+*/
+PetscErrorCode MpmTangentRoom(const MpmTangentSpace *space, const MpmTangentState *state, PetscReal *room);
+PetscErrorCode MpmTangentCheck(const MpmTangentSpace *space, const MpmTangentState *state);
+
+/*
+   MpmTangentOf - the tangent of one step at a state.
+
+   Collective.
+
+   Input Parameters:
++  courant - the Courant number of the step
+-  state   - the state before the step
+
+   Output Parameters:
++  tangent - a MATSHELL with products and transposed products
+-  after   - NULL, or the vectors of the state after the step: how far particles have moved in each direction, in cells,
+             and then the registers of the table's state. This is the step itself, by sparse matrices.
+*/
+PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state, Mat *tangent,
+                            Vec after[]);

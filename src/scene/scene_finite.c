@@ -1,0 +1,161 @@
+/*
+   Finite deformation: which scenes can have it, and the material, stretch and gravity of one that does.
+
+   The wave speed c of such a scene is that of the uniform stretch which it starts from, as about a prestress. So Courant
+   number and drift mean the same as in the linear scheme about that state.
+*/
+#include "scene/settings.h"
+#include <math.h>
+#include <string.h>
+
+const char *const MpmKinematicsNames[] = {"linear", "finite", NULL};
+
+static PetscBool HasMove(const MpmFormulation *f)
+{
+  PetscInt stresses = 0;
+
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    if (f->particle_ranks[field] == MPM_SCALAR) return PETSC_FALSE;
+    stresses += f->particle_ranks[field] == MPM_TENSOR;
+  }
+  return stresses == 1 && MpmFormulationHas(f, MPM_MOVE) && MpmFormulationHas(f, MPM_DRIFT) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool HasProjected(const MpmFormulation *f)
+{
+  return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
+}
+
+PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt  word;
+  PetscBool given = MpmSettingsGiven(settings, "gravity");
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "kinematics", &word));
+  scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
+  if (!word && given && !MpmSettingsOverruled(settings, "gravity", "kinematics"))
+    PetscCall(MpmSettingsRefuse(settings, "gravity", "allowed: only with kinematics finite"));
+  if (!word) {
+    PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
+                               "stress with a velocity that particles could move with"));
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    if (scene->gravity[a] != 0) scene->scheme.space.loaded = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a number of a material that the scene's material does not have. */
+static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], PetscBool reads, const char why[])
+{
+  PetscFunctionBegin;
+  if (!reads && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
+      !MpmSettingsOverruled(settings, option, "material"))
+    PetscCall(MpmSettingsRefuse(settings, option, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   lambda / mu of a solid: with dim 1 the option lame_ratio, else it follows from Poisson's ratio unless lame_ratio is
+   given.
+*/
+static PetscErrorCode RatioOf(const MpmSettings *settings, const MpmScene *scene, PetscReal *ratio)
+{
+  const PetscReal nu = scene->scheme.space.poisson;
+
+  PetscFunctionBegin;
+  *ratio = scene->lame_ratio;
+  if (scene->layout.dim == 1 || MpmSettingsSource(settings, "lame_ratio") != MPM_FROM_DEFAULT)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  if (nu == 0.5)
+    PetscCall(MpmSettingsRefuse(settings, "poisson",
+                                "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
+                                "or material tait, gas or polytropic"));
+  *ratio = 2 * nu / (1 - 2 * nu);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   rho0 c^2 of P waves along x about the stretch F, in units of rho0 c0^2. Such a wave has dF = H F with H_xx alone, and the
+   force d tau_xx - tau_xx H_xx.
+*/
+static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+{
+  PetscReal        dF[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[6], dtau[6], *to[6], *dto[6];
+  const PetscReal *from[MPM_MAX_DIM * MPM_MAX_DIM], *dfrom[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
+  for (PetscInt c = 0; c < dim * dim; c++) {
+    from[c]  = &F[c];
+    dfrom[c] = &dF[c];
+  }
+  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
+    to[c]  = &tau[c];
+    dto[c] = &dtau[c];
+  }
+  MpmMaterialStress(material, dim, 1, from, to);
+  MpmMaterialTangent(material, dim, 1, from, dfrom, dto);
+  return dtau[0] - tau[0];
+}
+
+PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmSpace *space = &scene->scheme.space;
+  PetscInt  word, dim = scene->layout.dim;
+  PetscBool power, solid;
+  PetscReal ratio, modulus, F[MPM_MAX_DIM * MPM_MAX_DIM] = {0};
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "material", &word));
+  if (word > 0 && word < MPM_MATERIAL_KINDS)
+    PetscCall(MpmSettingsRefuse(settings, "material",
+                                "with kinematics finite all particles are of one material; allowed: uniform (linear in "
+                                "the stretch), neo, svk, tait, gas or polytropic"));
+  scene->law = word < MPM_MATERIAL_KINDS ? MPM_LAW_LINEAR : (MpmLaw)(word - MPM_MATERIAL_KINDS + 1);
+  power      = scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
+  solid      = !power && scene->law != MPM_LAW_GAS ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(CheckReads(settings, "lame_ratio", solid, "allowed: only with material uniform, neo or svk"));
+  PetscCall(CheckReads(settings, "exponent", power, "allowed: only with material tait or polytropic"));
+  if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT &&
+      !MpmSettingsOverruled(settings, "prestress", "kinematics"))
+    PetscCall(MpmSettingsRefuse(settings, "prestress",
+                                "with kinematics finite material and stretch give it; allowed: one of the two"));
+  PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
+  if (power && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law == MPM_LAW_TAIT ? 7 : 1.4;
+  ratio = 0;
+  if (solid) PetscCall(RatioOf(settings, scene, &ratio));
+  space->material = MpmMaterialOfRatio(scene->law, ratio, scene->exponent);
+  for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
+  modulus = ModulusAlongX(&space->material, dim, F);
+  if (!(modulus > 0) || !isfinite(modulus))
+    PetscCall(
+        MpmSettingsRefuse(settings, "stretch",
+                          "the material has no stiffness against more stretch there, so that waves have no speed; "
+                          "allowed: a stretch with a stress that rises"));
+  space->stiffness = 1 / modulus;
+  scene->wave_speed *= sqrt(modulus);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
+{
+  PetscInt word;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsWord(settings, "move", &word));
+  scene->scheme.space.move = (MpmMove)word;
+  if (word) PetscCall(MpmSettingsRequire(settings, scene, "move", HasProjected, "second P2G of the velocity"));
+  if (scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine)
+    PetscCall(MpmSettingsRefuse(settings, "transfer",
+                                "it moves particles with a velocity of its own, which is not here; allowed: aflip, "
+                                "which is linearly the same, or another transfer"));
+  if (scene->initial == MPM_INITIAL_PULSE || scene->initial == MPM_INITIAL_STEP ||
+      scene->initial == MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmSettingsRefuse(settings, "initial",
+                                "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
+                                "shock_tube, collision or uniform"));
+  PetscCall(MpmSettingsReadSolution(settings, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,99 @@
+/* Stretches particles, and moves them. */
+#include "scheme/deform.h"
+#include <math.h>
+
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE PetscReal Determinant(const int dim, const PetscReal f[])
+{
+  if (dim == 1) return f[0];
+  if (dim == 2) return f[0] * f[3] - f[1] * f[2];
+  return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) + f[2] * (f[3] * f[7] - f[4] * f[6]);
+}
+
+PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[])
+{
+  return dim == 1 ? Determinant(1, F) : dim == 2 ? Determinant(2, F) : Determinant(3, F);
+}
+
+/* Returns the number of particles whose determinant is not positive and finite. */
+INLINE PetscInt Stretch(const int dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
+{
+  PetscReal *restrict f[9];
+  const PetscReal *restrict l[9];
+  PetscInt bad = 0;
+
+  for (int c = 0; c < dim * dim; c++) {
+    f[c] = F[c];
+    l[c] = L[c];
+  }
+#pragma omp simd reduction(+ : bad)
+  for (PetscInt p = 0; p < n; p++) {
+    PetscReal old[9], now[9], det;
+
+    for (int c = 0; c < dim * dim; c++) old[c] = f[c][p];
+    for (int a = 0; a < dim; a++)
+      for (int b = 0; b < dim; b++) {
+        now[dim * a + b] = old[dim * a + b];
+        for (int c = 0; c < dim; c++) now[dim * a + b] += l[dim * a + c][p] * old[dim * c + b];
+      }
+    for (int c = 0; c < dim * dim; c++) f[c][p] = now[c];
+    det = Determinant(dim, now);
+    bad += !(det > 0 && det <= PETSC_MAX_REAL);
+  }
+  return bad;
+}
+
+PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
+{
+  const PetscInt bad = dim == 1 ? Stretch(1, n, F, L) : dim == 2 ? Stretch(2, n, F, L) : Stretch(3, n, F, L);
+
+  for (PetscInt p = 0; p < n && bad; p++) {
+    PetscReal f[9], det;
+
+    for (PetscInt c = 0; c < dim * dim; c++) f[c] = F[c][p];
+    det = MpmDeterminant(dim, f);
+    if (!(det > 0 && det <= PETSC_MAX_REAL)) return p;
+  }
+  return n;
+}
+
+/*
+   A particle at the right end of the direction belongs to the cell at its left, as MpmLayoutPlace has it. Returns whether
+   it is between the ends.
+*/
+static PetscBool IsInside(PetscInt cells, PetscInt first, PetscInt *cell, PetscReal *xi)
+{
+  if (*cell + first == cells && *xi == 0) {
+    --*cell;
+    *xi = nextafter(1, 0);
+  }
+  return *cell + first >= 0 && *cell + first < cells ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscInt MpmAdvance(const MpmDirection *direction, PetscInt first, PetscInt   n, const PetscReal *restrict way,
+                    PetscInt *restrict cell, PetscReal *restrict xi, PetscInt range[2])
+{
+  PetscInt lo = range[0], hi = range[1], far = 0, bad = n;
+
+#pragma omp simd reduction(min : lo) reduction(max : hi) reduction(+ : far)
+  for (PetscInt p = 0; p < n; p++) {
+    const PetscBool stays = !(fabs(way[p]) < 1);
+    const PetscReal place = xi[p] + (stays ? 0 : way[p]), down = floor(place), rest = place - down;
+    const PetscInt  carry = rest >= 1; /* just left of a node, and rounded onto it */
+
+    xi[p] = carry ? 0 : rest;
+    cell[p] += (PetscInt)down + carry;
+    far += stays;
+    lo = PetscMin(lo, cell[p]);
+    hi = PetscMax(hi, cell[p]);
+  }
+  range[0] = lo;
+  range[1] = hi;
+  for (PetscInt p = n - 1; p >= 0 && far; p--)
+    if (!(fabs(way[p]) < 1)) bad = p;
+  if (direction->ends[0] == MPM_PERIODIC || (lo + first >= 0 && hi + first < direction->cells)) return bad;
+  for (PetscInt p = n - 1; p >= 0; p--)
+    if (!IsInside(direction->cells, first, &cell[p], &xi[p])) bad = p;
+  return bad;
+}

@@ -1,0 +1,150 @@
+/*
+   A law is one file of this folder and a line of the list in registry.c. It says what happens at one particle; the loops
+   over particles, for each number of dimensions, are here.
+*/
+#pragma once
+#include "scheme/material/tensors.h"
+#include <mpmstab/material.h>
+
+/*S
+   MpmLawKernels - a law as loops over arrays (MpmMaterialStress and so on), and MpmMaterialModulus from the largest
+   eigenvalue and the trace of B = F F^T, and J.
+S*/
+typedef struct {
+  void (*stress)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                 PetscReal *const tau[]);
+  void (*tangent)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                  const PetscReal *const dF[], PetscReal *const dtau[]);
+  void (*energy)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[]);
+  PetscReal (*modulus)(const MpmMaterialNumbers *, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J);
+} MpmLawKernels;
+
+extern const MpmLawKernels MpmLinearLaw, MpmNeoLaw, MpmSvkLaw, MpmFluidLaw;
+
+/* What a law is at one particle. g is its function of J = det F, which comes from a loop of its own (LawOfVolume). */
+typedef void (*StressAt)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal g, PetscReal tau[]);
+typedef void (*TangentAt)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal g,
+                          const PetscReal dF[], PetscReal dtau[]);
+typedef PetscReal (*EnergyAt)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal g);
+
+/*
+   Replaces J - 1 of n particles by the law's function g. Logarithms and powers are in a loop of their own, so that the
+   loops around them work on several particles at once. A law without such a function has none.
+*/
+typedef void (*LawOfVolume)(const MpmMaterialNumbers *, PetscInt n, PetscReal g[]);
+
+#define MPM_LAW_BLOCK 64
+#define TENSOR(dim) ((dim) * (dim))
+#define SYMMETRIC(dim) ((dim) * ((dim) + 1) / 2)
+
+/* The arrays of a tensor from particle begin on, as variables that the loop over particles need not look up. */
+#define FROM(at, arrays)                                                                                               \
+  EACH (c, TENSOR(dim)) at[c] = (arrays)[c] + begin;
+#define LOAD(to, at)                                                                                                   \
+  EACH (c, TENSOR(dim)) to[c] = at[c][p];
+#define STORE(at, from)                                                                                                \
+  EACH (c, SYMMETRIC(dim)) at[c][p] = from[c];
+
+#define EACH_PARTICLE INDEPENDENT for (PetscInt p = 0; p < count; p++)
+#define FOR_BLOCKS                                                                                                     \
+  for (PetscInt begin = 0, count; count = PetscMin(n - begin, MPM_LAW_BLOCK), begin < n; begin += MPM_LAW_BLOCK)
+
+/* The function g of a block of particles. */
+INLINE void VolumeBlock(const MpmMaterialNumbers *m, LawOfVolume of_volume, PetscInt dim, PetscInt count,
+                        const PetscReal *const F[], PetscReal g[])
+{
+  if (!of_volume) return;
+  EACH_PARTICLE
+  {
+    PetscReal f[9];
+
+    LOAD(f, F)
+    g[p] = VolumeChange(dim, f);
+  }
+  of_volume(m, count, g);
+}
+
+INLINE void StressLoop(const PetscInt dim, StressAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m, PetscInt n,
+                       const PetscReal *const F[], PetscReal *const tau[])
+{
+  const MpmMaterialNumbers material = *m;
+
+  FOR_BLOCKS
+  {
+    const PetscReal *from[9];
+    PetscReal       *to[6], g[MPM_LAW_BLOCK] = {0};
+
+    FROM(from, F)
+    EACH (c, SYMMETRIC(dim)) to[c] = tau[c] + begin;
+    VolumeBlock(&material, of_volume, dim, count, from, g);
+    EACH_PARTICLE
+    {
+      PetscReal f[9], t[6];
+
+      LOAD(f, from)
+      at(&material, dim, f, g[p], t);
+      STORE(to, t)
+    }
+  }
+}
+
+INLINE void TangentLoop(const PetscInt dim, TangentAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m,
+                        PetscInt n, const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const dtau[])
+{
+  const MpmMaterialNumbers material = *m;
+
+  FOR_BLOCKS
+  {
+    const PetscReal *from[9], *along[9];
+    PetscReal       *to[6], g[MPM_LAW_BLOCK] = {0};
+
+    FROM(from, F)
+    FROM(along, dF)
+    EACH (c, SYMMETRIC(dim)) to[c] = dtau[c] + begin;
+    VolumeBlock(&material, of_volume, dim, count, from, g);
+    EACH_PARTICLE
+    {
+      PetscReal f[9], df[9], t[6];
+
+      LOAD(f, from)
+      LOAD(df, along)
+      at(&material, dim, f, g[p], df, t);
+      STORE(to, t)
+    }
+  }
+}
+
+INLINE void EnergyLoop(const PetscInt dim, EnergyAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m, PetscInt n,
+                       const PetscReal *const F[], PetscReal psi[])
+{
+  const MpmMaterialNumbers material = *m;
+
+  FOR_BLOCKS
+  {
+    const PetscReal *from[9];
+    PetscReal        g[MPM_LAW_BLOCK] = {0};
+
+    FROM(from, F)
+    VolumeBlock(&material, of_volume, dim, count, from, g);
+    EACH_PARTICLE
+    {
+      PetscReal f[9];
+
+      LOAD(f, from)
+      psi[begin + p] = at(&material, dim, f, g[p]);
+    }
+  }
+}
+
+/* Calls a loop with the number of dimensions as a constant. */
+#define EACH_DIM(Loop, ...)                                                                                            \
+  switch (dim) {                                                                                                       \
+  case 1:                                                                                                              \
+    Loop(1, __VA_ARGS__);                                                                                              \
+    break;                                                                                                             \
+  case 2:                                                                                                              \
+    Loop(2, __VA_ARGS__);                                                                                              \
+    break;                                                                                                             \
+  default:                                                                                                             \
+    Loop(3, __VA_ARGS__);                                                                                              \
+  }

@@ -1,0 +1,58 @@
+/* The list of the laws, and what they have in common. */
+#include "scheme/material/laws.h"
+#include <math.h>
+
+const char *const MpmLawNames[] = {"linear", "neo", "svk", "tait", "gas", "polytropic", NULL};
+
+static const MpmLawKernels *const laws[] = {&MpmLinearLaw, &MpmNeoLaw,   &MpmSvkLaw,
+                                            &MpmFluidLaw,  &MpmFluidLaw, &MpmFluidLaw};
+
+void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                       PetscReal *const tau[])
+{
+  laws[material->law]->stress(material, dim, n, F, tau);
+}
+
+void MpmMaterialTangent(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                        const PetscReal *const dF[], PetscReal *const dtau[])
+{
+  laws[material->law]->tangent(material, dim, n, F, dF, dtau);
+}
+
+void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                       PetscReal psi[])
+{
+  laws[material->law]->energy(material, dim, n, F, psi);
+}
+
+/* The largest eigenvalue of a symmetric tensor. With dim 3: O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix (1961). */
+static PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
+{
+  const PetscReal mean = Trace(dim, s) / dim;
+  PetscReal       off[6], size, cosine;
+
+  if (dim == 1) return s[0];
+  Shifted(dim, 1, s, -mean, off);
+  if (dim == 2) return mean + hypot(off[0], off[1]);
+  size = sqrt(Contract(dim, off, off) / 6);
+  if (size == 0) return mean;
+  Shifted(dim, 1 / size, off, 0, off);
+  cosine = off[0] * (off[3] * off[5] - off[4] * off[4]) - off[1] * (off[1] * off[5] - off[4] * off[2]) +
+           off[2] * (off[1] * off[4] - off[3] * off[2]);
+  return mean + 2 * size * cos(acos(PetscMin(1, PetscMax(-1, cosine / 2))) / 3);
+}
+
+PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+{
+  PetscReal B[6];
+
+  LeftProduct(dim, F, B);
+  return laws[material->law]->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
+}
+
+PetscReal MpmMaterialSpeed(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+{
+  const PetscReal modulus = MpmMaterialModulus(material, dim, F);
+
+  return modulus > 0 ? sqrt(modulus) : 0;
+}

@@ -1,0 +1,88 @@
+/*
+   What MpmTableCreate needs while it makes a table, and the parts of its work that have files of their own: registers
+   (table_registers.c), walls (table_walls.c), operations of finite deformation (table_finite.c). The rest is in table.c.
+*/
+#pragma once
+#include <mpmstab/table.h>
+
+#define MPM_MAX_MOVED 4 /* node fields whose sum is the velocity that particles move with, at most */
+
+/*S
+   MpmTableBuilder - a table in the making.
+
+   particle, node  - particle[f] and node[n]: the first registers of the formulation's fields. Of a stress at finite
+                     deformation they are scratch.
+   kept            - kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE
+   sharp, sharp_at - sharp[n]: the node register that particles take instead of node register n, as it was when the table
+                     had sharp_at[n] operations
+
+   At finite deformation besides:
+
+   moved, nmoved   - the node fields whose sum is the velocity that particles move with
+   moved_at        - the line of the formulation after which this sum is in the register velocity
+   velocity        - the first of the node registers with the velocity that particles move with, or MPM_NONE
+   slope, load, way - the first of the scratch registers with the velocity's slopes in a step, the body force, and the
+                     way that particles go in a step
+   stretching      - the slopes are complete, and F is to be stretched by them
+S*/
+typedef struct {
+  const MpmFormulation     *formulation;
+  const MpmTransfer        *transfer;
+  const MpmTransferNumbers *numbers;
+  const MpmSpace           *space;
+  PetscInt                  particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
+      sharp_at[MPM_MAX_FIELDS];
+  PetscInt  moved[MPM_MAX_MOVED], nmoved, moved_at, velocity, slope, load, way;
+  PetscBool stretching;
+  MpmTable *table;
+} MpmTableBuilder;
+
+/* Not collective. The components of a rank, and the component ab of a stress: of a fluid MPM_NONE unless a is b. */
+PetscInt MpmSpaceComponents(const MpmSpace *space, MpmRank rank);
+PetscInt MpmSpaceStress(const MpmSpace *space, PetscInt a, PetscInt b);
+
+/* Not collective. The number of registers of a field. */
+PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field);
+
+/* Not collective. Adds the registers of the state, the scratch that the space needs, and those of the nodes. */
+PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b);
+PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt field, PetscInt component);
+
+/*
+   Not collective. MpmBuilderImposeWithReaction sets a node register to 0 at ends with a reaction, and keeps its values
+   from before if a later REACT wants them. MpmBuilderReact is REACT of a node register.
+*/
+PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, PetscBool wanted);
+PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
+
+/* Not collective. Whether an operation from number first on, but a WALL, writes to a register at a place. */
+PetscBool MpmTableWrites(const MpmTable *table, PetscInt first, MpmPlace place, PetscInt reg);
+
+/*
+   Not collective. MpmBuilderAppend appends an operation. Where it goes from nodes to particles, it reads what the
+   transfer's sharpen makes of the nodes. MpmBuilderSharpen makes it, if the transfer has one, and says where it is.
+   MpmBuilderTerm appends a term of DIV, GRAD, G2P_SLOPE or CURVE: along an axis or two, with the weights of the space's
+   gradient.
+*/
+PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op);
+PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sharp);
+PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst, PetscInt src, PetscInt axis,
+                              PetscReal factor, PetscBool accumulates);
+
+/*
+   Operations of finite deformation (table_finite.c). Not collective.
+
+   MpmFiniteAddState   - the registers of the stretch, in the place of a stress
+   MpmFiniteAddScratch - the scratch registers
+   MpmFinitePlan       - finds out what particles move with
+   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT
+   MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
+*/
+PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field);
+PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b);
+PetscErrorCode MpmFinitePlan(MpmTableBuilder *b);
+PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op);
+PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begins, PetscBool ends);
+PetscErrorCode MpmFiniteMove(MpmTableBuilder *b);
+PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op);
+PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o);

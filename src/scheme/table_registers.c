@@ -1,0 +1,226 @@
+/* The registers of a table: the components of the fields of a formulation, and what is added to them. */
+#include "scheme/table_builder.h"
+#include <mpmstab/errors.h>
+
+PetscInt MpmSpaceComponents(const MpmSpace *space, MpmRank rank)
+{
+  if (rank == MPM_VECTOR) return space->dim;
+  return rank == MPM_TENSOR && !MpmSpaceIsFluid(space) ? space->dim * (space->dim + 1) / 2 : 1;
+}
+
+PetscInt MpmSpaceStress(const MpmSpace *space, PetscInt a, PetscInt b)
+{
+  if (MpmSpaceIsFluid(space)) return a == b ? 0 : MPM_NONE;
+  return MpmStressComponent(space->dim, a, b);
+}
+
+PetscErrorCode MpmTableAppendOwn(MpmTable *t, MpmOp op)
+{
+  PetscFunctionBegin;
+  if (t->nops == t->room) {
+    t->room = PetscMax(32, 2 * t->room);
+    PetscCall(PetscRealloc(sizeof(*t->ops) * (size_t)t->room, &t->ops));
+  }
+  t->ops[t->nops++] = op;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsAffine(const MpmTable *t, PetscInt particle)
+{
+  return particle >= t->affine && particle < t->affine + t->dim ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmTableAppendAffine(MpmTable *t, MpmOp op)
+{
+  const MpmOp of = op;
+
+  PetscFunctionBegin;
+  for (PetscInt axis = 0; axis < t->dim; axis++) {
+    op.axis = axis;
+    if (of.kind == MPM_P2G && IsAffine(t, of.src)) {
+      op.kind        = MPM_P2G_AFFINE;
+      op.src         = t->affine_part + t->dim * (of.src - t->affine) + axis;
+      op.accumulates = PETSC_TRUE;
+    } else if (of.kind == MPM_G2P && IsAffine(t, of.dst)) {
+      op.kind = t->affine_map;
+      op.dst  = t->affine_part + t->dim * (of.dst - t->affine) + axis;
+    } else if ((of.kind == MPM_SCALE || of.kind == MPM_ADD) && of.dst == of.src && IsAffine(t, of.dst)) {
+      op.dst = op.src = t->affine_part + t->dim * (of.dst - t->affine) + axis;
+      op.axis         = 0;
+    } else
+      PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(MpmTableAppendOwn(t, op));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableAppend(MpmTable *t, MpmOp op)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTableAppendOwn(t, op));
+  if (t->affine != MPM_NONE) PetscCall(MpmTableAppendAffine(t, op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a written scheme that needs more registers than there are. Those of the program fit. */
+static PetscErrorCode CheckRoom(const MpmTable *t, PetscInt used, const char place[])
+{
+  PetscFunctionBegin;
+  MpmCheckInput(used < MPM_MAX_FIELDS,
+                "%s: more than the %d numbers that fit at a %s, with dim %" PetscInt_FMT
+                " and transfer %s; allowed: fewer fields, dimensions or terms of xpic",
+                t->where, MPM_MAX_FIELDS, place, t->dim, t->transfer->name);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableNode(MpmTable *t, PetscInt like, PetscInt *node)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckRoom(t, t->nnodes, "node"));
+  *node = t->nnodes++;
+  PetscCall(PetscArraycpy(t->parity[*node], t->parity[like], MPM_MAX_DIM));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckRoom(t, t->nparticles, "particle"));
+  *particle = t->nparticles++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderAddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
+{
+  const PetscInt r = t->nstate;
+
+  PetscFunctionBegin;
+  PetscCall(CheckRoom(t, r, "particle"));
+  PetscCall(PetscStrncpy(t->names[r], name, sizeof t->names[r]));
+  t->fields[r]    = t->names[r];
+  t->field[r]     = field;
+  t->component[r] = component;
+  t->nstate++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field)
+{
+  return MpmSpaceComponents(b->space,
+                            on_nodes ? b->formulation->node_ranks[field] : b->formulation->particle_ranks[field]);
+}
+
+/* The registers of a field of the state. Their names end in the directions where there are several: v_x, s_xy. */
+static PetscErrorCode AddField(MpmTableBuilder *b, PetscInt field)
+{
+  static const char     axes[] = "xyz";
+  const MpmFormulation *f      = b->formulation;
+  const PetscInt        n = MpmBuilderComponents(b, PETSC_FALSE, field), dim = b->space->dim;
+  char                  name[16];
+
+  PetscFunctionBegin;
+  if (b->space->finite && f->particle_ranks[field] == MPM_TENSOR) {
+    PetscCall(MpmFiniteAddState(b, field));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  b->particle[field] = b->table->nstate;
+  if (n == 1)
+    PetscCall(MpmBuilderAddState(b->table, f->particle_fields[field], field, 0));
+  else if (f->particle_ranks[field] == MPM_VECTOR)
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c", f->particle_fields[field], axes[a]));
+      PetscCall(MpmBuilderAddState(b->table, name, field, a));
+    }
+  else
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt c = a; c < dim; c++) {
+        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c%c", f->particle_fields[field], axes[a], axes[c]));
+        PetscCall(MpmBuilderAddState(b->table, name, field, MpmSpaceStress(b->space, a, c)));
+      }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The displacement of particles: x, or x_x, x_y, x_z. */
+static PetscErrorCode AddDisplacement(MpmTableBuilder *b)
+{
+  static const char axes[] = "xyz";
+  MpmTable         *t      = b->table;
+  char              name[16];
+
+  PetscFunctionBegin;
+  t->displacement = MPM_NONE;
+  if (!b->space->displaced) PetscFunctionReturn(PETSC_SUCCESS);
+  t->displacement = t->nstate;
+  for (PetscInt a = 0; a < t->dim; a++) {
+    PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "x" : "x_%c", axes[a]));
+    PetscCall(MpmBuilderAddState(t, name, MPM_DISPLACEMENT, a));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode AddAffinePart(MpmTableBuilder *b)
+{
+  static const char axes[] = "xyz";
+  MpmTable         *t      = b->table;
+  char              name[16];
+
+  PetscFunctionBegin;
+  t->affine = MPM_NONE;
+  if (!b->transfer->affine) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(b->formulation->affine != MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no field to be affine");
+  t->affine      = b->particle[b->formulation->affine];
+  t->affine_part = t->nstate;
+  t->affine_map  = b->transfer->taylor ? MPM_G2P_SLOPE : MPM_G2P_AFFINE;
+  for (PetscInt a = 0; a < t->dim; a++)
+    for (PetscInt axis = 0; axis < t->dim; axis++) {
+      PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "c" : "c_%c%c", axes[a], axes[axis]));
+      t->filtered[t->nstate] = PETSC_TRUE;
+      PetscCall(MpmBuilderAddState(t, name, MPM_NONE, t->dim * a + axis));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In one dimension a number that is imposed at ends stands for the component along the only direction. */
+static MpmParity ParityOf(const MpmTableBuilder *b, PetscInt node, PetscInt component, PetscInt axis)
+{
+  const MpmFormulation *f       = b->formulation;
+  PetscBool             imposed = PETSC_FALSE;
+
+  for (PetscInt o = 0; o < f->nops; o++)
+    if ((f->ops[o].kind == MPM_IMPOSE || f->ops[o].kind == MPM_REACT) && f->ops[o].dst == node) imposed = PETSC_TRUE;
+  if (!imposed) return f->like[node] ? ParityOf(b, f->like[node] - 1, component, axis) : MPM_EVEN;
+  if (b->space->dim > 1 && f->node_ranks[node] != MPM_VECTOR) return MPM_TANGENTIAL;
+  return component == axis ? MPM_NORMAL : MPM_TANGENTIAL;
+}
+
+static PetscErrorCode AddNodes(MpmTableBuilder *b)
+{
+  MpmTable *t = b->table;
+
+  PetscFunctionBegin;
+  for (PetscInt n = 0; b->formulation->node_fields[n]; n++) {
+    b->node[n] = t->nnodes;
+    for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_TRUE, n); c++) {
+      PetscCall(CheckRoom(t, t->nnodes, "node"));
+      for (PetscInt axis = 0; axis < t->dim; axis++) t->parity[t->nnodes][axis] = ParityOf(b, n, c, axis);
+      t->nnodes++;
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b)
+{
+  MpmTable *t = b->table;
+
+  PetscFunctionBegin;
+  t->stretch = MPM_NONE;
+  for (PetscInt f = 0; b->formulation->particle_fields[f]; f++) PetscCall(AddField(b, f));
+  PetscCall(AddDisplacement(b));
+  t->unfiltered = t->nstate;
+  PetscCall(AddAffinePart(b));
+  t->nparticles = t->nstate;
+  if (b->space->finite) PetscCall(MpmFiniteAddScratch(b));
+  PetscCall(AddNodes(b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

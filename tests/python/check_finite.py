@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+"""Files of nonlinear runs: restarts, other ranks, and runs that end because a particle fails.
+
+check_finite.py MPIEXEC MPMSTAB. Silent when all is well.
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+from checks import check
+
+MPIEXEC, MPMSTAB = sys.argv[1:]
+WAVES = ("-kinematics finite -formulation musl -material neo -stretch 1.3 -basis quadratic -courant 0.5 -cells 12 "
+         "-initial random -amplitude 0.01 -mach 0.7 -steps 60").split()
+# beyond the largest stable time step
+BREAKS = ("-kinematics finite -formulation usl -material neo -basis quadratic -courant 1.5 -cells 12 "
+          "-initial random -amplitude 0.05 -steps 300").split()
+
+
+def run(ranks, *words):
+    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
+
+
+def done(ranks, *words):
+    process = run(ranks, *words)
+    check(process.returncode == 0, f"{' '.join(words)}: status {process.returncode}: {process.stderr}")
+    return process.stdout
+
+
+def arrays(path, only=""):
+    """The arrays of a file by their names, those of a checkpoint's state or of an output's last step."""
+    found = {}
+    with h5py.File(path) as file:
+        step = max((key for key in file if key.startswith("step_")), default=None)
+        (file[step + "/particles"] if step else file).visititems(
+            lambda name, item: found.update({name: item[...]}) if hasattr(item, "shape") else None)
+    return {name: values for name, values in found.items() if only in name}
+
+
+def check_restart(ranks, dim):
+    """A run that ends and resumes has the state of one that does not end, to the last bit on as many ranks."""
+    scene = [*WAVES, "-dim", str(dim)]
+    done(ranks, *scene, "-checkpoint", "whole.h5", "-output", "whole_fields.h5")
+    shorter = [word if word != "60" else "33" for word in scene]
+    done(ranks, *shorter, "-checkpoint", "part.h5")
+    done(ranks, *scene, "-restart", "part.h5", "-checkpoint", "resumed.h5")
+    whole, resumed = arrays("whole.h5"), arrays("resumed.h5")
+    for name, values in whole.items():
+        if not name.startswith(("series", "csv")):
+            check(np.array_equal(values, resumed[name]), f"{ranks} ranks, dim {dim}: {name} is another after a restart")
+    done(3, *scene, "-restart", "part.h5", "-output", "other_fields.h5")
+    whole, other = arrays("whole_fields.h5"), arrays("other_fields.h5")
+    for name, values in whole.items():
+        apart = np.abs(values - other[name])
+        check(np.minimum(apart, np.abs(apart - 1)).max() < 1e-11,
+              f"{ranks} ranks, dim {dim}: {name} is off by {apart.max():.2e} on three")
+
+
+def check_failure(ranks, dim):
+    """The message names the particle, and the checkpoint is of the step before. From there the run fails at once."""
+    scene = [*BREAKS, "-dim", str(dim), "-json", "none.json"]
+    for every in ("7", "1000"):
+        process = run(ranks, *scene, "-checkpoint", "last.h5", "-checkpoint_every", every)
+        said = process.stderr.strip()
+        check(process.returncode == 1 and len(said.splitlines()) == 1,
+              f"{ranks} ranks, dim {dim}: status {process.returncode}: {said}")
+        for word in (": particle ", " at x = ", " with the stretch F = ", "; the checkpoint has the state of step "):
+            check(word in said, f"no '{word}' in: {said}")
+        check(not os.path.exists("none.json"), "a run that fails has no result")
+        step = int(said.split("step ")[1].split(":")[0])
+        with h5py.File("last.h5") as file:
+            check(file["where"][0] == step - 1, f"the checkpoint is of step {file['where'][0]}, not {step - 1}")
+        again = run(ranks, *scene, "-restart", "last.h5")
+        check(again.returncode == 1 and again.stderr.strip() == said.split("; the checkpoint")[0],
+              f"from the last whole state: {again.stderr}")
+
+
+def check_refusals():
+    for task, words, why in (("symbol", "-kinematics finite -formulation usl", "this task needs a linear step"),
+                             ("critical", "-kinematics finite -formulation usl", "this task needs a linear step"),
+                             ("run", "-kinematics finite -formulation gas2", "gas2 has no velocity, stress and MOVE"),
+                             ("run", "-gravity 1 -formulation usl", "only with kinematics finite"),
+                             ("run", "-kinematics finite -formulation usl -material two", "of one material"),
+                             ("run", "-kinematics finite -formulation usl -prestress 0.5", "material and stretch give it"),
+                             ("run", "-kinematics finite -formulation usl -transfer asflip", "a velocity of its own"),
+                             ("run", "-kinematics finite -formulation usl -initial pulse", "mode, random, manufactured"),
+                             ("run", "-kinematics finite -formulation usl -ringing", "are of the linear step"),
+                             ("run", "-kinematics finite -formulation usl -material svk -stretch 0.5", "no stiffness"),
+                             ("run", "-kinematics finite -formulation usl -dim 2 -poisson 0.5", "less than 0.5"),
+                             ("run", "-kinematics finite -formulation usl -move projected", "no second P2G")):
+        process = subprocess.run([MPMSTAB, task, *words.split()], capture_output=True, text=True, check=False)
+        check(process.returncode == 2 and why in process.stderr and len(process.stderr.splitlines()) == 1,
+              f"{task} {words}: status {process.returncode}: {process.stderr}")
+
+
+def check_json():
+    """What a nonlinear run says of itself; growth is that of noise alone."""
+    done(1, *WAVES, "-json", "noise.json")
+    done(1, *[word if word != "random" else "mode" for word in WAVES], "-json", "wave.json", "-expect", "undecided")
+    with open("noise.json", encoding="utf-8") as noise, open("wave.json", encoding="utf-8") as wave:
+        noise, wave = json.load(noise), json.load(wave)
+    check(noise["kinematics"] == "finite" and noise["material"]["kind"] == "neo", f"JSON: {noise}")
+    check("growth_measured" not in wave["run"] and wave["run"]["energy"]["final"] > 0, f"JSON: {wave}")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    check_refusals()
+    check_json()
+    check_restart(1, 1)
+    check_restart(2, 2)
+    check_failure(1, 1)
+    check_failure(2, 2)

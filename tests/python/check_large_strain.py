@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+"""Runs the scenes at large strain of examples/ and checks that their pages quote what comes out.
+
+check_large_strain.py MPIEXEC PROGRAM. Silent when all is well.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import h5py
+
+from checks import ROOT, check, loaded, text_of
+
+MPIEXEC, PROGRAM = sys.argv[1:3]
+
+
+def launch(name, *options, ranks=1):
+    return subprocess.run([MPIEXEC, "-n", str(ranks), PROGRAM, "run",
+                           os.path.join(ROOT, "examples", name, "scene.yaml"), *options],
+                          capture_output=True, text=True, check=False)
+
+
+def run(name, *options, ranks=1):
+    """Returns the JSON of a run of a scene, which must meet what the scene or the options expect."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "result.json")
+        done = launch(name, "-json", path, *options, ranks=ranks)
+        check(done.returncode == 0, f"{name} {' '.join(options)}: status {done.returncode}: {done.stderr}")
+        return loaded(path)["run"]
+
+
+def page(name):
+    return re.sub(r"\s+", " ", text_of(os.path.join(ROOT, "examples", name, "README.md")))
+
+
+def quotes(name, *texts):
+    found = page(name)
+    for text in texts:
+        check(text in found, f"the page of {name} does not have '{text}'")
+
+
+def row(cells, values):
+    return " | ".join([f"| {cells}", *[f"{value:.4f}" for value in values]]) + " |"
+
+
+def check_bar():
+    every = "-expect_error", "0,1"
+    for cells in (16, 32, 64):
+        error = run("manufactured-bar", "-cells", str(cells), *every)["error"]
+        quotes("manufactured-bar", row(cells, [error[field]["l2"] for field in "xvf"]))
+    hats = [run("manufactured-bar", "-basis", "linear", "-cells", str(cells), *every)["error"]["x"]["l2"]
+            for cells in (16, 32, 64)]
+    quotes("manufactured-bar", "{:.3f}, {:.3f} and {:.3f}".format(*hats))
+
+
+def check_tube():
+    for cells in (64, 128, 256, 512):
+        error = run("shock-tube", "-cells", str(cells))["error"]
+        quotes("shock-tube", row(cells, [error[field]["l1"] for field in ("v", "rho")]))
+    error = run("shock-tube", "-transfer", "flip", "-gradient", "basis", "-expect_error", "0,1")["error"]
+    quotes("shock-tube", f"{error['v']['l1']:.3f} and {error['rho']['l1']:.3f} at 128 cells")
+
+
+def vortex_errors(*options, ranks=1):
+    """Returns the largest l2 errors of places, velocities and F, with three digits."""
+    error = run("vortex", *options, ranks=ranks)["error"]
+    return [f"{max(error[field]['l2'] for field in error if field[0] in names):.3f}" for names in ("xy", "v", "f")]
+
+
+def check_vortex():
+    quotes("vortex", "{} of places, {} of velocities and at most {} of F".format(*vortex_errors(ranks=3)),
+           "{}, {} and {}. With A = 1".format(*vortex_errors("-cells", "80", "-expect_error", "0,1", ranks=2)))
+    done = launch("vortex", "-amplitude", "1")
+    check(done.returncode == 1 and "cells in this step: a cell or more" in done.stderr, f"vortex: {done.stderr}")
+
+
+def check_discs():
+    energy = run("colliding-discs", ranks=2)["energy"]
+    quotes("colliding-discs", f"{1000 * energy['initial']:.3f}e-3 until", f"and {1000 * energy['final']:.3f}e-3 at the end",
+           f"{100 * energy['final'] / energy['initial']:.1f}%")
+
+
+def check_cantilever():
+    """The lower corner of the tip is the last particle of the first row."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "beam.h5")
+        energy = run("cantilever", "-output", path, "-output_every", "3000")["energy"]
+        with h5py.File(path) as file:
+            heights = [file[step]["particles/coordinates"][:, 1] for step in sorted(file) if "step_" in step]
+    tips, lost = [height[63] for height in heights], energy["initial"] - energy["final"]
+    gravity = 10 * 8 * (heights[0].mean() - heights[1].mean())  # on the beam's area, which is 8
+    quotes("cantilever", f"from {energy['initial']:.1f} to {energy['final']:.1f}",
+           f"the lost {lost:.1f} is {100 * lost / gravity:.0f}% of",
+           f"from {tips[0]:.1f} to {tips[1]:.1f} in 1.37 units of time and is back at {tips[2]:.1f}")
+
+
+if __name__ == "__main__":
+    check_bar()
+    check_tube()
+    check_vortex()
+    check_discs()
+    check_cantilever()

@@ -1,0 +1,345 @@
+/*
+   Materials at finite strain, on random stretches in one to three dimensions, in arrays longer than a block: the stress
+   is the derivative of the energy and turns with the material, the tangent is the derivative of the stress, small
+   strains have Lame's moduli, and one dimension has the formulas of theory.
+*/
+#include "check.h"
+#include <mpmstab/material.h>
+
+#define STATES 130
+#define STEP 0x1p-7 /* of differences of sixth order */
+
+typedef struct {
+  PetscReal f[9][STATES];
+} Tensors;
+
+static PetscReal Random(void)
+{
+  static PetscInt64 state = 1;
+
+  state = (PetscInt64)(((unsigned long long)state * 6364136223846793005ull + 1442695040888963407ull) >> 1);
+  return (PetscReal)(state % 1000003) / 1000003 - 0.5;
+}
+
+/* A turn by a random angle about each pair of axes. */
+static void Turn(PetscInt dim, PetscReal Q[9])
+{
+  for (PetscInt c = 0; c < dim * dim; c++) Q[c] = c % (dim + 1) == 0;
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = a + 1; b < dim; b++) {
+      const PetscReal angle = 6 * Random(), cosine = cos(angle), sine = sin(angle);
+
+      for (PetscInt r = 0; r < dim; r++) {
+        const PetscReal x = Q[r * dim + a], y = Q[r * dim + b];
+
+        Q[r * dim + a] = cosine * x + sine * y;
+        Q[r * dim + b] = cosine * y - sine * x;
+      }
+    }
+}
+
+/* out = X Y, or X Y^T */
+static void Product(PetscInt dim, const PetscReal X[], const PetscReal Y[], PetscBool transposed, PetscReal out[])
+{
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = 0; b < dim; b++) {
+      out[a * dim + b] = 0;
+      for (PetscInt c = 0; c < dim; c++) out[a * dim + b] += X[a * dim + c] * Y[transposed ? b * dim + c : c * dim + b];
+    }
+}
+
+static PetscInt Symmetric(PetscInt dim, PetscInt a, PetscInt b)
+{
+  const PetscInt i = PetscMin(a, b), j = PetscMax(a, b);
+
+  return i * dim - i * (i - 1) / 2 + j - i;
+}
+
+/* The full tensor of state p from its d (d + 1) / 2 components. */
+static void Full(PetscInt dim, const Tensors *s, PetscInt p, PetscReal out[])
+{
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = 0; b < dim; b++) out[a * dim + b] = s->f[Symmetric(dim, a, b)][p];
+}
+
+static void Get(PetscInt dim, const Tensors *t, PetscInt p, PetscReal out[])
+{
+  for (PetscInt c = 0; c < dim * dim; c++) out[c] = t->f[c][p];
+}
+
+static void Put(PetscInt dim, const PetscReal in[], PetscInt p, Tensors *t)
+{
+  for (PetscInt c = 0; c < dim * dim; c++) t->f[c][p] = in[c];
+}
+
+static void Pointers(const Tensors *t, const PetscReal *at[9])
+{
+  for (PetscInt c = 0; c < 9; c++) at[c] = t->f[c];
+}
+
+static void Stress(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, Tensors *tau)
+{
+  const PetscReal *f[9];
+  PetscReal       *t[9];
+
+  Pointers(F, f);
+  for (PetscInt c = 0; c < 9; c++) t[c] = tau->f[c];
+  MpmMaterialStress(m, dim, STATES, f, t);
+}
+
+static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, const Tensors *dF, Tensors *dtau)
+{
+  const PetscReal *f[9], *df[9];
+  PetscReal       *t[9];
+
+  Pointers(F, f);
+  Pointers(dF, df);
+  for (PetscInt c = 0; c < 9; c++) t[c] = dtau->f[c];
+  MpmMaterialTangent(m, dim, STATES, f, df, t);
+}
+
+static void Energy(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, PetscReal psi[])
+{
+  const PetscReal *f[9];
+
+  Pointers(F, f);
+  MpmMaterialEnergy(m, dim, STATES, f, psi);
+}
+
+/* F = Q stretch R with principal stretches between 0.6 and 1.6; n is the direction of the largest, where it is along Q. */
+static void Draw(PetscInt dim, Tensors *F, Tensors *dF, Tensors *turn)
+{
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal Q[9], R[9], S[9], f[9], largest[3];
+
+    Turn(dim, Q);
+    Turn(dim, R);
+    for (PetscInt a = 0; a < dim; a++) largest[a] = 1.1 + Random();
+    for (PetscInt a = 1; a < dim; a++)
+      if (largest[a] > largest[0]) {
+        const PetscReal swap = largest[0];
+
+        largest[0] = largest[a];
+        largest[a] = swap;
+      }
+    for (PetscInt c = 0; c < dim * dim; c++) S[c] = Q[c] * largest[c % dim];
+    Product(dim, S, R, PETSC_TRUE, f);
+    Put(dim, f, p, F);
+    Put(dim, Q, p, turn);
+    for (PetscInt c = 0; c < dim * dim; c++) dF->f[c][p] = Random();
+  }
+}
+
+static void Along(const Tensors *F, const Tensors *dF, PetscReal step, Tensors *out)
+{
+  for (PetscInt c = 0; c < 9; c++)
+    for (PetscInt p = 0; p < STATES; p++) out->f[c][p] = F->f[c][p] + step * dF->f[c][p];
+}
+
+static const PetscReal differences[3] = {45. / 60, -9. / 60, 1. / 60};
+
+static void CheckDerivatives(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, const Tensors *dF)
+{
+  static Tensors tau, dtau, moved, expected, at[2];
+  PetscReal      work[STATES] = {0}, psi[2][STATES];
+
+  memset(&expected, 0, sizeof expected);
+  Stress(m, dim, F, &tau);
+  Tangent(m, dim, F, dF, &dtau);
+  for (int k = 0; k < 3; k++) {
+    for (int side = 0; side < 2; side++) {
+      Along(F, dF, (side ? -1 : 1) * (k + 1) * STEP, &moved);
+      Stress(m, dim, &moved, &at[side]);
+      Energy(m, dim, &moved, psi[side]);
+    }
+    for (PetscInt p = 0; p < STATES; p++) {
+      work[p] += differences[k] * (psi[0][p] - psi[1][p]) / STEP;
+      for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++)
+        expected.f[c][p] += differences[k] * (at[0].f[c][p] - at[1].f[c][p]) / STEP;
+    }
+  }
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal f[9], inverse[9], df[9], l[9], t[9], power = 0, J = 0;
+
+    for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++)
+      CHECK_NEAR(dtau.f[c][p], expected.f[c][p], 1e-9 * (1 + fabs(dtau.f[c][p])));
+    Get(dim, F, p, f); /* tau : (dF F^-1), with the inverse by cofactors */
+    Get(dim, dF, p, df);
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++) {
+        const PetscInt a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3, b2 = (b + 2) % 3;
+
+        inverse[b * dim + a] = dim == 1   ? 1
+                               : dim == 2 ? (a == b ? 1 : -1) * f[(1 - a) * 2 + 1 - b]
+                                          : f[a1 * 3 + b1] * f[a2 * 3 + b2] - f[a1 * 3 + b2] * f[a2 * 3 + b1];
+      }
+    for (PetscInt c = 0; c < dim; c++) J += f[c] * inverse[c * dim];
+    Product(dim, df, inverse, PETSC_FALSE, l);
+    Full(dim, &tau, p, t);
+    for (PetscInt c = 0; c < dim * dim; c++) power += t[c] * l[c] / J;
+    CHECK_NEAR(power, work[p], 1e-9 * (1 + fabs(power)));
+  }
+}
+
+/* tau(Q F) = Q tau Q^T, tau(F Q) = tau. */
+static void CheckTurned(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, const Tensors *turn)
+{
+  static Tensors tau, left, right, of_left, of_right;
+
+  Stress(m, dim, F, &tau);
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal f[9], q[9], product[9];
+
+    Get(dim, F, p, f);
+    Get(dim, turn, p, q);
+    Product(dim, q, f, PETSC_FALSE, product);
+    Put(dim, product, p, &left);
+    Product(dim, f, q, PETSC_FALSE, product);
+    Put(dim, product, p, &right);
+  }
+  Stress(m, dim, &left, &of_left);
+  Stress(m, dim, &right, &of_right);
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal q[9], t[9], qt[9], expected[9], found[9], same[9];
+
+    Get(dim, turn, p, q);
+    Full(dim, &tau, p, t);
+    Product(dim, q, t, PETSC_FALSE, qt);
+    Product(dim, qt, q, PETSC_TRUE, expected);
+    Full(dim, &of_left, p, found);
+    Full(dim, &of_right, p, same);
+    for (PetscInt c = 0; c < dim * dim; c++) {
+      CHECK_NEAR(found[c], expected[c], 1e-12);
+      CHECK_NEAR(same[c], t[c], 1e-12);
+    }
+  }
+}
+
+/* With l = n n^T, n along the largest stretch, the force is n . (dtau - tau l^T) n: rho0 c^2 of the wave along n. */
+static void CheckModulus(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *F, const Tensors *turn)
+{
+  static Tensors dF, tau, dtau;
+
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal f[9], q[9], l[9], df[9];
+
+    Get(dim, F, p, f);
+    Get(dim, turn, p, q);
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++) l[a * dim + b] = q[a * dim] * q[b * dim];
+    Product(dim, l, f, PETSC_FALSE, df);
+    Put(dim, df, p, &dF);
+  }
+  Stress(m, dim, F, &tau);
+  Tangent(m, dim, F, &dF, &dtau);
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal f[9], q[9], t[9], dt[9], expected = 0, found;
+
+    Get(dim, F, p, f);
+    Get(dim, turn, p, q);
+    Full(dim, &tau, p, t);
+    Full(dim, &dtau, p, dt);
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++) expected += q[a * dim] * (dt[a * dim + b] - t[a * dim + b]) * q[b * dim];
+    found = MpmMaterialModulus(m, dim, f);
+    CHECK_NEAR(found, expected, 1e-11);
+    CHECK_NEAR(MpmMaterialSpeed(m, dim, f), sqrt(PetscMax(0, found)), 1e-14);
+  }
+}
+
+/* At F = I: Hooke's law, no energy, and half the work of small strains, to which the next order is of their size. */
+static void CheckSmall(const MpmMaterialNumbers *m, PetscInt dim, const Tensors *dF)
+{
+  const PetscReal small = 1e-6;
+  const PetscBool solid = m->law == MPM_LAW_LINEAR || m->law == MPM_LAW_NEO || m->law == MPM_LAW_SVK;
+  const PetscReal mu = solid ? m->mu : 0, lambda = solid ? m->lambda : 1;
+  static Tensors  identity, moved, dtau;
+  PetscReal       psi[STATES], zero[STATES];
+
+  for (PetscInt c = 0; c < 9; c++)
+    for (PetscInt p = 0; p < STATES; p++) identity.f[c][p] = c % (dim + 1) == 0;
+  Along(&identity, dF, small, &moved);
+  Tangent(m, dim, &identity, dF, &dtau);
+  Energy(m, dim, &moved, psi);
+  Energy(m, dim, &identity, zero);
+  for (PetscInt p = 0; p < STATES; p++) {
+    PetscReal trace = 0, work = 0;
+
+    for (PetscInt a = 0; a < dim; a++) trace += dF->f[a * dim + a][p];
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++) {
+        const PetscReal e    = (dF->f[a * dim + b][p] + dF->f[b * dim + a][p]) / 2;
+        const PetscReal hook = 2 * mu * e + (a == b ? lambda * trace : 0);
+
+        work += hook * e / 2;
+        CHECK_NEAR(dtau.f[Symmetric(dim, a, b)][p], hook, 1e-14);
+      }
+    CHECK_NEAR(psi[p] / (small * small), work, 1e-4);
+    CHECK_NEAR(zero[p], 0, 0);
+  }
+}
+
+/* The nominal stress with dim 1 in the units of the header, and its slope at rest, which is 1. */
+static PetscReal Nominal(const MpmMaterialNumbers *m, PetscReal F)
+{
+  switch (m->law) {
+  case MPM_LAW_NEO:
+    return m->mu * (F - 1 / F) + m->lambda * log(F) / F;
+  case MPM_LAW_SVK:
+    return F * (F * F - 1) / 2;
+  case MPM_LAW_TAIT:
+    return -(pow(F, -m->exponent) - 1) / m->exponent;
+  case MPM_LAW_GAS:
+    return -1 / F;
+  case MPM_LAW_POLYTROPIC:
+    return -pow(F, -m->exponent) / m->exponent;
+  default:
+    return F - 1;
+  }
+}
+
+static void CheckLine(const MpmMaterialNumbers *m)
+{
+  for (PetscReal F = 0.4; F < 3; F += 0.1) {
+    const PetscReal *at[1] = {&F};
+    PetscReal        tau, *to[1] = {&tau};
+
+    MpmMaterialStress(m, 1, 1, at, to);
+    CHECK_NEAR(tau, F * Nominal(m, F), 1e-14 * (1 + fabs(tau)));
+  }
+}
+
+static const MpmMaterialNumbers materials[] = {
+    {MPM_LAW_LINEAR, 2. / 7, 3. / 7, 0},
+    {MPM_LAW_LINEAR, 0.5, 0, 0},
+    {MPM_LAW_NEO, 2. / 7, 3. / 7, 0},
+    {MPM_LAW_NEO, 0.5, 0, 0},
+    {MPM_LAW_SVK, 2. / 7, 3. / 7, 0},
+    {MPM_LAW_TAIT, 0, 0, 7},
+    {MPM_LAW_TAIT, 0, 0, 1},
+    {MPM_LAW_GAS, 0, 0, 0},
+    {MPM_LAW_POLYTROPIC, 0, 0, 1.4},
+    {MPM_LAW_POLYTROPIC, 0, 0, 1},
+};
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  static Tensors F, dF, turn;
+
+  PetscFunctionBegin;
+  (void)argc;
+  (void)argv;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(materials); i++) {
+    for (PetscInt dim = 1; dim <= 3; dim++) {
+      Draw(dim, &F, &dF, &turn);
+      CheckDerivatives(&materials[i], dim, &F, &dF);
+      CheckTurned(&materials[i], dim, &F, &turn);
+      CheckModulus(&materials[i], dim, &F, &turn);
+      if (materials[i].law < MPM_LAW_GAS) CheckSmall(&materials[i], dim, &dF);
+    }
+    CheckLine(&materials[i]);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
