@@ -17,7 +17,8 @@ static PetscErrorCode PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKin
   if (kind == MPM_LIMIT_BLOCK)
     PetscCall(PetscSNPrintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block));
   if (isinf(limit))
-    MpmPrint("  %-14s %-13s %s%s\n", rows[kind], "none found", block, texts[kind]);
+    MpmPrint("  %-14s %-13s %s%s; all steps that were tried, up to 1000 times the code's own, are stable\n", rows[kind],
+             "none found", block, texts[kind]);
   else if (limit == 0)
     MpmPrint("  %-14s %-13s %s%s; all steps that were tried are unstable\n", rows[kind], "none", block, texts[kind]);
   else

@@ -72,7 +72,8 @@ static json_t *Value(const MpmField *o)
   if (o->kind == MPM_ENDS || o->kind == MPM_WORDS) return json_pack("{s:[s,s]}", "type", "string", "array");
   if (o->kind == MPM_WORD && !strcmp(o->name, "formulation")) return Word(o);
   if (!o->each) return One(o);
-  return json_pack("{s:[o,o]}", "anyOf", One(o), Several(One(o), 1, 2 * MPM_MAX_DIM));
+  return json_pack("{s:[o,o,{s:s,s:s}]}", "anyOf", One(o), Several(One(o), 1, 2 * MPM_MAX_DIM), "type", "string",
+                   "pattern", ",");
 }
 
 static json_t *Described(const MpmField *o)

@@ -84,7 +84,7 @@ def check_failure(ranks, dim):
 def check_refusals():
     for task, words, why in (("symbol", "-kinematics finite -formulation usl", "this task needs a linear step"),
                              ("critical", "-kinematics finite -formulation usl", "this task needs a linear step"),
-                             ("run", "-kinematics finite -formulation gas2", "gas2 has no velocity, stress and MOVE"),
+                             ("run", "-kinematics finite -formulation gas2", "gas2 has no stress with a velocity that particles could move with"),
                              ("run", "-gravity 1 -formulation usl", "only with kinematics finite"),
                              ("run", "-kinematics finite -formulation usl -material two", "of one material"),
                              ("run", "-kinematics finite -formulation usl -prestress 0.5", "material and stretch give it"),
