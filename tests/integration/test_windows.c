@@ -281,6 +281,10 @@ static PetscErrorCode Test(int argc, char **argv)
     PetscCall(CheckTolerance("-tolerance 1e-9", PETSC_TRUE));
   }
   for (PetscInt n = first; n < first + schemes; n++) {
+    PetscBool turn;
+
+    PetscCall(CheckHasTurn(n, &turn));
+    if (!turn) continue;
     PetscCall(CheckRandom(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
     PetscCall(CheckRandomAssembled(n, phases, argc > 1 ? PETSC_TRUE : PETSC_FALSE));
   }
