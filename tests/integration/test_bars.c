@@ -31,7 +31,7 @@ static PetscErrorCode OrdersFrom(PetscInt cells, const char options[], PetscReal
   const PetscReal stated[2] = {first, second};
   static PetscInt tried;
   MpmError        coarse[MPM_MAX_FIELDS], fine[MPM_MAX_FIELDS];
-  PetscBool       turn;
+  PetscBool       turn = PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCall(CheckHasTurn(tried++, &turn));
