@@ -81,6 +81,16 @@ def check_failure(ranks, dim):
               f"from the last whole state: {again.stderr}")
 
 
+def check_failure_beside_tangents():
+    """The last whole state is marched once more, and says nothing of its tangents a second time, nor of where it begins."""
+    scene = [*BREAKS, "-checkpoint", "last.h5"]
+    process = run(1, *scene, "-tangent", "random", "-warn_above", "0.01")
+    warnings = [line for line in process.stdout.splitlines() if line.startswith("warning at step")]
+    check(process.returncode == 1 and warnings and len(set(warnings)) == len(warnings), f"tangent: {process.stdout}")
+    again = run(1, *scene, "-restart", "last.h5")
+    check(again.returncode == 1 and "nothing is left to march" not in again.stdout, f"from the last step: {again.stdout}")
+
+
 def check_refusals():
     for task, words, why in (("symbol", "-kinematics finite -formulation usl", "this task needs a linear step"),
                              ("critical", "-kinematics finite -formulation usl", "this task needs a linear step"),
@@ -117,3 +127,4 @@ with tempfile.TemporaryDirectory() as folder:
     check_restart(2, 2)
     check_failure(1, 1)
     check_failure(2, 2)
+    check_failure_beside_tangents()
