@@ -91,6 +91,21 @@ def check_failure_beside_tangents():
     check(again.returncode == 1 and "nothing is left to march" not in again.stdout, f"from the last step: {again.stdout}")
 
 
+def check_order_of_fields():
+    """The mode of the tangent is a velocity, in whatever order a written scheme has its fields."""
+    growth = []
+    for fields in ("v: vector, s: stress", "s: stress, v: vector"):
+        with open("scheme.yaml", "w", encoding="utf-8") as file:
+            file.write(f"scheme:\n  name: own\n  particles: {{{fields}}}\n  nodes: {{v_i: vector, a_i: vector}}\n  step:\n"
+                       "    - v_i = P2G v\n    - a_i = -k DIV s\n    - v_i += a_i\n    - v += G2P a_i\n"
+                       "    - s += k STRESS GRAD v_i\n    - MOVE v_i\n    - DRIFT\n")
+        done(1, *"-scheme scheme.yaml -kinematics finite -material neo -basis cubic -cells 8 -initial uniform -steps 3".split(),
+             "-tangent", "mode", "-json", "own.json")
+        with open("own.json", encoding="utf-8") as file:
+            growth.append(json.load(file)["run"]["tangent"]["growth"][0])
+    check(abs(growth[0] - growth[1]) < 1e-12, f"growth of the mode with v first and with s first: {growth}")
+
+
 def check_refusals():
     for task, words, why in (("symbol", "-kinematics finite -formulation usl", "this task needs a linear step"),
                              ("critical", "-kinematics finite -formulation usl", "this task needs a linear step"),
@@ -128,3 +143,4 @@ with tempfile.TemporaryDirectory() as folder:
     check_failure(1, 1)
     check_failure(2, 2)
     check_failure_beside_tangents()
+    check_order_of_fields()
