@@ -21,6 +21,31 @@ static PetscBool HasMove(const MpmFormulation *f)
   return stresses == 1 && MpmFormulationHas(f, MPM_MOVE) && MpmFormulationHas(f, MPM_DRIFT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector. */
+static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
+{
+  const MpmRank *particle = f->particle_ranks, *node = f->node_ranks;
+  MpmOpTraits    traits;
+
+  if (op->kind == MPM_DIV) return particle[op->src] != MPM_TENSOR || node[op->dst] != MPM_VECTOR;
+  if (op->kind == MPM_GRAD) return particle[op->dst] != MPM_TENSOR || node[op->src] != MPM_VECTOR;
+  if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+    return particle[op->dst] == MPM_TENSOR;
+  if (op->kind >= MPM_OP_KINDS) return PETSC_FALSE;
+  traits = MpmOpTraitsOf(op->kind);
+  return (traits.dst == MPM_ON_PARTICLES && particle[op->dst] == MPM_TENSOR) ||
+         (traits.src == MPM_ON_PARTICLES && particle[op->src] == MPM_TENSOR);
+}
+
+/* At finite deformation F takes the place of the stress, which there is only for the time of a DIV. */
+static PetscBool LeavesStress(const MpmFormulation *f)
+{
+  if (!HasMove(f)) return PETSC_FALSE;
+  for (PetscInt o = 0; o < f->nops; o++)
+    if (TouchesStress(f, &f->ops[o])) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 static PetscBool HasProjected(const MpmFormulation *f)
 {
   return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
@@ -42,6 +67,8 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   }
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
                                "stress with a velocity that particles could move with"));
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
+                               "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->gravity[a] != 0) scene->scheme.space.loaded = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -91,16 +91,35 @@ def check_failure_beside_tangents():
     check(again.returncode == 1 and "nothing is left to march" not in again.stdout, f"from the last step: {again.stdout}")
 
 
+WRITTEN = "-scheme scheme.yaml -kinematics finite -material neo -basis cubic -cells 8 -initial uniform -steps 3".split()
+
+
+def write_scheme(fields, *more):
+    """usl as text, with more lines before the last one."""
+    lines = ["v_i = P2G v", "a_i = -k DIV s", "v_i += a_i", "v += G2P a_i", "s += k STRESS GRAD v_i", "MOVE v_i", *more, "DRIFT"]
+    nodes = "v_i: vector, a_i: vector" + (", s_i: stress" if any("s_i" in line for line in more) else "")
+    with open("scheme.yaml", "w", encoding="utf-8") as file:
+        file.write(f"scheme:\n  name: own\n  particles: {{{fields}}}\n  nodes: {{{nodes}}}\n"
+                   "  step:\n" + "".join(f"    - {line}\n" for line in lines))
+
+
+def check_written():
+    """Lines of a written scheme that have no meaning where F takes the place of the stress are refused."""
+    for more, why in ((["s_i = P2G s", "s += G2P s_i"], "own has no stress that it takes to vectors by DIV and from vectors by GRAD alone"),
+                      (["s = 0.5 s"], "own has no stress that it takes to vectors"),
+                      (["MOVE v_i"] * 4, "scheme.yaml:2: scheme own: more than 4 lines MOVE")):
+        write_scheme("v: vector, s: stress", *more)
+        process = run(1, *WRITTEN)
+        check(process.returncode == 2 and why in process.stderr and len(process.stderr.splitlines()) == 1,
+              f"{more}: status {process.returncode}: {process.stderr}")
+
+
 def check_order_of_fields():
     """The mode of the tangent is a velocity, in whatever order a written scheme has its fields."""
     growth = []
     for fields in ("v: vector, s: stress", "s: stress, v: vector"):
-        with open("scheme.yaml", "w", encoding="utf-8") as file:
-            file.write(f"scheme:\n  name: own\n  particles: {{{fields}}}\n  nodes: {{v_i: vector, a_i: vector}}\n  step:\n"
-                       "    - v_i = P2G v\n    - a_i = -k DIV s\n    - v_i += a_i\n    - v += G2P a_i\n"
-                       "    - s += k STRESS GRAD v_i\n    - MOVE v_i\n    - DRIFT\n")
-        done(1, *"-scheme scheme.yaml -kinematics finite -material neo -basis cubic -cells 8 -initial uniform -steps 3".split(),
-             "-tangent", "mode", "-json", "own.json")
+        write_scheme(fields)
+        done(1, *WRITTEN, "-tangent", "mode", "-json", "own.json")
         with open("own.json", encoding="utf-8") as file:
             growth.append(json.load(file)["run"]["tangent"]["growth"][0])
     check(abs(growth[0] - growth[1]) < 1e-12, f"growth of the mode with v first and with s first: {growth}")
@@ -143,4 +162,5 @@ with tempfile.TemporaryDirectory() as folder:
     check_failure(1, 1)
     check_failure(2, 2)
     check_failure_beside_tangents()
+    check_written()
     check_order_of_fields()
