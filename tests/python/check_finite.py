@@ -143,6 +143,18 @@ def check_refusals():
               f"{task} {words}: status {process.returncode}: {process.stderr}")
 
 
+def check_ratio():
+    """What lambda / mu the material has is said, whether it is given or follows from Poisson's ratio."""
+    scene = "-kinematics finite -formulation usl -material neo -dim 2 -cells 4 -initial uniform".split()
+    for words, ratio, nu in (([], 1.5, 0.3), (["-poisson", "0.25"], 1, 0.25), (["-lame_ratio", "1"], 1, 0.25), (["-lame_ratio", "0"], 0, 0)):
+        done(1, *scene, *words, "-steps", "1", "-json", "ratio.json")
+        with open("ratio.json", encoding="utf-8") as file:
+            found = json.load(file)
+        check(abs(found["material"]["lame_ratio"] - ratio) < 1e-15 and abs(found["poisson"] - nu) < 1e-15, f"{words}: {found['material']}")
+    process = run(1, *scene, "-lame_ratio", "1", "-poisson", "0.3", "-steps", "2")
+    check(process.returncode == 2 and "-lame_ratio 1: poisson, or bulk and shear, say it too" in process.stderr, f"both: {process.stderr}")
+
+
 def check_json():
     """What a nonlinear run says of itself; growth is that of noise alone."""
     done(1, *WAVES, "-json", "noise.json")
@@ -157,6 +169,7 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     check_refusals()
     check_json()
+    check_ratio()
     check_restart(1, 1)
     check_restart(2, 2)
     check_failure(1, 1)
