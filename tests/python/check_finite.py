@@ -155,6 +155,14 @@ def check_ratio():
     check(process.returncode == 2 and "-lame_ratio 1: poisson, or bulk and shear, say it too" in process.stderr, f"both: {process.stderr}")
 
 
+def check_columns():
+    """A run that resumes without its tangents has other columns."""
+    scene = "-kinematics finite -formulation usl -basis cubic -cells 8 -initial uniform -csv rows.csv".split()
+    done(1, *scene, "-tangent", "random", "-steps", "3", "-checkpoint", "rows.h5")
+    process = run(1, *scene, "-restart", "rows.h5", "-steps", "5")
+    check(process.returncode == 2 and "weights, source_term, ringing and tangent as before" in process.stderr, f"columns: {process.stderr}")
+
+
 def check_json():
     """What a nonlinear run says of itself; growth is that of noise alone."""
     done(1, *WAVES, "-json", "noise.json")
@@ -170,6 +178,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_refusals()
     check_json()
     check_ratio()
+    check_columns()
     check_restart(1, 1)
     check_restart(2, 2)
     check_failure(1, 1)
