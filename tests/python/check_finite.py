@@ -164,7 +164,9 @@ def check_columns():
 
 
 def check_json():
-    """What a nonlinear run says of itself; growth is that of noise alone."""
+    """What a nonlinear run says of itself; growth is that of noise alone. The body force of a solution is no gravity."""
+    check("gravity" not in done(1, *"-kinematics finite -formulation usl -initial manufactured -amplitude 0.01 -steps 1".split()),
+          "gravity without gravity")
     done(1, *WAVES, "-json", "noise.json")
     done(1, *[word if word != "random" else "mode" for word in WAVES], "-json", "wave.json", "-expect", "undecided")
     with open("noise.json", encoding="utf-8") as noise, open("wave.json", encoding="utf-8") as wave:
