@@ -76,6 +76,10 @@ def check_failure(ranks, dim):
         step = int(said.split("step ")[1].split(":")[0])
         with h5py.File("last.h5") as file:
             check(file["where"][0] == step - 1, f"the checkpoint is of step {file['where'][0]}, not {step - 1}")
+        last = subprocess.run([MPMSTAB, "spectrum", *(word for word in BREAKS if word not in ("-steps", "300")), "-dim", str(dim), "-at_step",
+                               str(step - 1)], capture_output=True, text=True, check=False)
+        check(last.returncode == 0 and "the run ends in this step" in last.stdout and "nan" not in last.stdout,
+              f"the tangent of the step in which a particle fails: {last.stdout}")
         again = run(ranks, *scene, "-restart", "last.h5")
         check(again.returncode == 1 and again.stderr.strip() == said.split("; the checkpoint")[0],
               f"from the last whole state: {again.stderr}")
