@@ -242,15 +242,17 @@ static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], Petsc
 {
   const MpmTable  *t  = march->scheme->table;
   const PetscInt   dd = t->dim * t->dim;
-  const PetscReal *stiffness;
+  const PetscReal *stiffness, *volume;
   PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscCall(Property(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(Property(march, MPM_VOLUME, &volume));
   MpmMaterialEnergy(&t->material, t->dim, march->particles->count, (const PetscReal *const *)F, psi);
   for (PetscInt p = 0; p < march->particles->count; p++)
-    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * psi[p];
+    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
+  PetscCall(RestoreProperty(march, MPM_VOLUME, &volume));
   PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscFunctionReturn(PETSC_SUCCESS);

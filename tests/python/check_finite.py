@@ -159,6 +159,17 @@ def check_ratio():
     check(process.returncode == 2 and "-lame_ratio 1: poisson, or bulk and shear, say it too" in process.stderr, f"both: {process.stderr}")
 
 
+def check_energy():
+    """A uniform state has the same energy with whatever particles in its cells, and after a restart the same first one."""
+    scene = "-kinematics finite -formulation usl -material neo -stretch 1.2 -drift 1/8 -cells 8 -initial uniform".split()
+    energy = []
+    for words in ("-ppc 2 -steps 4", "-counts 1,3 -steps 2 -checkpoint energy.h5", "-counts 1,3 -steps 4 -restart energy.h5"):
+        done(1, *scene, *words.split(), "-json", "energy.json")
+        with open("energy.json", encoding="utf-8") as file:
+            energy.append(json.load(file)["run"]["energy"]["initial"])
+    check(max(energy) - min(energy) < 1e-12 * max(energy) and energy[0] > 0, f"energies {energy}")
+
+
 def check_columns():
     """A run that resumes without its tangents has other columns."""
     scene = "-kinematics finite -formulation usl -basis cubic -cells 8 -initial uniform -csv rows.csv".split()
@@ -185,6 +196,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_json()
     check_ratio()
     check_columns()
+    check_energy()
     check_restart(1, 1)
     check_restart(2, 2)
     check_failure(1, 1)
