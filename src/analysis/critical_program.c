@@ -14,8 +14,8 @@
 #define BLOCK 6 /* cells of the free block in each direction, or fewer so that its operator is dense */
 #define BELOW 4 /* steps below a limit that are tried too, equally spaced; BELOW_PART: of a part */
 #define BELOW_PART 2
-#define BESIDE 1e-3      /* relative: the modes are looked at so far above a limit */
-#define FARTHEST 1e3     /* times the given step, or one over it, to which the search goes: far beyond, rounding grows */
+#define BESIDE 1e-3  /* relative: the modes are looked at so far above a limit */
+#define FARTHEST 1e3 /* times the given step, or one over it, to which the search goes: far beyond, rounding grows */
 #define FARTHEST_PART 16 /* times the interior's limit: a part that is stable there limits nothing */
 #define MOST_SITES 64    /* of a cell, at which a lone particle is looked at */
 #define TRIED 10         /* steps that a search takes, about, before it looks at BELOW others */
