@@ -27,7 +27,7 @@ export TMPDIR
 trap 'rm -rf "$TMPDIR"' EXIT
 fuzzer=$work/tests/fuzz/fuzz_$target
 words=$work/words.dict
-grep -ho '"[A-Za-z_0-9]\{2,\}"' src/scene/fields.c src/task/tasks.c src/scheme/*/*.c | sort -u >"$words"
+grep -ho '"[A-Za-z_0-9]\{2,\}"' src/scene/field*.c src/task/tasks.c src/scheme/*/*.c | sort -u >"$words"
 cd "$work"
 nice -n 10 "$fuzzer" -jobs=2 -workers=2 -max_total_time="$seconds" -max_len=4096 -malloc_limit_mb=256 -dict="$words" \
   -print_final_stats=1 -artifact_prefix="$work/found/" "$work/$target" "$corpus" >"fuzz-$target.log" 2>&1 || status=$?

@@ -232,15 +232,15 @@ static PetscInt SiteOf(const MpmProgram *p, const MpmLayout *layout, PetscInt k)
   return site;
 }
 
-/* Sites in the order of ours, and fields without the numbers that are set apart. */
-static PetscErrorCode TheirSide(const MpmProgram *p, const MpmScene *scene, const MpmBlocks *blocks, MpmMatchSide *side)
+/* Their sites in the order of ours. */
+static PetscErrorCode TheirSites(const MpmProgram *p, const MpmScene *scene, MpmMatchSide *side)
 {
   const MpmStepper *s   = p->stepper;
   PetscInt          ppc = 1, all = 0;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++) ppc *= scene->layout.ppc[a];
-  *side = (MpmMatchSide){.blocks = blocks, .sites = p->lattice.sites, .width = p->unread.n};
+  *side = (MpmMatchSide){.sites = p->lattice.sites};
   PetscCall(PetscCalloc1(side->sites, &side->site));
   for (PetscInt k = 0; k < side->sites; k++) {
     const PetscInt site = ppc == side->sites && s->dim == scene->layout.dim ? SiteOf(p, &scene->layout, k) : MPM_NONE;
@@ -253,6 +253,17 @@ static PetscErrorCode TheirSide(const MpmProgram *p, const MpmScene *scene, cons
                 " particles in a cell of the code are not where those of this scene "
                 "are; allowed: ppc and offset of the code, or a code whose particles are equally spaced",
                 p->request->compare, side->sites);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Their operator, and its fields without the numbers that are set apart. */
+static PetscErrorCode TheirFields(const MpmProgram *p, const MpmBlocks *blocks, MpmMatchSide *side)
+{
+  const MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  side->blocks = blocks;
+  side->width  = p->unread.n;
   for (PetscInt f = 0; f < s->nfields && side->nfields < MPM_MATCH_WIDTH; f++) {
     MpmMatchField *field = &side->fields[side->nfields];
 
@@ -331,27 +342,39 @@ static PetscErrorCode Seek(MpmCompareProgram *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCompareProgramCreate(const MpmProgram *p, const MpmBlocks *blocks, PetscReal growth,
-                                       MpmCompareProgram *c)
+PetscErrorCode MpmCompareProgramBegin(const MpmProgram *p, MpmCompareProgram *c)
 {
   const MpmScene *scene;
 
   PetscFunctionBegin;
-  *c = (MpmCompareProgram){.bound = p->tolerance, .code = growth};
+  MpmCheckInput(!p->why[0],
+                "-compare: only cells that are alike can be compared, and of the code they are not (%s); "
+                "allowed: without compare",
+                p->why);
+  *c = (MpmCompareProgram){.bound = p->tolerance};
   PetscCall(MakeScene(p, &c->scene));
   scene = c->scene;
-  PetscCall(TheirSide(p, scene, blocks, &c->theirs));
+  PetscCall(TheirSites(p, scene, &c->theirs));
   PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "compare", &c->blocks));
-  MpmCheckInput(c->blocks.period == blocks->period,
+  MpmCheckInput(c->blocks.period == p->probe.steps,
                 "-compare: the operator of the code is of %" PetscInt_FMT " steps, that of the scene of %" PetscInt_FMT
                 "; allowed: a scene with the drift of the code",
-                blocks->period, c->blocks.period);
+                p->probe.steps, c->blocks.period);
   PetscCall(OwnSide(scene, &c->blocks, &c->own));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCompareProgramFind(const MpmProgram *p, const MpmBlocks *blocks, PetscReal growth,
+                                     MpmCompareProgram *c)
+{
+  PetscFunctionBegin;
+  PetscCall(TheirFields(p, blocks, &c->theirs));
   PetscCall(PetscNew(&c->match));
   PetscCall(MpmMatchFind(&c->own, &c->theirs, c->bound, c->match));
   c->same = (c->match->fits ? c->match->differ : c->match->factors) <= c->bound ? PETSC_TRUE : PETSC_FALSE;
   if (!c->same) PetscCall(Seek(c));
   PetscCall(GrowthOf(&c->blocks, &c->growth));
+  c->code = growth;
   if (isnan(growth)) PetscCall(GrowthOf(blocks, &c->code));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -28,12 +28,17 @@ typedef struct {
 } MpmCompareProgram;
 
 /*
-   MpmCompareProgramCreate - makes the scene and compares. blocks: those of the code, without what is set apart. growth: of
-   the code over all waves, or NaN if it is to be found.
+   MpmCompareProgramBegin - makes the scene and its operator, before the code is probed.
 
-   Collective. The program must be prepared, and its cells be alike. Errors: PETSC_ERR_USER_INPUT where the option is no
-   scene, or its particles are elsewhere in their cells than those of the code.
+   Collective. The program must be prepared. Errors: PETSC_ERR_USER_INPUT where the code's cells are not alike, the option
+   is no scene, or the scene has other cells or another drift than the code.
+
+   MpmCompareProgramFind - compares. blocks: those of the code, without what is set apart. growth: of the code over all
+   waves, or NaN if it is to be found.
+
+   Collective.
 */
-PetscErrorCode MpmCompareProgramCreate(const MpmProgram *program, const MpmBlocks *blocks, PetscReal growth,
-                                       MpmCompareProgram *compare);
+PetscErrorCode MpmCompareProgramBegin(const MpmProgram *program, MpmCompareProgram *compare);
+PetscErrorCode MpmCompareProgramFind(const MpmProgram *program, const MpmBlocks *blocks, PetscReal growth,
+                                     MpmCompareProgram *compare);
 PetscErrorCode MpmCompareProgramDestroy(MpmCompareProgram *compare);

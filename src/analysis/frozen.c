@@ -1,6 +1,7 @@
 /* The spectrum of a frozen tangent. */
 #include "analysis/frozen.h"
 #include "operator/tangent_march.h"
+#include "scene/layout.h"
 
 PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                  MpmSpectrum **spectrum, PetscReal *mismatch)
@@ -12,6 +13,7 @@ PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *reques
   Mat             tangent, matrix;
 
   PetscFunctionBegin;
+  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene, PETSC_FALSE), "the march"));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   while (march->step < request->at_step && !march->failure[0]) PetscCall(MpmMarchStep(march, PETSC_FALSE));
   MpmCheckInput(!march->failure[0], "-at_step %" PetscInt64_FMT ": the run ends before it, %s", request->at_step,

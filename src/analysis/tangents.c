@@ -19,10 +19,13 @@
 static PetscErrorCode FillMode(const MpmMarch *march, const MpmTangentSpace *space, Vec d)
 {
   const MpmScene *scene = march->scene;
+  const MpmTable *table = scene->scheme.table;
   const PetscInt  dim   = scene->layout.dim;
+  PetscInt        along = 0; /* the register of the velocity along x: written schemes may have F before it */
   PetscReal      *x;
 
   PetscFunctionBegin;
+  while (table->field[along] == MPM_STRETCHED) along++;
   PetscCall(VecSet(d, 0));
   PetscCall(VecGetArray(d, &x));
   for (PetscInt p = 0; p < space->sizes.particles; p++) {
@@ -30,7 +33,7 @@ static PetscErrorCode FillMode(const MpmMarch *march, const MpmTangentSpace *spa
 
     MpmLayoutRest(&scene->layout, space->sizes.begin + p, rest);
     for (PetscInt a = 0; a < dim; a++) phase += scene->mode[a] * rest[a] / scene->layout.grid[a].cells;
-    x[space->nstate * p + dim] = sin(2 * M_PI * phase);
+    x[space->nstate * p + dim + along] = sin(2 * M_PI * phase);
   }
   PetscCall(VecRestoreArray(d, &x));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -55,7 +55,8 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
 /* Moves the particles out of their places at rest by random numbers in [-noise, noise) of a cell. */
 static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt64 id[])
 {
-  const MpmGrid *grid = march->grid;
+  const MpmGrid *grid   = march->grid;
+  PetscInt64     failed = PETSC_MAX_INT;
   PetscReal     *way, *xi;
   PetscInt      *cell;
 
@@ -71,12 +72,14 @@ static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt6
     bad = MpmAdvance(&march->layout->grid[a], grid->axis[a].first, march->particles->count, way, cell, xi, range);
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
-    MpmCheckInput(bad == march->particles->count,
-                  "amplitude: the random start moves particle %" PetscInt64_FMT
-                  " by a cell or more, or out of the domain; allowed: a smaller one",
-                  id[bad]);
+    if (bad < march->particles->count) failed = PetscMin(failed, id[bad]);
   }
   PetscCall(PetscFree(way));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_MIN, PetscObjectComm((PetscObject)grid->da)));
+  MpmCheckInput(failed == PETSC_MAX_INT,
+                "amplitude %g: the random start moves particle %" PetscInt64_FMT
+                " by a cell or more, or out of the domain; allowed: a smaller one",
+                (double)(march->scene ? march->scene->amplitude : noise), failed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -239,15 +242,17 @@ static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], Petsc
 {
   const MpmTable  *t  = march->scheme->table;
   const PetscInt   dd = t->dim * t->dim;
-  const PetscReal *stiffness;
+  const PetscReal *stiffness, *volume;
   PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscCall(Property(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(Property(march, MPM_VOLUME, &volume));
   MpmMaterialEnergy(&t->material, t->dim, march->particles->count, (const PetscReal *const *)F, psi);
   for (PetscInt p = 0; p < march->particles->count; p++)
-    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * psi[p];
+    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
+  PetscCall(RestoreProperty(march, MPM_VOLUME, &volume));
   PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscFunctionReturn(PETSC_SUCCESS);

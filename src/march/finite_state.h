@@ -7,7 +7,7 @@
    velocity of a mode. noise: random numbers in [-noise, noise), hashed from seed and id, are added to x / h, v / c, to F
    relative to F0, and to an affine part.
 
-   Not collective.
+   Collective. Errors: refuses (PETSC_ERR_USER_INPUT) a noise that moves a particle by a cell or more, or out of the domain.
 */
 PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise);
 

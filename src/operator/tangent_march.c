@@ -82,18 +82,18 @@ PetscErrorCode MpmTangentStateOf(const MpmTangentSpace *space, const MpmMarch *m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest difference of how far particles have moved along a direction. Those of a periodic grid may come in anew. */
+/* The largest difference of how far particles have moved along a direction. In a periodic one they may come in anew. */
 static PetscReal MovedApart(const MpmTangentSpace *space, PetscInt a, const MpmTangentState *before,
                             const MpmTangentState *state, const PetscReal moved[])
 {
-  const PetscInt cells   = space->sizes.layout->grid[a].cells;
-  PetscReal      largest = 0;
+  const MpmDirection *direction = &space->sizes.layout->grid[a];
+  PetscReal           largest   = 0;
 
   for (PetscInt p = 0; p < space->sizes.particles; p++) {
     const PetscInt  whole = state->places.cell[a][p] - before->places.cell[a][p];
     const PetscReal apart = whole + (state->places.xi[a][p] - before->places.xi[a][p]) - moved[p];
 
-    largest = PetscMax(largest, fabs(MpmLayoutIsPeriodic(space->sizes.layout) ? remainder(apart, cells) : apart));
+    largest = PetscMax(largest, fabs(direction->ends[0] == MPM_PERIODIC ? remainder(apart, direction->cells) : apart));
   }
   return largest;
 }

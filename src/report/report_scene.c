@@ -53,7 +53,7 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
              (PetscReal)(s->layout.first[0] + s->layout.particles) / s->layout.ppc[0], s->layout.particles);
   if (s->scheme.space.finite) {
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
-    PetscCall(PrintFields(s, request, s->scheme.space.loaded ? ", gravity {gravity}\n" : "\n"));
+    PetscCall(PrintFields(s, request, s->scheme.space.loaded && !s->body_force ? ", gravity {gravity}\n" : "\n"));
   }
   if (material != MPM_MATERIAL_UNIFORM)
     PetscCall(PrintFields(s, request,

@@ -36,7 +36,7 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
     PetscCall(PetscStrlcat(header, ",tangent_log10_growth,window_growth,window_waves", LONGEST_HEADER));
   length = strlen(header);
   MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
-                "restart %s: its CSV has other columns; allowed: weights, source_term and ringing as before",
+                "restart %s: its CSV has other columns; allowed: weights, source_term, ringing and tangent as before",
                 request->restart);
   if (csv->stream && before && *before)
     fputs(before, csv->stream);

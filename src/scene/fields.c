@@ -7,414 +7,9 @@
    files are compared by; 0: it is not there. A new field takes the first free place, one more than the largest. A field
    that decides what a run computes has a place in checkpoints.
 */
-#include "scene/fields.h"
-#include "scene/layout.h"
-#include "scene/material.h"
+#include "scene/field_shown.h"
+#include "scene/field_words.h"
 #include <string.h>
-
-/* ---- words ---- */
-
-static const char *FormulationWord(PetscInt i)
-{
-  return MpmFormulations[i] ? MpmFormulations[i]->name : NULL;
-}
-
-static const char *BasisWord(PetscInt i)
-{
-  return MpmBases[i] ? MpmBases[i]->name : NULL;
-}
-
-static const char *InitialWord(PetscInt i)
-{
-  return MpmInitialNames[i];
-}
-
-static const char *PolarisationWord(PetscInt i)
-{
-  return MpmPolarisationNames[i];
-}
-
-static const char *VerdictWord(PetscInt i)
-{
-  return MpmVerdictNames[i];
-}
-
-static const char *GrowthWord(PetscInt i)
-{
-  return MpmGrowthKindNames[i];
-}
-
-static const char *TransferWord(PetscInt i)
-{
-  return MpmTransfers[i] ? MpmTransfers[i]->name : NULL;
-}
-
-static const char *LayoutWord(PetscInt i)
-{
-  return i == 0 ? "uniform" : NULL;
-}
-
-static const char *BalanceWord(PetscInt i)
-{
-  return MpmBalanceNames[i];
-}
-
-static const char *MoveWord(PetscInt i)
-{
-  return MpmMoveNames[i];
-}
-
-static const char *MoveOf(const MpmScene *scene)
-{
-  return MpmMoveNames[scene->scheme.space.move];
-}
-
-static const char *ShapeWord(PetscInt i)
-{
-  return MpmShapeNames[i];
-}
-
-static const char *TangentWord(PetscInt i)
-{
-  return MpmTangentNames[i];
-}
-
-static const char *KinematicsWord(PetscInt i)
-{
-  return MpmKinematicsNames[i];
-}
-
-static const char *KinematicsOf(const MpmScene *scene)
-{
-  return MpmKinematicsNames[scene->scheme.space.finite ? 1 : 0];
-}
-
-static const char *MaterialWord(PetscInt i)
-{
-  return i < MPM_MATERIAL_KINDS ? MpmMaterialNames[i] : MpmLawNames[i - MPM_MATERIAL_KINDS + 1];
-}
-
-static const char *EndWord(PetscInt i)
-{
-  return MpmEndNames[i];
-}
-
-static const char *GradientWord(PetscInt i)
-{
-  return MpmGradientNames[i];
-}
-
-static const char *FilterTimeWord(PetscInt i)
-{
-  return MpmFilterTimeNames[i];
-}
-
-static const char *NeighbourhoodWord(PetscInt i)
-{
-  return MpmNeighbourhoodNames[i];
-}
-
-static const char *SplineEndsWord(PetscInt i)
-{
-  return MpmSplineEndNames[i];
-}
-
-static const char *ProbeWord(PetscInt i)
-{
-  return MpmProbeNames[i];
-}
-
-static const char *AxisWord(PetscInt i)
-{
-  return MpmAxisNames[i];
-}
-
-/* ---- values that are kept as something else ---- */
-
-static const char *ShapeOf(const MpmScene *scene)
-{
-  return scene->layout.shape ? scene->layout.shape : MpmShapeNames[0];
-}
-
-static const char *FormulationOf(const MpmScene *scene)
-{
-  return scene->scheme.formulation->name;
-}
-
-static const char *SchemeHashOf(const MpmScene *scene)
-{
-  return scene->scheme_hash;
-}
-
-static const char *ParametersOf(const MpmScene *scene)
-{
-  return scene->parameters;
-}
-
-static const char *BasisOf(const MpmScene *scene)
-{
-  return scene->scheme.basis->name;
-}
-
-static const char *TransferOf(const MpmScene *scene)
-{
-  return scene->scheme.transfer->name;
-}
-
-static const char *GradientOf(const MpmScene *scene)
-{
-  return MpmGradientNames[scene->scheme.space.gradient];
-}
-
-static const char *FilterTimeOf(const MpmScene *scene)
-{
-  return MpmFilterTimeNames[scene->scheme.space.filter];
-}
-
-static const char *SplineEndsOf(const MpmScene *scene)
-{
-  return MpmSplineEndNames[scene->scheme.basis->spline_ends];
-}
-
-static const char *LayoutOf(const MpmScene *scene)
-{
-  return scene->layout.name;
-}
-
-static const char *BalanceOf(const MpmScene *scene)
-{
-  return MpmBalanceNames[scene->layout.balance];
-}
-
-static const char *MaterialOf(const MpmScene *scene)
-{
-  return scene->law == MPM_LAW_LINEAR ? MpmMaterialNames[scene->layout.material.kind] : MpmLawNames[scene->law];
-}
-
-static const char *BoundaryOf(const MpmScene *scene)
-{
-  return scene->boundary;
-}
-
-static const char *PolarisationOf(const MpmScene *scene)
-{
-  return MpmPolarisationNames[scene->polarisation];
-}
-
-static const char *InitialOf(const MpmScene *scene)
-{
-  return MpmInitialNames[scene->initial];
-}
-
-/* ---- when a record shows a field: JSON leaves out what is the default ---- */
-
-static PetscBool TransferReads(const MpmScene *scene, const char option[])
-{
-  return scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasScheme(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->written ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasParameters(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->parameters[0] ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasOrder(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return TransferReads(scene, "xpic_order");
-}
-
-static PetscBool HasRatio(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return TransferReads(scene, "blend_ratio");
-}
-
-static PetscBool HasAffineRatio(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return TransferReads(scene, "aflip_ratio");
-}
-
-static PetscBool HasFilterTime(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmSceneChoosesFilter(scene);
-}
-
-/* Files that were written before there was more than one dimension have none of these three. */
-static PetscBool HasDim(const MpmScene *scene, MpmRecord record)
-{
-  return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->layout.dim > 1 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasGradient(const MpmScene *scene, MpmRecord record)
-{
-  return record == MPM_IN_FILE || record == MPM_IN_JSON || scene->scheme.space.gradient != MPM_GRADIENT_BASIS
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/* A checkpoint holds what each rank had, and is read so where the ranks have the same cells. */
-static PetscBool HasBalance(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->layout.balance != MPM_BALANCE_AUTO ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasRanks(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->layout.ranks[0] ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasSplineEnds(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmBasisIsAltered(scene->scheme.basis);
-}
-
-static PetscBool HasPoisson(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmSceneHasPoisson(scene);
-}
-
-static PetscBool HasDensity(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->density > 0 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool IsPhysical(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmSceneIsPhysical(scene);
-}
-
-static PetscBool HasSpeed(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || MpmSceneIsPhysical(scene) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasTimeStep(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || (MpmSceneIsPhysical(scene) && MpmSceneHasStep(scene)) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasPolarisation(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmSceneHasPoisson(scene) && scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasOffset(const MpmScene *scene, MpmRecord record)
-{
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    if (scene->layout.offset[a].value != 0.5) return PETSC_TRUE;
-  return record != MPM_IN_JSON ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasJitter(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || scene->layout.jitter != 0 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* The seed decides where particles are, and for a run also what random data it starts from. */
-static PetscBool HasSeed(const MpmScene *scene, MpmRecord record)
-{
-  if (record == MPM_IN_FILE || scene->layout.jitter != 0) return PETSC_TRUE;
-  return record == MPM_IN_CHECKPOINT && scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasCounts(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasCluster(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || scene->layout.cluster[1] - scene->layout.cluster[0] < 1 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasMaterial(const MpmScene *scene, MpmRecord record)
-{
-  return record != MPM_IN_JSON || scene->layout.material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasMaterialName(const MpmScene *scene, MpmRecord record)
-{
-  return scene->law != MPM_LAW_LINEAR || HasMaterial(scene, record) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasPrestress(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return MpmSpaceIsPrestressed(&scene->scheme.space);
-}
-
-static PetscInt StressNumbers(const MpmScene *scene)
-{
-  return scene->layout.dim * (scene->layout.dim + 1) / 2;
-}
-
-static PetscBool HasMove(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->scheme.space.displaced || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool IsFinite(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->scheme.space.finite;
-}
-
-static PetscBool HasShape(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->layout.shape ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasGravity(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    if (scene->gravity[a] != 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-static PetscBool HasStretch(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->law != MPM_LAW_LINEAR || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasLameRatio(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->law == MPM_LAW_NEO || (scene->scheme.space.finite && scene->law <= MPM_LAW_SVK) ? PETSC_TRUE
-                                                                                                : PETSC_FALSE;
-}
-
-static PetscBool HasExponent(const MpmScene *scene, MpmRecord record)
-{
-  (void)record;
-  return scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
-{
-  if (record == MPM_IN_FILE || record == MPM_IN_MODE_FILE) return PETSC_TRUE;
-  return scene->layout.material.kind == MPM_MATERIAL_TWO ? PETSC_TRUE : PETSC_FALSE;
-}
 
 /* clang-format off */
 #define BETWEEN(a, b)      .lo = a, .hi = b
@@ -434,83 +29,83 @@ static PetscBool HasInclusion(const MpmScene *scene, MpmRecord record)
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
+   .word = MpmFormulationWord, TEXT(MpmFormulationOf), IN(1, 1, 1, 1)},
   {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
-   NO_RANGE, TEXT(SchemeHashOf), IN(59, 41, 47, 40), .shown = HasScheme, .json = "scheme.hash"},
+   NO_RANGE, TEXT(MpmSchemeHashOf), IN(59, 41, 47, 40), .shown = MpmRecordHasScheme, .json = "scheme.hash"},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
-   .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
+   .word = MpmBasisWord, TEXT(MpmBasisOf), IN(2, 2, 2, 2)},
   {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
-   .word = SplineEndsWord, TEXT(SplineEndsOf), IN(57, 39, 46, 39), .shown = HasSplineEnds},
+   .word = MpmSplineEndsWord, TEXT(MpmSplineEndsOf), IN(57, 39, 46, 39), .shown = MpmRecordHasSplineEnds},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
-   .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
+   .word = MpmTransferWord, TEXT(MpmTransferOf), IN(3, 3, 3, 3)},
   {"xpic_order", MPM_INTEGER, "2", "order of transfers xpic and fmpm, the terms of their sum; 1 is pic",
-   BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = HasOrder},
+   BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = MpmRecordHasOrder},
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = HasRatio},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = MpmRecordHasRatio},
   {"aflip_ratio", MPM_REAL, "1", "share of flip in the velocities of transfers aflip and asflip, the rest is apic",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = HasAffineRatio},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = MpmRecordHasAffineRatio},
   {"pic_filter", MPM_WORD, "after", "gas and elastic: a transfer that filters does so after nodes take the values of the particles (the textbook's pic), or before",
-   .word = FilterTimeWord, TEXT(FilterTimeOf), IN(53, 36, 43, 36), .shown = HasFilterTime},
+   .word = MpmFilterTimeWord, TEXT(MpmFilterTimeOf), IN(53, 36, 43, 36), .shown = MpmRecordHasFilterTime},
   {"dim", MPM_INTEGER, "1", "space dimensions",
-   BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = HasDim},
+   BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = MpmRecordHasDim},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
-   .word = GradientWord, TEXT(GradientOf), IN(33, 22, 28, 23), .shown = HasGradient},
+   .word = MpmGradientWord, TEXT(MpmGradientOf), IN(33, 22, 28, 23), .shown = MpmRecordHasGradient},
   {"poisson", MPM_REAL, "0.3", "momentum schemes with dim 2 or 3: Poisson's ratio, plane strain with dim 2; 0.5 is a fluid with pressure only",
-   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = HasPoisson},
+   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = MpmRecordHasPoisson},
   {"cells", MPM_INTEGER, "64", "cells of the grid",
    BETWEEN(1, 2147483646), EACH(AS_COUNT, layout.grid[0].cells, layout.grid[0]), IN(11, 6, 7, 5)},
   {"length", MPM_REAL, "1", "length L of the domain",
    ABOVE(0), .rival = "cell_width", EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
   {"cell_width", MPM_REAL, NULL, "width h of a cell, instead of length",
-   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), .shown = IsPhysical},
+   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), .shown = MpmRecordHasUnits},
   {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
-   BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), .shown = HasCounts},
+   BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), .shown = MpmRecordHasCounts},
   {"layout", MPM_WORD, "uniform", "where particles start",
-   .word = LayoutWord, TEXT(LayoutOf), IN(4, 0, 0, 0)},
+   .word = MpmLayoutWord, TEXT(MpmLayoutOf), IN(4, 0, 0, 0)},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
-   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), .shown = HasOffset},
+   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), .shown = MpmRecordHasOffset},
   {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",
-   BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), .shown = HasJitter},
+   BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), .shown = MpmRecordHasJitter},
   {"cluster", MPM_RANGE, "0,1", "the part lo,hi of each cell that its particles are squeezed into",
-   BETWEEN(0, 1), KEPT(AS_RANGE, layout.cluster), IN(25, 17, 12, 8), .shown = HasCluster},
+   BETWEEN(0, 1), KEPT(AS_RANGE, layout.cluster), IN(25, 17, 12, 8), .shown = MpmRecordHasCluster},
   {"seed", MPM_INTEGER, "1", "seed of jitter and random data",
-   BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = HasSeed},
+   BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = MpmRecordHasSeed},
   {"fill", MPM_RANGE, NULL, "cells lo,hi between which there are particles (default: all)",
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
-   .word = ShapeWord, .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), .shown = HasShape},
+   .word = MpmShapeWord, .tasks = "run, spectrum", TEXT(MpmShapeOf), IN(87, 68, 62, 0), .shown = MpmRecordHasShape},
   {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic",
-   .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), .shown = HasMaterialName, .json = "material.kind"},
+   .word = MpmMaterialWord, TEXT(MpmMaterialOf), IN(27, 18, 15, 9), .shown = MpmRecordHasMaterialName, .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
-   ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), .shown = HasStretch, .json = "material.stretch"},
+   ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), .shown = MpmRecordHasStretch, .json = "material.stretch"},
   {"lame_ratio", MPM_REAL, "0", "material neo, and all solids with kinematics finite: lambda / mu",
-   FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), .shown = HasLameRatio, .json = "material.lame_ratio"},
+   FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), .shown = MpmRecordHasLameRatio, .json = "material.lame_ratio"},
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
-   ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), .shown = HasExponent, .json = "material.exponent"},
+   ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), .shown = MpmRecordHasExponent, .json = "material.exponent"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
-   BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), .shown = HasPrestress},
+   BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = MpmStressNumbers, IN(79, 61, 52, 45), .shown = MpmRecordHasPrestress},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
-   .word = MoveWord, TEXT(MoveOf), IN(80, 62, 53, 46), .shown = HasMove},
+   .word = MpmMoveWord, TEXT(MpmMoveOf), IN(80, 62, 53, 46), .shown = MpmRecordHasMove},
   {"kinematics", MPM_WORD, "linear", "momentum schemes: linear, about a state; or finite, where particles carry the stretch F, move with the grid's velocity, and have the stress of material at F",
-   .word = KinematicsWord, TEXT(KinematicsOf), IN(81, 63, 56, 47), .shown = IsFinite},
+   .word = MpmKinematicsWord, TEXT(MpmKinematicsOf), IN(81, 63, 56, 47), .shown = MpmRecordHasKinematics},
   {"gravity", MPM_REAL, NULL, "kinematics finite: acceleration of gravity in each direction, in length / time^2, such as 0,-9.81",
-   ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), .shown = HasGravity},
+   ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), .shown = MpmRecordHasGravity},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
-   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = HasMaterial, .json = "material.density_ratio"},
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = MpmRecordHasMaterial, .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
-   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), .shown = HasMaterial, .json = "material.stiffness_ratio"},
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), .shown = MpmRecordHasMaterial, .json = "material.stiffness_ratio"},
   {"inclusion", MPM_RANGE, NULL, "cells lo,hi between which the second material is (default: the right half)",
-   ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), .shown = HasInclusion, .json = "material.inclusion"},
+   ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), .shown = MpmRecordHasInclusion, .json = "material.inclusion"},
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
-   .word = EndWord, TEXT(BoundaryOf), IN(5, 4, 6, 4)},
+   .word = MpmEndWord, TEXT(MpmBoundaryOf), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
-   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), .shown = HasSpeed},
+   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), .shown = MpmRecordHasSpeed},
   {"sound_speed", MPM_REAL, NULL, "wave speed c (of pressure waves, with dim 2 or 3), instead of moduli; another word for wave_speed",
    ABOVE(0), .rival = "wave_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed)},
   {"density", MPM_REAL, NULL, "density rho, with young, with bulk and shear, or beside the wave speed",
-   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), .shown = HasDensity},
+   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), .shown = MpmRecordHasDensity},
   {"young", MPM_REAL, NULL, "Young's modulus E: c = sqrt(E / rho) of a bar with dim 1, else with poisson, plane strain with dim 2",
    ABOVE(0), .rival = "wave_speed,sound_speed,bulk,shear"},
   {"bulk", MPM_REAL, NULL, "bulk modulus K, with shear: c = sqrt((K + 4/3 G) / rho); Poisson's ratio follows",
@@ -520,7 +115,7 @@ const MpmField MpmOptions[] = {
   {"courant", MPM_FRACTION, "0.5", "Courant number k = c dt / h; a number or 1/3",
    ABOVE(0), .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
-   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = HasTimeStep},
+   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = MpmRecordHasTimeStep},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
    BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",
@@ -530,17 +125,17 @@ const MpmField MpmOptions[] = {
   {"steps", MPM_INTEGER, "100", "time steps",
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"balance", MPM_WORD, "auto", "how ranks share the grid: cells, as many for each; particles, as many for each at the start; auto: particles where they rest and a rank would have 1.25 times the mean",
-   .word = BalanceWord, .tasks = "run", TEXT(BalanceOf), IN(0, 0, 54, 0), .shown = HasBalance},
+   .word = MpmBalanceWord, .tasks = "run", TEXT(MpmBalanceOf), IN(0, 0, 54, 0), .shown = MpmRecordHasBalance},
   {"ranks", MPM_INTEGER, NULL, "ranks along each direction, such as 4,1 for slabs; their product is the number of ranks (default: the fewest ghosts)",
-   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), .shown = HasRanks},
+   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), .shown = MpmRecordHasRanks},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step; with kinematics finite mode, random, manufactured, vortex, simple_wave, shock_tube, collision or uniform",
-   .word = InitialWord, .tasks = "run, spectrum", TEXT(InitialOf), IN(6, 0, 23, 0)},
+   .word = MpmInitialWord, .tasks = "run, spectrum", TEXT(MpmInitialOf), IN(6, 0, 23, 0)},
   {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; of several directions as 1,-1, and one number is along x; number in mode_file, with eigenmode",
    BETWEEN(-2147483646, 2147483646), .tasks = "run, spectrum", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
   {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
-   .word = PolarisationWord, .tasks = "run, spectrum", TEXT(PolarisationOf), IN(35, 0, 30, 0), .shown = HasPolarisation},
+   .word = MpmPolarisationWord, .tasks = "run, spectrum", TEXT(MpmPolarisationOf), IN(35, 0, 30, 0), .shown = MpmRecordHasPolarisation},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run"},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
@@ -566,7 +161,7 @@ const MpmField MpmOptions[] = {
   {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
    BETWEEN(1, 1000000), .tasks = "symbol"},
   {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach, or two parameters that program or plugin names",
-   .word = AxisWord, .tasks = "map", OF_MATRIX},
+   .word = MpmAxisWord, .tasks = "map", OF_MATRIX},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
    ABOVE(0), .tasks = "map", OF_MATRIX},
   {"map_drift", MPM_SPAN, "0,1/2", "drifts lo,hi of a map; fractions",
@@ -594,7 +189,7 @@ const MpmField MpmOptions[] = {
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
    BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
   {"tangent", MPM_WORD, "none", "kinematics finite: take small perturbations through the steps of the run, random ones, or first a velocity like the mode; says how they grow, and warns",
-   .word = TangentWord, .tasks = "run"},
+   .word = MpmTangentWord, .tasks = "run"},
   {"window", MPM_INTEGER, "320", "tangent: steps of a window; the largest growth of any perturbation from its beginning is found after 5 steps, 10, 20 and so on, and at its end",
    BETWEEN(1, 10000), .tasks = "run", ASKED(AS_COUNT, window)},
   {"exponents", MPM_INTEGER, "1", "tangent: perturbations that are followed, each orthogonal to those before it; their growth per step is listed",
@@ -618,7 +213,7 @@ const MpmField MpmOptions[] = {
   {"program_timeout", MPM_REAL, "60", "seconds in which program must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
-   .word = ProbeWord, .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
+   .word = MpmProbeWord, .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
   {"compare", MPM_PATH, NULL, "keys of a scene, such as formulation=usl,transfer=apic,courant=0.5: the step of program or plugin is compared with that scheme, block by block; particles and dt are those of the code",
    NO_RANGE, .tasks = "spectrum, symbol", FILE_IN(compare), IN(67, 49, 0, 0), OF_MATRIX},
   {"at", MPM_PATH, NULL, "steps of program or plugin after which its state is probed, such as 0,100,200",
@@ -632,7 +227,7 @@ const MpmField MpmOptions[] = {
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
   {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
-   .word = NeighbourhoodWord, .tasks = "critical, spectrum"},
+   .word = MpmNeighbourhoodWord, .tasks = "critical, spectrum"},
   {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
    BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
   {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
@@ -651,9 +246,9 @@ const MpmField MpmOptions[] = {
   {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX},
   {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
-   .word = VerdictWord, OF_MATRIX},
+   .word = MpmVerdictWord, OF_MATRIX},
   {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
-   .word = GrowthWord, .tasks = "run"},
+   .word = MpmGrowthWord, .tasks = "run"},
   {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
    ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
@@ -672,7 +267,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
-  {"parameters", TEXT(ParametersOf), IN(60, 42, 48, 41), .shown = HasParameters, .json = "scheme.parameters"},
+  {"parameters", TEXT(MpmParametersOf), IN(60, 42, 48, 41), .shown = MpmRecordHasParameters, .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */

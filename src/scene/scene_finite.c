@@ -21,6 +21,31 @@ static PetscBool HasMove(const MpmFormulation *f)
   return stresses == 1 && MpmFormulationHas(f, MPM_MOVE) && MpmFormulationHas(f, MPM_DRIFT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector. */
+static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
+{
+  const MpmRank *particle = f->particle_ranks, *node = f->node_ranks;
+  MpmOpTraits    traits;
+
+  if (op->kind == MPM_DIV) return particle[op->src] != MPM_TENSOR || node[op->dst] != MPM_VECTOR;
+  if (op->kind == MPM_GRAD) return particle[op->dst] != MPM_TENSOR || node[op->src] != MPM_VECTOR;
+  if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+    return particle[op->dst] == MPM_TENSOR;
+  if (op->kind >= MPM_OP_KINDS) return PETSC_FALSE;
+  traits = MpmOpTraitsOf(op->kind);
+  return (traits.dst == MPM_ON_PARTICLES && particle[op->dst] == MPM_TENSOR) ||
+         (traits.src == MPM_ON_PARTICLES && particle[op->src] == MPM_TENSOR);
+}
+
+/* At finite deformation F takes the place of the stress, which there is only for the time of a DIV. */
+static PetscBool LeavesStress(const MpmFormulation *f)
+{
+  if (!HasMove(f)) return PETSC_FALSE;
+  for (PetscInt o = 0; o < f->nops; o++)
+    if (TouchesStress(f, &f->ops[o])) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 static PetscBool HasProjected(const MpmFormulation *f)
 {
   return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
@@ -42,6 +67,8 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   }
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
                                "stress with a velocity that particles could move with"));
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
+                               "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->gravity[a] != 0) scene->scheme.space.loaded = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -59,21 +86,32 @@ static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[
 
 /*
    lambda / mu of a solid: with dim 1 the option lame_ratio, else it follows from Poisson's ratio unless lame_ratio is
-   given.
+   given. The scene has the one that follows from the other, too.
 */
-static PetscErrorCode RatioOf(const MpmSettings *settings, const MpmScene *scene, PetscReal *ratio)
+static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
 {
-  const PetscReal nu = scene->scheme.space.poisson;
+  static const char *const rivals[] = {"poisson", "bulk", "shear"};
+  const PetscReal          nu       = scene->scheme.space.poisson;
+  PetscBool                given    = MpmSettingsSource(settings, "lame_ratio") != MPM_FROM_DEFAULT;
 
   PetscFunctionBegin;
-  *ratio = scene->lame_ratio;
-  if (scene->layout.dim == 1 || MpmSettingsSource(settings, "lame_ratio") != MPM_FROM_DEFAULT)
+  if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
+    if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
+    if (!MpmSettingsOverruled(settings, "lame_ratio", rivals[i]))
+      PetscCall(MpmSettingsRefuse(settings, "lame_ratio",
+                                  "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
+    given = PETSC_FALSE;
+  }
+  if (given) {
+    scene->scheme.space.poisson = scene->lame_ratio / (2 * (1 + scene->lame_ratio));
     PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (nu == 0.5)
     PetscCall(MpmSettingsRefuse(settings, "poisson",
                                 "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
                                 "or material tait, gas or polytropic"));
-  *ratio = 2 * nu / (1 - 2 * nu);
+  scene->lame_ratio = 2 * nu / (1 - 2 * nu);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,7 +143,7 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   MpmSpace *space = &scene->scheme.space;
   PetscInt  word, dim = scene->layout.dim;
   PetscBool power, solid;
-  PetscReal ratio, modulus, F[MPM_MAX_DIM * MPM_MAX_DIM] = {0};
+  PetscReal modulus, F[MPM_MAX_DIM * MPM_MAX_DIM] = {0};
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
@@ -124,9 +162,8 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
                                 "with kinematics finite material and stretch give it; allowed: one of the two"));
   PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
   if (power && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law == MPM_LAW_TAIT ? 7 : 1.4;
-  ratio = 0;
-  if (solid) PetscCall(RatioOf(settings, scene, &ratio));
-  space->material = MpmMaterialOfRatio(scene->law, ratio, scene->exponent);
+  if (solid) PetscCall(SetRatio(settings, scene));
+  space->material = MpmMaterialOfRatio(scene->law, solid ? scene->lame_ratio : 0, scene->exponent);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
   if (!(modulus > 0) || !isfinite(modulus))

@@ -36,6 +36,21 @@ static PetscErrorCode CheckSpectrum(const MpmSettings *settings, const MpmScene 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Refuses more numbers of a state than PETSC_MAX_INT. Of each place there are a cell and a place in the cell. */
+static PetscErrorCode CheckUnknowns(const MpmSettings *settings, const MpmScene *scene, const char option[])
+{
+  const PetscInt64 each = 2 * scene->layout.dim + scene->scheme.table->nstate;
+  char             why[128];
+
+  PetscFunctionBegin;
+  if (scene->layout.particles <= PETSC_MAX_INT / each) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscSNPrintf(why, sizeof why,
+                          "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
+                          scene->layout.particles, PETSC_MAX_INT / each));
+  PetscCall(MpmSettingsRefuse(settings, option, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   static const char *const options[] = {"window", "exponents", "warn_above"};
@@ -47,8 +62,10 @@ PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScen
   PetscCall(MpmSettingsWord(settings, "tangent", &word));
   request->tangent = (MpmTangentKind)word;
   if (request->tangent && why) PetscCall(MpmSettingsRefuse(settings, "tangent", why));
+  if (request->tangent) PetscCall(CheckUnknowns(settings, scene, "tangent"));
   if (frozen) PetscCall(CheckSpectrum(settings, scene));
   if (frozen && why && scene->scheme.space.finite) PetscCall(MpmSettingsRefuse(settings, "kinematics", why));
+  if (frozen && scene->scheme.space.finite) PetscCall(CheckUnknowns(settings, scene, "kinematics"));
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(options) && !request->tangent; i++)
     if (MpmSettingsSource(settings, options[i]) != MPM_FROM_DEFAULT)
       PetscCall(MpmSettingsRefuse(settings, options[i], "nothing reads it here; allowed: with tangent"));

@@ -21,6 +21,7 @@
 */
 #include "scene/solution.h"
 #include <math.h>
+#include <string.h>
 
 /* R, w and T, in the units of the scene */
 #define RADIUS 1.0
@@ -128,7 +129,8 @@ static PetscErrorCode ManufacturedCheck(const MpmSettings *settings, MpmScene *s
                                   "the material slides along the walls; allowed: periodic or symmetry"));
   }
   if (!MpmLayoutIsFull(&scene->layout))
-    PetscCall(MpmSettingsRefuse(settings, "initial", "its exact solution fills the domain; allowed: without fill"));
+    PetscCall(
+        MpmSettingsRefuse(settings, "initial", "its exact solution fills the domain; allowed: without fill and shape"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -217,7 +219,12 @@ static void VortexSizes(const MpmScene *scene, PetscReal size[3])
 
 static PetscErrorCode VortexCheck(const MpmSettings *settings, MpmScene *scene)
 {
+  const MpmLayout *l = &scene->layout;
+
   PetscFunctionBegin;
+  if (l->row[0] * l->row[1] != l->sites || (l->shape && strcmp(l->shape, "ring")))
+    PetscCall(MpmSettingsRefuse(settings, "initial",
+                                "its exact solution fills the ring; allowed: without fill, and shape box or ring"));
   for (PetscInt a = 0; a < 2; a++)
     if (scene->length[a] < 2 * RADIUS + WIDTH)
       PetscCall(

@@ -15,6 +15,7 @@
    Source: Sulsky, Chen and Schreyer 1994; the notation is that of de Vaucorbeil et al. 2020, section 2.
 */
 #include "scheme/table_builder.h"
+#include <mpmstab/errors.h>
 
 PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field)
 {
@@ -94,7 +95,8 @@ PetscErrorCode MpmFinitePlan(MpmTableBuilder *b)
   for (PetscInt o = 0; o < b->formulation->nops; o++) {
     if (b->formulation->ops[o].kind != kind) continue;
     if (first == MPM_NONE) first = o;
-    PetscCheck(b->nmoved < MPM_MAX_MOVED, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: too many lines MOVE");
+    MpmCheckInput(b->nmoved < MPM_MAX_MOVED, "%s: more than %d lines MOVE, with kinematics finite; allowed: fewer",
+                  b->table->where, MPM_MAX_MOVED);
     b->moved[b->nmoved++] = b->formulation->ops[o].src;
   }
   PetscCheck(b->nmoved && b->formulation->node_ranks[b->moved[0]] == MPM_VECTOR, PETSC_COMM_SELF, PETSC_ERR_SUP,

@@ -17,7 +17,8 @@ typedef struct {
   PetscInt64        from;   /* the step at which this run began */
   MpmOutput        *output; /* NULL: none is written */
   MpmTextFile       csv;
-  PetscInt64        kept; /* the step of the last checkpoint that this run has written, or MPM_NEVER */
+  PetscInt64        kept;  /* the step of the last checkpoint that this run has written, or MPM_NEVER */
+  PetscBool         again; /* the run goes once more to where it has been */
 } Files;
 
 static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
@@ -61,7 +62,7 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
   }
   if (request->restart[0]) PetscCall(MpmCheckpointRead(request->restart, request->steps, march, run, &before));
   files->from = march->step;
-  if (request->restart[0] && files->from == request->steps)
+  if (request->restart[0] && files->from == request->steps && !files->again)
     MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", request->restart,
              files->from);
   if (request->checkpoint[0]) MpmStopInstall();
@@ -136,18 +137,20 @@ static PetscErrorCode End(void *context, const MpmRun *run, MpmMarch *march)
 
 /*
    Writes the state of the last whole step before a particle failed. That step is marched once more, from the last
-   checkpoint or from the start, so that a run keeps nothing for the case that it fails.
+   checkpoint or from the start, so that a run keeps nothing for the case that it fails. Perturbations have been followed
+   already.
 */
 static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRun *failed)
 {
-  MpmRequest            request   = *files->request;
-  Files                 again     = {.scene = files->scene, .request = &request, .kept = MPM_NEVER};
+  MpmRequest            request = *files->request;
+  Files                 again   = {.scene = files->scene, .request = &request, .kept = MPM_NEVER, .again = PETSC_TRUE};
   const MpmRunCallbacks callbacks = {.context = &again, .begin = Begin, .sample = Sample, .step = Step, .end = End};
   char                  more[128];
   MpmRun               *run;
 
   PetscFunctionBegin;
   request.steps     = failed->steps;
+  request.tangent   = MPM_TANGENT_NONE;
   request.output[0] = request.xmf[0] = request.csv[0] = request.json[0] = '\0';
   if (files->kept != MPM_NEVER) PetscCall(PetscStrncpy(request.restart, request.checkpoint, sizeof request.restart));
   if (files->kept != failed->steps) {

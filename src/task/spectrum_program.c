@@ -68,22 +68,17 @@ static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt
 }
 
 /* The blocks of one cell are probed besides: all particles at once do not show them. */
-static PetscErrorCode Compare(MpmProgram *p, json_t *one)
+static PetscErrorCode Compare(MpmProgram *p, MpmCompareProgram *compare, json_t *one)
 {
-  MpmCompareProgram compare;
-  MpmBlocks         blocks;
+  MpmBlocks blocks;
 
   PetscFunctionBegin;
-  MpmCheckInput(!p->why[0],
-                "-compare: only cells that are alike can be compared, and of the code they are not (%s); "
-                "allowed: without compare",
-                p->why);
   PetscCall(MpmUnreadDestroy(&p->unread));
   PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-  PetscCall(MpmCompareProgramCreate(p, &blocks, NAN, &compare));
-  PetscCall(MpmReportCompare(p, &compare));
-  json_object_set_new(one, "comparison", MpmJsonCompare(&compare));
-  PetscCall(MpmCompareProgramDestroy(&compare));
+  PetscCall(MpmCompareProgramFind(p, &blocks, NAN, compare));
+  PetscCall(MpmReportCompare(p, compare));
+  json_object_set_new(one, "comparison", MpmJsonCompare(compare));
+  PetscCall(MpmCompareProgramDestroy(compare));
   PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -91,17 +86,19 @@ static PetscErrorCode Compare(MpmProgram *p, json_t *one)
 /* Probes the base state as it is. */
 static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscInt at, PetscReal started)
 {
-  MpmProgram  *p = &states->program;
-  MpmSpectrum *s;
-  MpmCarriers  carriers;
-  PetscMPIInt  ranks;
-  json_t      *one;
-  Mat          A, B;
+  MpmProgram       *p = &states->program;
+  MpmCompareProgram compare;
+  MpmSpectrum      *s;
+  MpmCarriers       carriers;
+  PetscMPIInt       ranks;
+  json_t           *one;
+  Mat               A, B;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmProgramPrepare(p));
   PetscCall(CheckShell(p));
+  if (request->compare[0]) PetscCall(MpmCompareProgramBegin(p, &compare));
   if (states->most)
     MpmPrint("\n");
   else
@@ -118,7 +115,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
   json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));
-  if (request->compare[0]) PetscCall(Compare(p, one));
+  if (request->compare[0]) PetscCall(Compare(p, &compare, one));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));

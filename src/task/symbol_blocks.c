@@ -85,6 +85,7 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
   }
   PetscCall(MpmProgramOpen(request, &a->program));
   PetscCall(MpmProgramPrepare(&a->program));
+  if (request->compare[0]) PetscCall(MpmCompareProgramBegin(&a->program, &a->compare));
   PetscCall(MpmReportProgram(&a->program, a->ranks));
   PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
   PetscCall(MpmReportCertificates(&a->program.certificates));
@@ -107,7 +108,7 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
   PetscCall(Compare(a));
   PetscCall(Judge(request, a));
-  if (request->compare[0]) PetscCall(MpmCompareProgramCreate(&a->program, &a->blocks, a->worst.growth, &a->compare));
+  if (request->compare[0]) PetscCall(MpmCompareProgramFind(&a->program, &a->blocks, a->worst.growth, &a->compare));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

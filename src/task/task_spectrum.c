@@ -78,9 +78,11 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
   if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, s, NULL, s->wall_s, more));
   json_decref(more);
   PetscCall(MpmSpectrumPrint(scene, request, s, NULL));
-  MpmPrint("tangent: of the step after step %" PetscInt64_FMT
-           ", as if the state stayed as it is; its step differs from the march's by %.1e\n",
-           request->at_step, mismatch);
+  MpmPrint("tangent: of the step after step %" PetscInt64_FMT ", as if the state stayed as it is; ", request->at_step);
+  if (isfinite(mismatch))
+    MpmPrint("its step differs from the march's by %.1e\n", mismatch);
+  else
+    MpmPrint("the run ends in this step, because a particle fails\n");
   if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, s->op));
   PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
   PetscCall(MpmSpectrumDestroy(&s));

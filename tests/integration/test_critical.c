@@ -3,24 +3,11 @@
    THEORY.md for the hat at random places, and with the closed form of every scheme. Further cases: walls, an isolated
    particle, a partly filled end cell, drift.
 */
+#include "stable_limit.h"
 #include "oracle.h"
 #include "symbol/predict.h"
-#include <mpmstab/critical.h>
 #include "scene/layout.h"
 #include <slepcsys.h>
-
-static PetscErrorCode Find(const char options[], MpmCritical *c)
-{
-  MpmScene       *scene;
-  MpmCriticalCase of;
-
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  of = MpmCriticalCaseOf(scene, check_request.tolerance);
-  PetscCall(MpmCriticalFind(&of, PETSC_FALSE, c));
-  PetscCall(MpmSceneDestroy(&scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /*
    The oracle bisects gas2, elastic and splines on 64 phases to 2e-3. Limits with a closed form are given to four
@@ -35,7 +22,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   MpmCritical     c;
 
   PetscFunctionBegin;
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant / oracle - 1) <= (coarse ? 4e-3 : 1e-4), "%s: %.8g", row, c.courant);
   CHECK(c.threshold && c.stable_at <= c.unstable_at, "%s: [%g, %g]", row, c.stable_at, c.unstable_at);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -57,16 +44,16 @@ static PetscErrorCode CheckHat(int n)
     q += xi * (1 - xi) / ppc;
   }
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -ppc %d -offset %.16f", ppc, offset));
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant * sqrt(1 + 4 * q) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
   CHECK(fabs(c.closed * sqrt(1 + 4 * q) - 1) <= 1e-9, "%s: closed form %.9g", options, c.closed);
   CHECK_NEAR(c.beta[0], PETSC_PI, 1e-12);
   PetscCall(PetscStrlcat(options, " -transfer pic", sizeof options));
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant / sqrt(1 - 2 * q) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -ppc %d -offset %.16f",
                           n % 3 ? n % 3 == 1 ? "usf" : "usavg" : "musl", ppc, offset));
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant / (q <= 0.125 ? 1 / sqrt(1 - 4 * q) : 4 * sqrt(q)) - 1) <= 2e-6, "%s: %.9g", options, c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -84,7 +71,7 @@ static PetscErrorCode CheckScheme(const MpmFormulation *f, const MpmTransfer *t,
   if (!t->filter_symbol || (t->affine && f->affine == MPM_NONE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s", f->name, t->name,
                           b->name, rest));
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(isnan(c.closed) == !closed, "%s: closed form %g", options, c.closed);
   if (isnan(c.closed)) PetscFunctionReturn(PETSC_SUCCESS);
   CHECK(
@@ -101,7 +88,7 @@ static PetscErrorCode CheckNumber(const char options[], PetscReal courant, Petsc
   MpmCritical c;
 
   PetscFunctionBegin;
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant / courant - 1) <= tolerance, "%s: %.9g, not %.9g", options, c.courant, courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -116,7 +103,7 @@ static PetscErrorCode CheckIsolated(PetscReal xi)
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -cells 8 -ppc 1 -fill 3,4 -offset %.16f", xi));
   PetscCall(CheckNumber(options, sqrt(2 * xi * (1 - xi)), 1e-5));
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usf -cells 8 -ppc 1 -fill 3,4 -offset %.16f", xi));
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(isinf(c.courant), "%s: %g", options, c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -131,9 +118,10 @@ static PetscErrorCode CheckPartlyFilled(void)
   MpmCritical near, nearer, musl;
 
   PetscFunctionBegin;
-  PetscCall(Find("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.02", &near));
-  PetscCall(Find("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", &nearer));
-  PetscCall(Find("-formulation musl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", &musl));
+  PetscCall(FindLimit("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.02", PETSC_FALSE, &near));
+  PetscCall(
+      FindLimit("-formulation usl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", PETSC_FALSE, &nearer));
+  PetscCall(FindLimit("-formulation musl -cells 8 -boundary fixed,free -fill 0,6.5 -offset 0.005", PETSC_FALSE, &musl));
   CHECK_NEAR(near.courant / sqrt(2 * 0.01), 1, 0.05);
   CHECK_NEAR(nearer.courant / sqrt(2 * 0.0025), 1, 0.02);
   CHECK_NEAR(musl.courant, 1.41624, 1e-4);
@@ -152,7 +140,7 @@ static PetscErrorCode CheckBelow(const char options[], PetscReal limit)
   MpmSymbol  *symbol;
 
   PetscFunctionBegin;
-  PetscCall(Find(options, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant / limit - 1) <= 2e-4, "%s: %.9g, not %.9g", options, c.courant, limit);
   PetscCall(CheckScene(options, &scene));
   at = scene->step;
@@ -172,19 +160,21 @@ static PetscErrorCode CheckDrift(void)
   MpmCritical c, half;
 
   PetscFunctionBegin;
-  PetscCall(Find("-drift 1/8 -courant 0.1", &c)); /* growth is proportional to k */
+  PetscCall(FindLimit("-drift 1/8 -courant 0.1", PETSC_FALSE, &c)); /* growth is proportional to k */
   CHECK(c.courant > 0 && c.courant < 1e-5 && fabs(c.fading - 1) < 0.01, "gas2: %g, power %g", c.courant, c.fading);
   CHECK(c.asked.verdict == MPM_UNSTABLE && fabs(c.asked.growth - 1.0149) < 1e-4, "gas2: growth %.9g", c.asked.growth);
-  PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2", &c));
+  PetscCall(FindLimit("-formulation musl -basis quadratic -drift 1/8 -courant 0.2", PETSC_FALSE, &c));
   CHECK(c.courant > 0.01 && c.courant < 0.0125 && !c.threshold && fabs(c.fading - 2) < 0.05, "musl: %g, power %g",
         c.courant, c.fading);
-  PetscCall(Find("-formulation musl -basis quadratic -drift 1/8 -courant 0.2 -tolerance 4e-6", &half));
+  PetscCall(
+      FindLimit("-formulation musl -basis quadratic -drift 1/8 -courant 0.2 -tolerance 4e-6", PETSC_FALSE, &half));
   CHECK(fabs(half.courant / c.courant - 2) < 0.05, "musl: four times the tolerance gives %g times",
         half.courant / c.courant);
-  PetscCall(Find("-formulation musl -basis quadratic -courant 0.2", &half)); /* at rest; moving: with drift */
+  PetscCall(FindLimit("-formulation musl -basis quadratic -courant 0.2", PETSC_FALSE,
+                      &half)); /* at rest; moving: with drift */
   CHECK(half.threshold && fabs(half.moving - c.asked.growth) < 1e-9, "musl: %.9g when moving, %.9g", half.moving,
         c.asked.growth);
-  PetscCall(Find("-drift 1/2 -courant 0.1", &c)); /* each particle alternates between two places */
+  PetscCall(FindLimit("-drift 1/2 -courant 0.1", PETSC_FALSE, &c)); /* each particle alternates between two places */
   CHECK(c.courant > 1 && c.threshold, "gas2 at 1/2: %g", c.courant);
   /* windows that open and close; an independent program found these limits by fine scans */
   PetscCall(CheckBelow("-basis cubic -drift 1/8", 1.0235));
@@ -193,7 +183,8 @@ static PetscErrorCode CheckDrift(void)
   PetscCall(CheckBelow("-basis cubic -drift 1/3", 0.069086)); /* waves of nearly two cells */
   PetscCall(CheckBelow("-formulation musl -transfer xpic -basis gimp -drift 1/8", 0.7718));
   /* the limit of an assembled operator, where the waves are those of the grid */
-  PetscCall(Find("-transfer nullspace -pic_filter before -cells 4 -ppc 3 -jitter 0.2 -seed 72 -drift 2/5", &c));
+  PetscCall(FindLimit("-transfer nullspace -pic_filter before -cells 4 -ppc 3 -jitter 0.2 -seed 72 -drift 2/5",
+                      PETSC_FALSE, &c));
   CHECK(c.courant < 0.45 && c.courant > 0.43 && c.asked.verdict == MPM_UNSTABLE, "jittered: %g", c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,26 +3,13 @@
    known exactly; limits never above those of the waves along the axes, for random schemes; the symbol just below and
    just above; drift; and the bound of MLS-MPM that holds for every layout.
 */
+#include "stable_limit.h"
 #include "oracle.h"
 #include "base/hash.h"
 #include "symbol/predict.h"
-#include <mpmstab/critical.h>
 #include <mpmstab/operator.h>
 #include "linalg/dense.h"
 #include <slepcsys.h>
-
-static PetscErrorCode Find(const char options[], PetscBool alone, MpmCritical *c)
-{
-  MpmScene       *scene;
-  MpmCriticalCase of;
-
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  of = MpmCriticalCaseOf(scene, check_request.tolerance);
-  PetscCall(MpmCriticalFind(&of, alone, c));
-  PetscCall(MpmSceneDestroy(&scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* The independent program gives its limits with nine digits. Where one is 0 there is growth at every Courant number. */
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal oracle)
@@ -31,7 +18,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   MpmCritical     c;
 
   PetscFunctionBegin;
-  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(FindLimit(options, PETSC_TRUE, &c));
   CHECK(fabs(c.courant - oracle) <= (line ? 3e-6 : 1e-8) * oracle, "%s: %.10g", row, c.courant);
   CHECK(fabs(c.closed - oracle) <= 1e-8 * oracle, "%s: closed form %.10g", row, c.closed);
   CHECK(c.stable_at < c.unstable_at && c.threshold == (oracle > 0), "%s: [%g, %g]", row, c.stable_at, c.unstable_at);
@@ -43,7 +30,7 @@ static PetscErrorCode CheckNumber(const char options[], PetscReal courant, MpmWa
   MpmCritical c;
 
   PetscFunctionBegin;
-  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(FindLimit(options, PETSC_TRUE, &c));
   CHECK(fabs(c.courant / courant - 1) <= 1e-6, "%s: %.9g, not %.9g", options, c.courant, courant);
   CHECK(c.wave == wave, "%s: a wave of type %s", options, MpmWaveTypeNames[c.wave]);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,13 +103,13 @@ static PetscErrorCode CheckRandom(int n)
   PetscCall(PetscSNPrintf(options, sizeof options, "%s -dim 2 -ppc %d,%d -offset %.15f,%.15f", scheme, ppc[0], ppc[1],
                           offset[0], offset[1]));
   if (f >= 2) PetscCall(PetscStrlcat(options, n % 2 ? " -poisson 0.45" : " -poisson 0.2", sizeof options));
-  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(FindLimit(options, PETSC_TRUE, &c));
   CHECK(!c.disputed && c.courant >= 0, "%s: %g", options, c.courant);
   for (int a = 0; a < 2; a++) {
     char line[512];
 
     PetscCall(PetscSNPrintf(line, sizeof line, "%s -ppc %d -offset %.15f", scheme, ppc[a], offset[a]));
-    PetscCall(Find(line, PETSC_TRUE, &along));
+    PetscCall(FindLimit(line, PETSC_TRUE, &along));
     CHECK(c.closed <= along.closed * (1 + 1e-7), "%s: %.10g, along an axis %.10g", options, c.closed, along.closed);
   }
   if (!(c.courant > 0) || isinf(c.courant)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -146,10 +133,10 @@ static PetscErrorCode CheckReflected(int n)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -formulation %s -offset %.15f,%.15f", scheme, offset[0],
                           offset[1]));
-  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(FindLimit(options, PETSC_TRUE, &c));
   PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -formulation %s -offset %.15f,%.15f", scheme, offset[0],
                           1 - offset[1]));
-  PetscCall(Find(options, PETSC_TRUE, &reflected));
+  PetscCall(FindLimit(options, PETSC_TRUE, &reflected));
   CHECK(fabs(c.courant / reflected.courant - 1) < 1e-9, "%s: %.12g, reflected %.12g", options, c.courant,
         reflected.courant);
   CHECK(!c.disputed && !reflected.disputed, "%s: disputed", options);
@@ -183,7 +170,7 @@ static PetscErrorCode CheckBound(const char formulation[], const char rest[], in
   PetscCall(PetscSNPrintf(options, sizeof options,
                           "-dim 2 -formulation %s -transfer apic -gradient mls -basis quadratic", formulation));
   if (seed > 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Find(options, PETSC_TRUE, &c));
+  PetscCall(FindLimit(options, PETSC_TRUE, &c));
   CHECK_NEAR(c.bound, sqrt(0.7), 1e-12);
   CHECK(c.bound < c.courant, "%s: bound %g, limit %g", options, c.bound, c.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -201,7 +188,7 @@ static PetscErrorCode CheckLone(void)
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lone); i++) {
     PetscCall(PetscSNPrintf(options, sizeof options, "-dim 2 -transfer apic -gradient mls -formulation %s", lone[i]));
-    PetscCall(Find(options, PETSC_TRUE, &c));
+    PetscCall(FindLimit(options, PETSC_TRUE, &c));
     CHECK_NEAR(c.bound, i == 2 ? sqrt(0.35) : sqrt(0.7), 1e-12);
     CHECK(c.assembled && fabs(c.courant / c.bound - 1) < 2e-6, "%s: %.9g, bound %.9g", options, c.courant, c.bound);
   }
@@ -223,12 +210,12 @@ static PetscErrorCode CheckBounds(void)
     PetscCall(CheckBound("usavg", "-boundary free,free", seed));
   }
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(none); i++) {
-    PetscCall(Find(none[i], PETSC_TRUE, &c));
+    PetscCall(FindLimit(none[i], PETSC_TRUE, &c));
     CHECK(c.bound == 0, "%s: bound %g", none[i], c.bound);
   }
-  PetscCall(Find("-formulation gas1 -transfer xpic -dim 2", PETSC_TRUE, &c)); /* long waves: 0 */
+  PetscCall(FindLimit("-formulation gas1 -transfer xpic -dim 2", PETSC_TRUE, &c)); /* long waves: 0 */
   CHECK(c.courant == 0 && c.closed == 0 && c.bound == 0, "gas1 xpic: %g", c.courant);
-  PetscCall(Find("-formulation usl -transfer apic -gradient mls -basis cubic", PETSC_TRUE, &c));
+  PetscCall(FindLimit("-formulation usl -transfer apic -gradient mls -basis cubic", PETSC_TRUE, &c));
   CHECK_NEAR(c.bound, 2 / sqrt(3), 1e-12);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -242,12 +229,12 @@ static PetscErrorCode CheckAssembled(void)
   MpmCritical c, bar;
 
   PetscFunctionBegin;
-  PetscCall(Find("-dim 2 -cells 4 -formulation usl -jitter 1e-9", PETSC_TRUE, &c));
+  PetscCall(FindLimit("-dim 2 -cells 4 -formulation usl -jitter 1e-9", PETSC_TRUE, &c));
   CHECK(c.assembled && fabs(c.courant * sqrt(1.75) - 1) < 1e-5, "jitter 1e-9: %.9g", c.courant);
   CHECK(c.wave == MPM_WAVE_P && fabs(c.beta[0] + c.beta[1] - PETSC_PI) < 1e-9, "jitter 1e-9: %g, %g, type %s",
         c.beta[0], c.beta[1], MpmWaveTypeNames[c.wave]);
-  PetscCall(Find("-dim 2 -cells 4,2 -formulation usl -boundary fixed-free,periodic", PETSC_TRUE, &c));
-  PetscCall(Find("-cells 4 -formulation usl -boundary fixed,free", PETSC_TRUE, &bar));
+  PetscCall(FindLimit("-dim 2 -cells 4,2 -formulation usl -boundary fixed-free,periodic", PETSC_TRUE, &c));
+  PetscCall(FindLimit("-cells 4 -formulation usl -boundary fixed,free", PETSC_TRUE, &bar));
   CHECK(c.courant <= bar.courant * (1 + 1e-6) && c.courant > 0.75, "walls: %.9g, a bar %.9g", c.courant, bar.courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -258,20 +245,20 @@ static PetscErrorCode CheckDrift(void)
   MpmCritical c, along;
 
   PetscFunctionBegin;
-  PetscCall(Find("-formulation usl -drift 1/2", PETSC_TRUE, &along));
-  PetscCall(Find("-dim 2 -formulation usl -drift 1/2,0", PETSC_TRUE, &c));
+  PetscCall(FindLimit("-formulation usl -drift 1/2", PETSC_TRUE, &along));
+  PetscCall(FindLimit("-dim 2 -formulation usl -drift 1/2,0", PETSC_TRUE, &c));
   CHECK(c.courant <= along.courant * (1 + 1e-9), "usl: %.9g, along x %.9g", c.courant, along.courant);
   /* the wave along y has the limit of the one along x */
-  PetscCall(Find("-dim 2 -formulation musl -basis quadratic -ppc 1 -drift 0,1/8", PETSC_TRUE, &c));
-  PetscCall(Find("-formulation musl -basis quadratic -ppc 1 -drift 1/8", PETSC_TRUE, &along));
+  PetscCall(FindLimit("-dim 2 -formulation musl -basis quadratic -ppc 1 -drift 0,1/8", PETSC_TRUE, &c));
+  PetscCall(FindLimit("-formulation musl -basis quadratic -ppc 1 -drift 1/8", PETSC_TRUE, &along));
   CHECK(fabs(c.courant / along.courant - 1) < 1e-5 && c.beta[0] == 0 && c.beta[1] != 0,
         "musl: %.9g at %g, %g, 1-D %.9g", c.courant, c.beta[0], c.beta[1], along.courant);
   /* theory: ppc 1, (1/2, 1/2), k = 0.6: 1.371 against 1.117 in one dimension */
-  PetscCall(Find("-dim 2 -formulation usl -transfer apic -ppc 1 -drift 1/2 -courant 0.6", PETSC_FALSE, &c));
+  PetscCall(FindLimit("-dim 2 -formulation usl -transfer apic -ppc 1 -drift 1/2 -courant 0.6", PETSC_FALSE, &c));
   CHECK(fabs(c.asked.growth - 1.371) < 1e-3 && c.asked.verdict == MPM_UNSTABLE, "apic: growth %.9g", c.asked.growth);
   CHECK(c.courant < 0.6, "apic: %.9g", c.courant);
   /* gas2 on splines grows obliquely where it does not in one dimension */
-  PetscCall(Find("-dim 2 -basis quadratic -drift 1/8 -courant 0.5", PETSC_FALSE, &c));
+  PetscCall(FindLimit("-dim 2 -basis quadratic -drift 1/8 -courant 0.5", PETSC_FALSE, &c));
   CHECK(c.asked.growth > 1.000314 && c.asked.growth < 1.00032, "gas2: growth %.9g", c.asked.growth);
   CHECK(c.courant < 0.5 && c.beta[0] != 0 && c.beta[1] != 0, "gas2: %.9g at %g, %g", c.courant, c.beta[0], c.beta[1]);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -51,10 +51,7 @@ static PetscErrorCode CheckDrifts(void)
 static PetscErrorCode Map(const char options[], MpmScene **scene, MpmStabilityMap **map)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate("map", NULL, scene, &check_request));
-  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(CheckSceneOf("map", options, scene));
   PetscCall(MpmStabilityMapCreate(*scene, &check_request, map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

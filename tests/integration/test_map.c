@@ -11,10 +11,7 @@
 static PetscErrorCode MapOf(const char options[], MpmScene **scene, MpmStabilityMap **map)
 {
   PetscFunctionBegin;
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate("map", NULL, scene, &check_request));
-  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(CheckSceneOf("map", options, scene));
   PetscCall(MpmStabilityMapCreate(*scene, &check_request, map));
   PetscCall(MpmStabilityMapLimits(*map));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,38 +5,12 @@
 */
 #include "gather.h"
 #include "march/conserved.h"
-#include <mpmstab/operator.h>
-
-/* A q = march(q) over three periods, and A is not the identity. */
-static PetscErrorCode Agrees(const char options[])
-{
-  MpmScene    *scene;
-  MpmOperator *op;
-  PetscReal    mismatch;
-  Vec          q, image;
-
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmOperatorMismatch(op, &mismatch));
-  CHECK(mismatch <= 1e-13 * op->period, "%s: %.3g", options, mismatch);
-  PetscCall(MatCreateVecs(op->A, &q, &image));
-  PetscCall(VecSetRandom(q, NULL));
-  PetscCall(MatMult(op->A, q, image));
-  PetscCall(VecAXPY(image, -1, q));
-  PetscCall(VecNorm(image, NORM_INFINITY, &mismatch));
-  CHECK(mismatch > 1e-3, "%s: the operator does nothing", options);
-  PetscCall(VecDestroy(&q));
-  PetscCall(VecDestroy(&image));
-  PetscCall(MpmOperatorDestroy(&op));
-  PetscCall(MpmSceneDestroy(&scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#include "operators.h"
 
 static PetscErrorCode AllAgree(size_t n, const char *const options[])
 {
   PetscFunctionBegin;
-  for (size_t i = 0; i < n; i++) PetscCall(Agrees(options[i]));
+  for (size_t i = 0; i < n; i++) PetscCall(CheckOperator(options[i], 1e-13));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -69,7 +43,7 @@ static PetscErrorCode SchemesAgree(void)
       char options[512];
 
       PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", schemes[s], rests[r]));
-      PetscCall(Agrees(options));
+      PetscCall(CheckOperator(options, 1e-13));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,36 +1,13 @@
 /* A q = march(q): the assembled operator does what the march does, at rest, jittered and drifting. */
-#include "check.h"
-#include <mpmstab/operator.h>
+#include "operators.h"
 
 static PetscErrorCode Agrees(const char formulation[], const char rest[])
 {
-  char         options[256];
-  MpmScene    *scene;
-  MpmOperator *op;
-  PetscReal    mismatch;
-  Vec          q, image;
+  char options[256];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s", formulation, rest));
-  PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
-  PetscCall(MpmOperatorMismatch(op, &mismatch));
-  CHECK(mismatch <= 1e-14 * op->period, "%s: %.3g", options, mismatch);
-  CHECK(op->order == op->fields * scene->layout.particles, "%s: order %d", options, (int)op->order);
-  /*
-     A uniform state stays as it is, so an empty march with A = I would pass the test above. So a random state must
-     change.
-  */
-  PetscCall(MatCreateVecs(op->A, &q, &image));
-  PetscCall(VecSetRandom(q, NULL));
-  PetscCall(MatMult(op->A, q, image));
-  PetscCall(VecAXPY(image, -1, q));
-  PetscCall(VecNorm(image, NORM_INFINITY, &mismatch));
-  CHECK(mismatch > 1e-3, "%s: the operator does nothing", options);
-  PetscCall(VecDestroy(&q));
-  PetscCall(VecDestroy(&image));
-  PetscCall(MpmOperatorDestroy(&op));
-  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(CheckOperator(options, 1e-14));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

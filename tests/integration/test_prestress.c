@@ -126,21 +126,13 @@ static PetscErrorCode CheckClouds(void)
 
 static PetscErrorCode CheckClosedForm(const char options[])
 {
-  MpmScene     *scene;
-  MpmSymbol    *symbol;
-  MpmPredictor  predictor;
   MpmComparison comparison;
+  PetscReal     growth = NAN;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 24, PETSC_FALSE, &symbol));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &predictor));
-  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  PetscCall(CompareClosedForm(options, 24, &comparison, &growth));
   CHECK(comparison.corrected <= 5e-8, "%s: closed form off by %.3g at beta %.3g", options, comparison.corrected,
         comparison.corrected_beta[0]);
-  PetscCall(MpmPredictorDestroy(&predictor));
-  PetscCall(MpmSymbolDestroy(&symbol));
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

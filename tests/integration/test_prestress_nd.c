@@ -250,20 +250,12 @@ static PetscErrorCode CheckAll(int dim, PetscInt nstates, const State states[], 
 
 static PetscErrorCode CheckClosedForm(const char options[])
 {
-  MpmScene     *scene;
-  MpmSymbol    *symbol;
-  MpmPredictor  predictor;
   MpmComparison comparison;
+  PetscReal     growth = NAN;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 5, PETSC_FALSE, &symbol));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &predictor));
-  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
+  PetscCall(CompareClosedForm(options, 5, &comparison, &growth));
   CHECK(comparison.corrected <= 5e-8, "%s: closed form off by %.3g", options, comparison.corrected);
-  PetscCall(MpmPredictorDestroy(&predictor));
-  PetscCall(MpmSymbolDestroy(&symbol));
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,26 +3,9 @@
    with one another, and the null space with its dimension. Verdicts that cannot be known must be undecided.
 */
 #include "oracle.h"
+#include "spectra.h"
 #include "symbols.h"
 #include "scene/layout.h"
-#include "analysis/spectrum.h"
-
-static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpectrum **spectrum)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, scene));
-  check_request.measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, spectrum));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Close(MpmScene **scene, MpmSpectrum **spectrum)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSpectrumDestroy(spectrum));
-  PetscCall(MpmSceneDestroy(scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* Checks that each amplification factor of the symbol is an eigenvalue too, so that the sets are the same. */
 static PetscErrorCode CheckSets(const char row[], const MpmSpectrum *s)
@@ -59,7 +42,7 @@ static PetscErrorCode CheckGrowth(const char row[], const char options[], PetscR
         MpmVerdictNames[s->finding.verdict]);
   CHECK(s->max_residual <= 1e-12, "%s: residual %.3g", row, s->max_residual);
   PetscCall(CheckSets(row, s));
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +58,7 @@ static PetscErrorCode CheckRadius(const char row[], const char options[], PetscR
   CHECK(s->finding.verdict == (oracle > 1 + 1e-6 ? MPM_UNSTABLE : MPM_STABLE), "%s: %s", row,
         MpmVerdictNames[s->finding.verdict]);
   if (oracle > 1 + 1e-6) CHECK(s->condition >= 1 && s->condition < 100, "%s: condition %g", row, s->condition);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -91,7 +74,7 @@ static PetscErrorCode CheckNullSpace(const char formulation[], int ppc, PetscInt
   PetscCall(SpectrumOf(options, &scene, &s));
   CHECK(s->nullity == 2 * dimension, "%s: %d unseen", options, (int)s->nullity);
   CHECK(s->at_one >= s->nullity + 2, "%s: %d eigenvalues at 1", options, (int)s->at_one); /* two constants */
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -121,7 +104,7 @@ static PetscErrorCode CheckMethods(const char options[], MpmEigenMethod method)
     CHECK_NEAR(condition, s->condition, 1e-4 * s->condition);
   }
   PetscCall(MpmEigenDestroy(&few));
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -194,7 +177,7 @@ static PetscErrorCode CheckLargest(void)
         MpmVerdictNames[s->finding.verdict]);
   CHECK(fabs(log(s->run->growth.per_step) / log(s->growth) - 1) <= 0.02, "measured %.9g, spectrum %.9g",
         s->run->growth.per_step, s->growth);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -215,7 +198,7 @@ static PetscErrorCode CheckUndecided(const char options[], const char solver[])
     CHECK(s->eigen->residual[j] <= 1e-7, "%s: lists a residual of %.3g", options, s->eigen->residual[j]);
   CHECK(!s->eigen->largest && s->finding.verdict == MPM_UNDECIDED, "%s: %s", options,
         MpmVerdictNames[s->finding.verdict]);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,7 +235,7 @@ static PetscErrorCode CheckLongPeriod(void)
   CHECK(fabs(s->growth / s->symbol->growth - 1) <= 1e-9, "spectrum %.12g, symbol %.12g", s->growth, s->symbol->growth);
   CHECK(s->finding.verdict == MPM_UNSTABLE && s->finding.uncertainty <= 1e-6 * s->growth, "%s, known to %g",
         MpmVerdictNames[s->finding.verdict], s->finding.uncertainty);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -272,7 +255,7 @@ static PetscErrorCode CheckCondition(void)
   CHECK_NEAR(s->symbol->condition, condition, 1e-6 * condition);
   CHECK(condition > 1.3 && condition < 1.4 && s->finding.uncertainty > 1e-17, "condition %g, known to %g", condition,
         s->finding.uncertainty);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -286,7 +269,7 @@ static PetscErrorCode CheckOffRange(const char options[])
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &s));
   CHECK(s->eigen->failed && s->finding.verdict == MPM_UNSTABLE, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -303,7 +286,7 @@ static PetscErrorCode CheckHidden(const char options[])
   PetscCall(SpectrumOf(options, &scene, &s));
   CHECK(!(s->step_mismatch <= 1e-6) && s->finding.verdict == MPM_UNDECIDED, "%s: mismatch %.3g: %s", options,
         s->step_mismatch, MpmVerdictNames[s->finding.verdict]);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

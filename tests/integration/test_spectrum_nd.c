@@ -3,26 +3,8 @@
    both as sets. Without a matrix it does the same as with one, also transposed. Large operators find the symbol's
    leading modes, or those of largest magnitude; and what did not converge is undecided.
 */
-#include "check.h"
-#include "analysis/spectrum.h"
+#include "spectra.h"
 #include "operator/shell.h"
-
-static PetscErrorCode SpectrumOf(const char options[], MpmScene **scene, MpmSpectrum **spectrum)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, scene));
-  check_request.measure = PETSC_FALSE;
-  PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, spectrum));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Close(MpmScene **scene, MpmSpectrum **spectrum)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSpectrumDestroy(spectrum));
-  PetscCall(MpmSceneDestroy(scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 static void SetRandom(PetscInt n, PetscReal x[])
 {
@@ -119,7 +101,7 @@ static PetscErrorCode CheckSets(const char options[])
   CHECK(s->symbol_mismatch <= 1e-6 && farthest <= 1e-6, "%s: sets differ by %.3g and %.3g", options, s->symbol_mismatch,
         farthest);
   CHECK_NEAR(s->growth, s->symbol->growth, 1e-6);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,7 +118,7 @@ static PetscErrorCode CheckLarge(const char options[], MpmVerdict verdict)
         options, s->symbol_mismatch, s->step_mismatch);
   CHECK(s->finding.verdict == verdict, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
   if (verdict == MPM_UNSTABLE) CHECK_NEAR(s->growth, s->symbol->growth, 1e-10);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,24 +151,24 @@ static PetscErrorCode CheckKrylov(void)
   PetscCall(PetscOptionsClear(NULL));
   CHECK(s->eigen->largest && strstr(s->eigen->solver, "krylovschur"), "%s", s->eigen->solver);
   CHECK_NEAR(s->growth, s->symbol->growth, 1e-8);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscCall(SpectrumBy(PETSC_FALSE, "-dim 2 -cells 17,15 -formulation usl -courant 1 -jitter 0.6", &scene, &s));
   CHECK(s->eigen->largest && s->finding.verdict == MPM_UNSTABLE, "%s: %s", s->eigen->solver, s->finding.evidence);
   CHECK(s->condition >= 1 && s->condition < 100, "condition %g", s->condition);
   growth    = s->growth;
   condition = s->condition;
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscCall(SpectrumBy(PETSC_TRUE, "-dim 2 -cells 17,15 -formulation usl -courant 1 -jitter 0.6", &scene, &s));
   CHECK(s->eigen->complete && s->eigen->small, "%s: %s", s->eigen->solver, s->finding.evidence);
   CHECK_NEAR(s->growth, growth, 1e-9 * growth);
   CHECK_NEAR(s->condition, condition, 1e-6 * condition);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscCall(SpectrumBy(PETSC_FALSE, "-dim 2 -cells 17,15 -formulation usl -courant 0.3 -jitter 0.6", &scene, &s));
   CHECK(s->finding.verdict != MPM_STABLE, "%s: %s", s->eigen->solver, s->finding.evidence); /* it cannot know */
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscCall(SpectrumBy(PETSC_TRUE, "-dim 2 -cells 17,15 -formulation usl -courant 0.3 -jitter 0.6", &scene, &s));
   CHECK(s->finding.verdict == MPM_STABLE, "%s: %s", s->eigen->solver, s->finding.evidence); /* all eigenvalues do */
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,7 +185,7 @@ static PetscErrorCode CheckModes(const char options[], const PetscReal beta[], P
   CHECK(s->leading.n >= 1 && s->leading.dim == scene->layout.dim, "%s: %d modes", options, (int)s->leading.n);
   for (PetscInt a = 0; a < scene->layout.dim && rank == 0; a++) CHECK_NEAR(s->leading.beta[a], beta[a], 1e-12);
   if (rank == 0) CHECK_NEAR(s->leading.p_share[0], p_share, 1e-9);
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,7 +212,7 @@ static PetscErrorCode CheckPolarisation(const char options[])
   CHECK(rank || (count[0] > 0 && count[1] == 2 * count[0]), "%s: %d P waves, %d S waves", options, (int)count[0],
         (int)count[1]);
   PetscCall(MpmModesDestroy(&modes));
-  PetscCall(Close(&scene, &s));
+  PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -389,6 +389,10 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckMarch(
       "-kinematics finite -material neo -formulation musl -basis cubic -initial manufactured -cells 16 -ppc 4 "
       "-amplitude 0.05 -courant 0.4"));
+  /* particles go round in one direction, and there are walls in the other */
+  PetscCall(CheckMarch(
+      "-kinematics finite -material neo -formulation usl -basis quadratic -dim 2 -cells 4,6 -ppc 2 -jitter 0.3 "
+      "-boundary periodic,symmetry -drift 0.9,0 -initial random -amplitude 0.01 -courant 0.3"));
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,8 +6,8 @@
 #include "check.h"
 #include "linalg/dense.h"
 #include "linalg/small_eigen.h"
+#include "stable_limit.h"
 #include "symbols.h"
-#include <mpmstab/critical.h>
 #include <mpmstab/operator.h>
 #include <slepcsys.h>
 
@@ -127,16 +127,11 @@ static PetscErrorCode AflipOnHats(int n)
 
 static PetscErrorCode Limit(const char options[], PetscReal courant)
 {
-  MpmScene   *scene;
   MpmCritical c;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmCriticalFind(
-      &(MpmCriticalCase){.layout = &scene->layout, .scheme = &scene->scheme, .step = scene->step, .tolerance = 1e-6},
-      PETSC_FALSE, &c));
+  PetscCall(FindLimit(options, PETSC_FALSE, &c));
   CHECK(fabs(c.courant - courant) < 6e-5, "%s: %.6g, not %g", options, c.courant, courant);
-  PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -76,9 +76,57 @@ def check_failure(ranks, dim):
         step = int(said.split("step ")[1].split(":")[0])
         with h5py.File("last.h5") as file:
             check(file["where"][0] == step - 1, f"the checkpoint is of step {file['where'][0]}, not {step - 1}")
+        last = subprocess.run([MPMSTAB, "spectrum", *(word for word in BREAKS if word not in ("-steps", "300")), "-dim", str(dim), "-at_step",
+                               str(step - 1)], capture_output=True, text=True, check=False)
+        check(last.returncode == 0 and "the run ends in this step" in last.stdout and "nan" not in last.stdout,
+              f"the tangent of the step in which a particle fails: {last.stdout}")
         again = run(ranks, *scene, "-restart", "last.h5")
         check(again.returncode == 1 and again.stderr.strip() == said.split("; the checkpoint")[0],
               f"from the last whole state: {again.stderr}")
+
+
+def check_failure_beside_tangents():
+    """The last whole state is marched once more, and says nothing of its tangents a second time, nor of where it begins."""
+    scene = [*BREAKS, "-checkpoint", "last.h5"]
+    process = run(1, *scene, "-tangent", "random", "-warn_above", "0.01")
+    warnings = [line for line in process.stdout.splitlines() if line.startswith("warning at step")]
+    check(process.returncode == 1 and warnings and len(set(warnings)) == len(warnings), f"tangent: {process.stdout}")
+    again = run(1, *scene, "-restart", "last.h5")
+    check(again.returncode == 1 and "nothing is left to march" not in again.stdout, f"from the last step: {again.stdout}")
+
+
+WRITTEN = "-scheme scheme.yaml -kinematics finite -material neo -basis cubic -cells 8 -initial uniform -steps 3".split()
+
+
+def write_scheme(fields, *more):
+    """usl as text, with more lines before the last one."""
+    lines = ["v_i = P2G v", "a_i = -k DIV s", "v_i += a_i", "v += G2P a_i", "s += k STRESS GRAD v_i", "MOVE v_i", *more, "DRIFT"]
+    nodes = "v_i: vector, a_i: vector" + (", s_i: stress" if any("s_i" in line for line in more) else "")
+    with open("scheme.yaml", "w", encoding="utf-8") as file:
+        file.write(f"scheme:\n  name: own\n  particles: {{{fields}}}\n  nodes: {{{nodes}}}\n"
+                   "  step:\n" + "".join(f"    - {line}\n" for line in lines))
+
+
+def check_written():
+    """Lines of a written scheme that have no meaning where F takes the place of the stress are refused."""
+    for more, why in ((["s_i = P2G s", "s += G2P s_i"], "own has no stress that it takes to vectors by DIV and from vectors by GRAD alone"),
+                      (["s = 0.5 s"], "own has no stress that it takes to vectors"),
+                      (["MOVE v_i"] * 4, "scheme.yaml:2: scheme own: more than 4 lines MOVE")):
+        write_scheme("v: vector, s: stress", *more)
+        process = run(1, *WRITTEN)
+        check(process.returncode == 2 and why in process.stderr and len(process.stderr.splitlines()) == 1,
+              f"{more}: status {process.returncode}: {process.stderr}")
+
+
+def check_order_of_fields():
+    """The mode of the tangent is a velocity, in whatever order a written scheme has its fields."""
+    growth = []
+    for fields in ("v: vector, s: stress", "s: stress, v: vector"):
+        write_scheme(fields)
+        done(1, *WRITTEN, "-tangent", "mode", "-json", "own.json")
+        with open("own.json", encoding="utf-8") as file:
+            growth.append(json.load(file)["run"]["tangent"]["growth"][0])
+    check(abs(growth[0] - growth[1]) < 1e-12, f"growth of the mode with v first and with s first: {growth}")
 
 
 def check_refusals():
@@ -99,8 +147,41 @@ def check_refusals():
               f"{task} {words}: status {process.returncode}: {process.stderr}")
 
 
+def check_ratio():
+    """What lambda / mu the material has is said, whether it is given or follows from Poisson's ratio."""
+    scene = "-kinematics finite -formulation usl -material neo -dim 2 -cells 4 -initial uniform".split()
+    for words, ratio, nu in (([], 1.5, 0.3), (["-poisson", "0.25"], 1, 0.25), (["-lame_ratio", "1"], 1, 0.25), (["-lame_ratio", "0"], 0, 0)):
+        done(1, *scene, *words, "-steps", "1", "-json", "ratio.json")
+        with open("ratio.json", encoding="utf-8") as file:
+            found = json.load(file)
+        check(abs(found["material"]["lame_ratio"] - ratio) < 1e-15 and abs(found["poisson"] - nu) < 1e-15, f"{words}: {found['material']}")
+    process = run(1, *scene, "-lame_ratio", "1", "-poisson", "0.3", "-steps", "2")
+    check(process.returncode == 2 and "-lame_ratio 1: poisson, or bulk and shear, say it too" in process.stderr, f"both: {process.stderr}")
+
+
+def check_energy():
+    """A uniform state has the same energy with whatever particles in its cells, and after a restart the same first one."""
+    scene = "-kinematics finite -formulation usl -material neo -stretch 1.2 -drift 1/8 -cells 8 -initial uniform".split()
+    energy = []
+    for words in ("-ppc 2 -steps 4", "-counts 1,3 -steps 2 -checkpoint energy.h5", "-counts 1,3 -steps 4 -restart energy.h5"):
+        done(1, *scene, *words.split(), "-json", "energy.json")
+        with open("energy.json", encoding="utf-8") as file:
+            energy.append(json.load(file)["run"]["energy"]["initial"])
+    check(max(energy) - min(energy) < 1e-12 * max(energy) and energy[0] > 0, f"energies {energy}")
+
+
+def check_columns():
+    """A run that resumes without its tangents has other columns."""
+    scene = "-kinematics finite -formulation usl -basis cubic -cells 8 -initial uniform -csv rows.csv".split()
+    done(1, *scene, "-tangent", "random", "-steps", "3", "-checkpoint", "rows.h5")
+    process = run(1, *scene, "-restart", "rows.h5", "-steps", "5")
+    check(process.returncode == 2 and "weights, source_term, ringing and tangent as before" in process.stderr, f"columns: {process.stderr}")
+
+
 def check_json():
-    """What a nonlinear run says of itself; growth is that of noise alone."""
+    """What a nonlinear run says of itself; growth is that of noise alone. The body force of a solution is no gravity."""
+    check("gravity" not in done(1, *"-kinematics finite -formulation usl -initial manufactured -amplitude 0.01 -steps 1".split()),
+          "gravity without gravity")
     done(1, *WAVES, "-json", "noise.json")
     done(1, *[word if word != "random" else "mode" for word in WAVES], "-json", "wave.json", "-expect", "undecided")
     with open("noise.json", encoding="utf-8") as noise, open("wave.json", encoding="utf-8") as wave:
@@ -113,7 +194,13 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     check_refusals()
     check_json()
+    check_ratio()
+    check_columns()
+    check_energy()
     check_restart(1, 1)
     check_restart(2, 2)
     check_failure(1, 1)
     check_failure(2, 2)
+    check_failure_beside_tangents()
+    check_written()
+    check_order_of_fields()

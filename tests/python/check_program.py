@@ -35,6 +35,7 @@ def run(*words, ranks=1, status=0):
     launch = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
     done = subprocess.run([*launch, MPMSTAB, *words, "-json", "out.json"], capture_output=True, text=True, check=False)
     check(done.returncode == status, f"{words}: status {done.returncode}, {done.stdout[-600:]} {done.stderr}")
+    run.said = done.stdout
     return loaded("out.json") if status == 0 else done.stderr
 
 
@@ -314,8 +315,10 @@ def check_compare():
     for text, said in (("formulation=usl", "how far waves go"), ("usl", "keys of a scene"), ("formulation=foo,courant=1", "-compare:1: formulation: foo: allowed: gas1"),
                        ("formulation=usl,courant=0.5,ppc=1", "are not where"), ("formulation=usl,courant=0.5,drift=1/2", "of 2"),
                        ("formulation=usl,courant=0.5,boundary=fixed,free", "boundary fixed,free")):
-        answer = run("symbol", *bar, "-compare", text, status=2)
-        check(said in answer and answer.count("mpmstab:") == 1, f"{text}: {answer}")
+        for task in ("symbol", "spectrum"):
+            answer = run(task, *bar, "-compare", text, status=2)
+            check(said in answer and answer.count("mpmstab:") == 1, f"{text}: {answer}")
+            check(not run.said, f"{task}, {text}: refused after the code was probed: {run.said}")
 
 
 def check_compare_plane():

@@ -35,17 +35,24 @@ static inline PetscErrorCode CheckHasTurn(PetscInt i, PetscBool *turn)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The request that belongs to the scene which CheckScene made last. */
+/* The request that belongs to the scene which CheckScene or CheckSceneOf made last. */
 static MpmRequest check_request;
 
-/* Makes a scene from options such as "-cells 8 -drift 1/8", which are read as the program reads them. */
-static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
+/* Makes the scene of a task from options such as "-cells 8 -drift 1/8", which are read as the program reads them. */
+static inline PetscErrorCode CheckSceneOf(const char task[], const char options[], MpmScene **scene)
 {
   PetscFunctionBegin;
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
-  PetscCall(MpmSceneCreate("run", NULL, scene, &check_request));
+  PetscCall(MpmSceneCreate(task, NULL, scene, &check_request));
   PetscCall(PetscOptionsClear(NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode CheckScene(const char options[], MpmScene **scene)
+{
+  PetscFunctionBegin;
+  PetscCall(CheckSceneOf("run", options, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
