@@ -32,6 +32,8 @@ typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscRe
    density              - of the material; 0: not given, and nothing depends on it
    physical             - the user gave units: density, a modulus, sound_speed, cell_width or dt
    has_step             - the user gave a time step or a Courant number; else they are those of the default
+   safety               - 0: all steps are alike. Else a run chooses each step by the fastest waves at any particle, and takes
+                          this part of the largest stable one; step and dt are then those of the default Courant number.
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -50,7 +52,7 @@ struct MpmScene_ {
   MpmStep         step;
   char            boundary[128];
   PetscInt        mode[MPM_MAX_DIM];
-  PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, density, amplitude;
+  PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, safety, density, amplitude;
   MpmInitial      initial;
   PetscBool       stagger, physical, has_step;
   MpmPolarisation polarisation;

@@ -50,7 +50,8 @@ static PetscBool IsNoise(const Loop *loop)
 /* The steps between samples at finite deformation, where states are of order 1: for growth, or for the rows of a file. */
 static PetscInt64 FiniteGap(const Loop *loop)
 {
-  const PetscInt64 steps = loop->request->steps;
+  const MpmPace   *pace  = loop->run->pace;
+  const PetscInt64 steps = pace ? (PetscInt64)pace->expected : loop->request->steps;
 
   return PetscMax(1, IsNoise(loop) || loop->request->csv[0] ? steps / MOST_SAMPLES : steps);
 }
@@ -182,36 +183,50 @@ static PetscErrorCode Perturb(Loop *loop)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Chooses the next step, if the run does so. This time counts: it is part of the work of such a run. */
+static PetscErrorCode ChooseStep(Loop *loop)
+{
+  MpmRun *run = loop->run;
+
+  PetscFunctionBegin;
+  if (!run->pace) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPaceStep(run->pace, loop->march, &run->last));
+  if (!loop->callbacks->silent) PetscCall(MpmPaceTell(run->pace, loop->march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode March(Loop *loop)
 {
-  const MpmRequest *request = loop->request;
-  PetscReal         begin;
-  PetscBool         follow = PETSC_TRUE, stop = PETSC_FALSE;
-  MpmProgress       progress;
+  const PetscInt64 expected = loop->run->pace ? (PetscInt64)loop->run->pace->expected : loop->request->steps;
+  PetscReal        begin;
+  PetscBool        follow = PETSC_TRUE, stop = PETSC_FALSE;
+  MpmProgress      progress;
 
   PetscFunctionBegin;
   if (loop->march->step == 0) PetscCall(Sample(loop, &follow));
   /* a run that resumes at its last step takes no sample, but still reports diagnostics */
-  if (loop->march->step == request->steps && loop->diagnostics)
+  if (loop->march->step == loop->run->last && loop->diagnostics)
     PetscCall(MpmTransferDiagnosticsMeasure(loop->diagnostics));
   PetscCall(TellStep(loop, &stop));
   PetscCall(MpmProgressBegin("step", &progress));
   loop->aside_s = 0;
   begin         = MPI_Wtime();
-  while (loop->march->step < request->steps && follow && !stop) {
-    const PetscInt64 step   = loop->march->step + 1;
-    const PetscBool  sample = step % loop->gap == 0 || step == request->steps ? PETSC_TRUE : PETSC_FALSE;
+  while (loop->march->step < loop->run->last && follow && !stop) {
+    const PetscInt64 step = loop->march->step + 1;
+    PetscBool        sample;
 
+    PetscCall(ChooseStep(loop));
+    sample = step % loop->gap == 0 || step == loop->run->last ? PETSC_TRUE : PETSC_FALSE;
     PetscCall(Perturb(loop));
     PetscCall(MpmMarchStep(loop->march, sample));
     if (loop->march->failure[0]) break;
     if (sample) PetscCall(Sample(loop, &follow));
     PetscCall(TellStep(loop, &stop));
-    PetscCall(MpmProgressUpdate(&progress, step, request->steps));
+    PetscCall(MpmProgressUpdate(&progress, step, PetscMax(step, expected)));
   }
   PetscCall(PetscStrncpy(loop->run->failure, loop->march->failure, sizeof loop->run->failure));
   if (loop->run->failure[0]) loop->run->lost = PETSC_TRUE;
-  loop->run->stopped = stop && loop->march->step < request->steps ? PETSC_TRUE : PETSC_FALSE;
+  loop->run->stopped = stop && loop->march->step < loop->run->last ? PETSC_TRUE : PETSC_FALSE;
   loop->run->loop_s  = MPI_Wtime() - begin - loop->aside_s;
   PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -254,6 +269,7 @@ static PetscErrorCode Conclude(Loop *loop)
   PetscFunctionBegin;
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
   r->steps = loop->march->step;
+  r->time  = MpmMarchTime(loop->march, r->steps);
   alike    = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
   r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
@@ -288,7 +304,9 @@ static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
   r->has_errors      = !loop->random && MpmSceneHasExact(scene) ? PETSC_TRUE : PETSC_FALSE;
   r->eigenmode       = NAN;
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &r->ranks));
+  r->last   = loop->request->steps;
   loop->run = r;
+  if (scene->safety > 0) PetscCall(MpmPaceCreate(scene, loop->request, &r->pace));
   loop->gap = scene->scheme.space.finite ? FiniteGap(loop) : SampleGap(scene, loop->request->steps);
   PetscCall(Begin(loop));
   PetscCall(March(loop));
@@ -333,6 +351,7 @@ PetscErrorCode MpmRunDestroy(MpmRun **run)
   PetscFunctionBegin;
   PetscCall(MpmSeriesDestroy(&(*run)->series));
   PetscCall(MpmTangentsDestroy(&(*run)->tangents));
+  PetscCall(MpmPaceDestroy(&(*run)->pace));
   PetscCall(PetscFree(*run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,14 +3,16 @@
 #include "march/diagnostics.h"
 #include "march/transfer_diagnostics.h"
 #include "analysis/growth.h"
+#include "analysis/pace.h"
 #include "analysis/tangents.h"
 #include "symbol/predict.h"
 
 /*S
    MpmRun - the result of the task run.
 
-   from: the step at which this run began, 0 unless it resumed from a checkpoint. stopped: a signal ended it before its
-   last step. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
+   from: the step at which this run began, 0 unless it resumed from a checkpoint. steps, time: those at its end. last: the number
+   of its last step; of a run that ends at a time it is known when this step begins, and larger before. stopped: a signal
+   ended it before its last step. pace: how a run has chosen its steps, or NULL where they are all alike. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
 
    Energies are NaN when out of range; their ratio is still known then. blew_up_at_step: the first sampled step at which
    the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
@@ -25,8 +27,8 @@ typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request; /* NULL when the run was only marched and measured */
   PetscMPIInt       ranks;
-  PetscInt64        from, steps, blew_up_at_step;
-  PetscReal         loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
+  PetscInt64        from, steps, last, blew_up_at_step;
+  PetscReal         time, loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
   PetscReal         mass_change, momentum_change, growth_above, bytes, load;
   PetscBool         has_errors, lost, stopped;
   char              failure[512]; /* which particle ended a run at finite deformation, and why; empty: none */
@@ -36,6 +38,7 @@ typedef struct {
   MpmVerdict        verdict;
   MpmPredictions    predictions;
   MpmTangents      *tangents;
+  MpmPace          *pace;
 
   MpmTransferDiagnosticsSample transfer_first, transfer_last, transfer_most;
 } MpmRun;
@@ -51,7 +54,8 @@ typedef struct {
    checkpoint; it fills the initial data of an eigenmode. sample: called when norm and energy of a step have been
    recorded. log_norm is the logarithm of the state's norm; diagnostics is NULL where the scene asks for none. step:
    called after begin and after each step. run->lost says that the run cannot follow its state and ends there; setting
-   stop ends the run. end: called when the march is at its end or was stopped (run->stopped).
+   stop ends the run. end: called when the march is at its end or was stopped (run->stopped). silent: the run prints nothing
+   while it marches.
 S*/
 typedef struct {
   void *context;
@@ -60,6 +64,7 @@ typedef struct {
                            const MpmTransferDiagnostics *diagnostics, PetscReal log_norm, PetscReal energy);
   PetscErrorCode (*step)(void *context, const MpmRun *run, MpmMarch *march, PetscBool *stop);
   PetscErrorCode (*end)(void *context, const MpmRun *run, MpmMarch *march);
+  PetscBool silent;
 } MpmRunCallbacks;
 
 /*

@@ -46,6 +46,19 @@ static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WritePace(MpmHdf5 *s, const MpmMarch *march, const MpmPace *pace)
+{
+  PetscReal numbers[MPM_PACE_NUMBERS] = {
+      [MPM_PACE_ELAPSED] = march->elapsed, [MPM_PACE_COURANT] = march->courant,
+      [MPM_PACE_LEAST] = pace->least,      [MPM_PACE_LARGEST] = pace->largest,
+      [MPM_PACE_TOLD] = pace->told,        [MPM_PACE_CHANGES] = (PetscReal)pace->changes};
+
+  PetscFunctionBegin;
+  for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++) numbers[MPM_PACE_TAKEN + r] = (PetscReal)pace->taken[r];
+  PetscCall(FromFirst(s, "pace", H5T_NATIVE_DOUBLE, MPM_PACE_NUMBERS, numbers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *run, const char csv[])
 {
   const MpmSeries *series    = &run->series;
@@ -61,6 +74,7 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
   for (PetscInt a = 0; a < dim; a++) where[MpmAtRebased(a)] = march->particles->rebased[a];
   PetscCall(FromFirst(s, "where", H5T_NATIVE_INT64, MPM_WHERE_OF(dim), where));
   PetscCall(FromFirst(s, "numbers", H5T_NATIVE_DOUBLE, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers));
+  if (run->pace) PetscCall(WritePace(s, march, run->pace));
   PetscCall(FromFirst(s, "series_step", H5T_NATIVE_INT64, series->n, series->step));
   PetscCall(FromFirst(s, "series_state", H5T_NATIVE_DOUBLE, series->n, series->log_state));
   PetscCall(FromFirst(s, "series_grid", H5T_NATIVE_DOUBLE, series->n, series->log_grid));
@@ -257,6 +271,12 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
   PetscCall(ReadRun(s, scene->layout.dim, file));
   PetscCall(CheckRead(s, path));
   PetscCall(MpmCheckpointCheckRun(scene, steps, file));
+  if (scene->safety > 0) {
+    PetscCall(Require(s, path, "pace", H5T_NATIVE_DOUBLE, MPM_PACE_NUMBERS));
+    PetscCall(MpmHdf5Read(s, "pace", H5T_NATIVE_DOUBLE, 0, MPM_PACE_NUMBERS, file->pace));
+    PetscCall(CheckRead(s, path));
+    PetscCall(MpmCheckpointCheckPace(file));
+  }
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
     PetscCall(Require(s, path, MpmFieldCell[a], H5T_NATIVE_INT64, scene->layout.particles));
@@ -287,9 +307,28 @@ PetscErrorCode MpmCheckpointCheck(const char path[], const MpmScene *scene, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode TakePace(const MpmCheckpoint *file, MpmMarch *march, MpmPace *pace)
+{
+  const PetscReal *numbers = file->pace;
+
+  PetscFunctionBegin;
+  MpmCheckInput(numbers[MPM_PACE_ELAPSED] <= pace->end * (1 + PETSC_SQRT_MACHINE_EPSILON),
+                "checkpoint %s: is at time %.6g of %.6g; allowed: as late an end or a later one", file->path,
+                MpmSceneTimeStep(march->scene, numbers[MPM_PACE_ELAPSED]), MpmSceneTimeStep(march->scene, pace->end));
+  march->elapsed = numbers[MPM_PACE_ELAPSED];
+  pace->least    = numbers[MPM_PACE_LEAST];
+  pace->largest  = numbers[MPM_PACE_LARGEST];
+  pace->told     = numbers[MPM_PACE_TOLD];
+  pace->changes  = (PetscInt64)numbers[MPM_PACE_CHANGES];
+  for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++) pace->taken[r] = (PetscInt64)numbers[MPM_PACE_TAKEN + r];
+  PetscCall(MpmMarchSetCourant(march, numbers[MPM_PACE_COURANT]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 {
   PetscFunctionBegin;
+  if (run->pace) PetscCall(TakePace(file, march, run->pace));
   march->step            = file->where[MPM_AT_STEP];
   march->particles->step = file->where[MPM_AT_PLACES];
   march->exponent        = (PetscInt)file->where[MPM_AT_EXPONENT];

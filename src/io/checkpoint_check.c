@@ -149,6 +149,19 @@ PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmCheckpointCheckPace(const MpmCheckpoint *file)
+{
+  const PetscReal *pace = file->pace;
+
+  PetscFunctionBegin;
+  Allow(pace[MPM_PACE_ELAPSED] >= 0 && isfinite(pace[MPM_PACE_ELAPSED]), file->path, "its time is out of range");
+  Allow(pace[MPM_PACE_COURANT] > 0 && isfinite(pace[MPM_PACE_COURANT]), file->path, "its last step is out of range");
+  for (PetscInt i = MPM_PACE_CHANGES; i < MPM_PACE_NUMBERS; i++)
+    Allow(pace[i] >= 0 && pace[i] <= (PetscReal)file->where[MPM_AT_STEP], file->path,
+          "it counts more steps than it has taken");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Checks that particles are less than the march's slack away from their cells, at this step and the next, so that none
    is beyond the ghost layer.

@@ -1,6 +1,6 @@
 /* Checkpoint file: what every rank holds of a checkpoint while it is read, and the checks on it. */
 #pragma once
-#include "march/march_private.h"
+#include "analysis/pace.h"
 
 /*
    The entries of the array 'where': the step, the step to which the particles' places belong, the whole cells of drift
@@ -18,6 +18,21 @@ static inline PetscInt MpmAtRebased(PetscInt axis)
 /* The entries of the array 'numbers'. */
 enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
 
+/*
+   The entries of the array 'pace' of a run that chooses its steps: the sum of their Courant numbers, that of the last one, and what
+   MpmPace says of them.
+*/
+enum {
+  MPM_PACE_ELAPSED,
+  MPM_PACE_COURANT,
+  MPM_PACE_LEAST,
+  MPM_PACE_LARGEST,
+  MPM_PACE_TOLD,
+  MPM_PACE_CHANGES,
+  MPM_PACE_TAKEN,
+  MPM_PACE_NUMBERS = MPM_PACE_TAKEN + MPM_PACE_REASONS
+};
+
 /*S
    MpmCheckpoint - all of a checkpoint except for particles and nodes.
 
@@ -28,7 +43,7 @@ typedef struct {
   const char *path;
   PetscInt64  where[MPM_WHERE_OF(MPM_MAX_DIM)], scene_length, csv_length, samples, ranks;
   PetscInt64 *sample_step, *rank_particles, *rank_nodes;
-  PetscReal   numbers[MPM_NUMBERS], *log_state, *log_grid;
+  PetscReal   numbers[MPM_NUMBERS], pace[MPM_PACE_NUMBERS], *log_state, *log_grid;
   char       *scene, *csv;
 } MpmCheckpoint;
 
@@ -38,6 +53,9 @@ typedef struct {
    Not collective; all ranks hold the same data and decide alike.
 */
 PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, const MpmCheckpoint *file);
+
+/* Not collective. Refuses numbers that no run has that chooses its steps. */
+PetscErrorCode MpmCheckpointCheckPace(const MpmCheckpoint *file);
 
 /*
    MpmCheckpointCheckState - refuses particles and nodes from which the march could not resume.

@@ -242,7 +242,7 @@ PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, Pets
 
 PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
 {
-  const PetscReal time = march->step * march->scene->dt, step = (PetscReal)march->step;
+  const PetscReal time = MpmMarchTime(march, march->step), step = (PetscReal)march->step;
   const char     *slash = strrchr(output->file.path, '/');
   char            group[64];
 

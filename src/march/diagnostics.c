@@ -10,7 +10,7 @@ static PetscErrorCode LocalSums(const MpmMarch *march, PetscInt field, const Mpm
   const MpmScene     *scene     = march->scene;
   const MpmParticles *particles = march->particles;
   const char         *name      = scene->scheme.table->fields[field];
-  const PetscReal     t         = march->step * scene->dt;
+  const PetscReal     t         = MpmMarchTime(march, march->step);
   const PetscBool     weighed   = scene->layout.varies[MPM_VOLUME];
   const PetscReal    *q, *volume = NULL;
   const PetscInt64   *id;

@@ -42,7 +42,7 @@ static void Advance(const MpmMarch *march, const MpmFiniteBlock *block)
   }
 }
 
-void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscReal step, PetscReal load[])
+void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal load[])
 {
   const MpmScene *scene = march->scene;
   const PetscReal unit  = scene->cell_width / (scene->wave_speed * scene->wave_speed);
@@ -50,7 +50,7 @@ void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscReal step, PetscRe
 
   if (scene->body_force) {
     MpmParticlesLagrangian(march->particles, id, march->cell_width, X);
-    scene->body_force(scene, X, step * scene->dt, force);
+    scene->body_force(scene, X, MpmMarchTime(march, step), force);
   }
   for (PetscInt a = 0; a < march->grid->dim; a++) load[a] = unit * (scene->gravity[a] + force[a]);
 }
@@ -61,7 +61,7 @@ static void Load(const MpmMarch *march, const MpmFiniteBlock *block)
   PetscReal load[MPM_MAX_DIM];
 
   for (PetscInt p = 0; p < block->n; p++) {
-    if (p == 0 || march->scene->body_force) MpmFiniteLoad(march, block->id[p], (PetscReal)block->step, load);
+    if (p == 0 || march->scene->body_force) MpmFiniteLoad(march, block->id[p], block->step, load);
     for (PetscInt a = 0; a < march->grid->dim; a++) block->to[a][p] = load[a];
   }
 }

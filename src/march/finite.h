@@ -52,7 +52,7 @@ void MpmFiniteRun(const MpmMarch *march, MpmPassOpKind kind, const MpmFiniteBloc
    Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the time
    of a step, in units of c^2 / h.
 */
-void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscReal step, PetscReal load[]);
+void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal load[]);
 
 /* Not collective. Forgets ranges and failures, before a step. */
 void MpmFiniteForget(MpmMarch *march);

@@ -106,7 +106,7 @@ PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
 static PetscErrorCode Ways(const MpmMarch *march, PetscInt a, const PetscInt64 id[], PetscReal way[])
 {
   const MpmDirection *direction = &march->layout->grid[a];
-  const PetscReal     went      = march->velocity[a] * march->courant * (PetscReal)march->particles->step;
+  const PetscReal     went      = march->velocity[a] * MpmMarchElapsed(march);
   const PetscInt     *cell;
   const PetscReal    *xi;
 

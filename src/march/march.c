@@ -96,7 +96,7 @@ static PetscErrorCode CompilePlans(MpmMarch *march)
   const MpmSchedule *schedule = &march->schedule;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(schedule->npasses + 1, &march->plans));
+  if (!march->plans) PetscCall(PetscMalloc1(schedule->npasses + 1, &march->plans));
   for (PetscInt p = 0; p < schedule->npasses; p++)
     MpmRowPlanCompile(&schedule->pass[p], march->scheme->basis, march->grid->dim, &march->plans[p]);
   MpmRowPlanCompile(&schedule->start, march->scheme->basis, march->grid->dim, &march->plans[schedule->npasses]);
@@ -110,13 +110,28 @@ static PetscErrorCode CompileClouds(MpmMarch *march)
 
   PetscFunctionBegin;
   if (march->layout->jitter == 0 && !march->particles->own) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
+  if (!march->clouds) PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
   for (PetscInt p = 0; p <= march->schedule.npasses; p++) {
     MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, &march->clouds[p]);
     size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
   }
+  if (march->bundles) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(size, &march->bundles));
   MpmLargePages(march->bundles, sizeof(PetscReal) * (size_t)size);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The passes have the Courant number as a factor of their operations. */
+PetscErrorCode MpmMarchSetCourant(MpmMarch *march, PetscReal courant)
+{
+  PetscFunctionBegin;
+  march->courant = courant;
+  PetscCall(MpmScheduleCompile(march->scheme->table, march->scheme->basis, march->layout, courant, PETSC_TRUE,
+                               march->slack ? PETSC_TRUE : PETSC_FALSE, &march->schedule));
+  if (march->layout->dim > 1) {
+    PetscCall(CompilePlans(march));
+    PetscCall(CompileClouds(march));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -374,6 +389,7 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
     if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   }
   march->step++;
+  march->elapsed += march->courant;
   if (!march->watch) PetscCall(MigrateInTime(march));
   PetscCall(MpmFloatEnd(PetscObjectComm((PetscObject)march->grid->da), &march->float_check, "march", march->step));
   PetscFunctionReturn(PETSC_SUCCESS);

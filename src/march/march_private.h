@@ -32,6 +32,7 @@ struct MpmMarch_ {
   const MpmScheme *scheme;
   PetscReal        cell_width;                     /* 1 without a scene */
   PetscReal        courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
+  PetscReal        elapsed;                        /* where steps differ: the sum of their Courant numbers */
   MpmGrid         *grid;
   MpmParticles    *particles;
   MpmSchedule      schedule;
@@ -64,6 +65,35 @@ PetscErrorCode MpmMarchLoad(const MpmMarch *march, PetscReal *load);
 
 /* Collective. Sets the particle fields to random numbers in [-amplitude, amplitude) and sums them to the nodes. */
 PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude);
+
+/* Not collective. Whether steps differ, because the run chooses them (analysis/pace.h). */
+static inline PetscBool MpmMarchIsPaced(const MpmMarch *march)
+{
+  return march->scene && march->scene->safety > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. The time of the march in units of h / c. */
+static inline PetscReal MpmMarchElapsed(const MpmMarch *march)
+{
+  return MpmMarchIsPaced(march) ? march->elapsed : march->courant * (PetscReal)march->step;
+}
+
+/* Not collective. The time of a step in the scene's unit. Where steps differ it is the last one or the next. */
+static inline PetscReal MpmMarchTime(const MpmMarch *march, PetscInt64 step)
+{
+  const MpmScene *scene = march->scene;
+
+  if (!MpmMarchIsPaced(march)) return (PetscReal)step * scene->dt;
+  return MpmSceneTimeStep(scene, march->elapsed + (PetscReal)(step - march->step) * march->courant);
+}
+
+/*
+   MpmMarchSetCourant - sets the Courant number of the next steps, of a march whose steps differ. What nodes hold is still that of
+   the step before; the pass before the first step, schedule.start, renews it.
+
+   Not collective.
+*/
+PetscErrorCode MpmMarchSetCourant(MpmMarch *march, PetscReal courant);
 
 /* Not collective. Whether particles move relative to the grid. */
 static inline PetscBool MpmMarchDrifts(const MpmMarch *march)

@@ -85,7 +85,7 @@ static PetscErrorCode LocalSums(const MpmMarch *march, const Measured *m, const 
       X[a] *= scene->cell_width;
       x[a] = places[a * march->particles->count + p];
     }
-    e = fabs(ErrorAt(scene, solution, m, X, x, q, p, march->step * scene->dt));
+    e = fabs(ErrorAt(scene, solution, m, X, x, q, p, MpmMarchTime(march, march->step)));
     sums[0] += e;
     sums[1] += e * e;
     if (!(e <= sums[2])) sums[2] = e; /* NaN is the largest */

@@ -39,7 +39,7 @@ static PetscErrorCode SetLoad(const MpmTangentSpace *space, const MpmMarch *marc
   if (!MpmTableHas(march->scheme->table, MPM_LOAD)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) PetscCall(VecGetArray(state->load[a], &to[a]));
   for (PetscInt p = 0; p < space->sizes.particles; p++) {
-    MpmFiniteLoad(march, space->sizes.begin + p, (PetscReal)march->particles->step, load);
+    MpmFiniteLoad(march, space->sizes.begin + p, march->particles->step, load);
     for (PetscInt a = 0; a < dim; a++) to[a][p] = load[a];
   }
   for (PetscInt a = 0; a < dim; a++) PetscCall(VecRestoreArray(state->load[a], &to[a]));

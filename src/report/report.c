@@ -16,6 +16,26 @@ static PetscErrorCode PrintNumber(PetscReal value)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How the steps of a run were chosen. */
+static PetscErrorCode PrintPace(const MpmRun *run)
+{
+  const MpmScene *s    = run->scene;
+  const MpmPace  *pace = run->pace;
+
+  PetscFunctionBegin;
+  MpmPrint("dt from %.6g to %.6g, changed %" PetscInt64_FMT " times\n", MpmSceneTimeStep(s, pace->least),
+           MpmSceneTimeStep(s, pace->largest), pace->changes);
+  MpmPrint("  %-10s %-9" PetscInt64_FMT
+           " steps: %g of the largest stable step of particles at rest (%s), %.6g h / c, with the "
+           "fastest waves' c\n",
+           "by waves", pace->taken[MPM_PACE_WAVES], s->safety, MpmNeighbourhoodNames[pace->where], pace->limit);
+  if (pace->taken[MPM_PACE_MOTION])
+    MpmPrint("  %-10s %-9" PetscInt64_FMT " steps: the fastest particle may not go a cell in a step\n", "by motion",
+             pace->taken[MPM_PACE_MOTION]);
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintScene(const MpmRun *run)
 {
   const MpmScene *s = run->scene;
@@ -28,8 +48,10 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   if (s->initial == MPM_INITIAL_MODE && MpmSceneHasPoisson(s))
     MpmPrint(", polarisation %s", MpmPolarisationNames[s->polarisation]);
   if (s->initial == MPM_INITIAL_EIGENMODE) MpmPrint(" %" PetscInt_FMT " of %s", s->mode[0], run->request->mode_file);
-  MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps of dt = %.6g to time %.6g\n\n", s->amplitude,
-           s->stagger ? ", staggered" : "", run->steps, s->dt, run->steps * s->dt);
+  MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps", s->amplitude, s->stagger ? ", staggered" : "", run->steps);
+  if (!run->pace) MpmPrint(" of dt = %.6g", s->dt);
+  MpmPrint(" to time %.6g\n\n", run->time);
+  if (run->pace) PetscCall(PrintPace(run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -69,6 +69,24 @@ static void SetTransfer(json_t *object, const MpmRun *run)
     json_object_set_new(object, "ringing", PerField(table, first->ringing, last->ringing, most->ringing));
 }
 
+/* How the steps of a run were chosen. */
+static json_t *Pace(const MpmRun *run)
+{
+  const MpmPace *pace   = run->pace;
+  json_t        *object = json_object(), *steps = json_object();
+
+  MpmJsonSet(object, "limit", pace->limit);
+  json_object_set_new(object, "limited_by", json_string(MpmNeighbourhoodNames[pace->where]));
+  MpmJsonSet(object, "safety", run->scene->safety);
+  MpmJsonSet(object, "dt_least", MpmSceneTimeStep(run->scene, pace->least));
+  MpmJsonSet(object, "dt_largest", MpmSceneTimeStep(run->scene, pace->largest));
+  json_object_set_new(object, "changes", json_integer(pace->changes));
+  for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++)
+    json_object_set_new(steps, MpmPaceReasonNames[r], json_integer(pace->taken[r]));
+  json_object_set_new(object, "steps", steps);
+  return object;
+}
+
 static json_t *Run(const MpmRun *run)
 {
   json_t         *object = json_object(), *energy = json_object();
@@ -76,7 +94,8 @@ static json_t *Run(const MpmRun *run)
 
   json_object_set_new(object, "steps", json_integer(run->steps));
   if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));
-  MpmJsonSet(object, "time", run->steps * run->scene->dt);
+  MpmJsonSet(object, "time", run->time);
+  if (run->pace) json_object_set_new(object, "courant_auto", Pace(run));
   MpmJsonSet(object, "loop_s", run->loop_s);
   if (work > 0) MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
   MpmJsonSet(object, "bytes_per_particle_step", run->bytes);

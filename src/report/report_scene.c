@@ -106,13 +106,17 @@ static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
   char            text[96];
 
   PetscFunctionBegin;
-  if (HasOneStep(s, request->task)) PetscCall(PrintFields(s, request, "Courant number {courant}, "));
-  if (HasOneStep(s, request->task) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
+  if (s->safety > 0)
+    PetscCall(PrintFields(s, request, "Courant number auto with safety {safety}, "));
+  else if (HasOneStep(s, request->task))
+    PetscCall(PrintFields(s, request, "Courant number {courant}, "));
+  if (s->safety == 0 && HasOneStep(s, request->task) && both) PetscCall(PrintFields(s, request, "dt {dt}, "));
   if (request->at_mach && !HasOneStep(s, request->task))
     MpmPrint("drift M k cells per step, ");
-  else
+  else if (s->safety == 0)
     PetscCall(PrintFields(s, request, "drift {drift} cells per step, "));
-  if (!HasOneStep(s, request->task) || !both || IsVaried(request, "drift") || IsVaried(request, "drift_angle"))
+  if (!HasOneStep(s, request->task) || !(both || s->safety > 0) || IsVaried(request, "drift") ||
+      IsVaried(request, "drift_angle"))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < s->layout.dim; a++) velocity[a] = s->step.drift[a].value * s->cell_width / s->dt;
   PetscCall(MpmReportVector(s->layout.dim, velocity, 6, sizeof text, text));

@@ -29,6 +29,7 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
 
   PetscFunctionBegin;
   if (run->has_errors) PetscCall(Columns(MpmSceneErrorFields(scene, error), error, "error_l2_", header));
+  if (run->pace) PetscCall(PetscStrlcat(header, ",dt,fastest_wave", LONGEST_HEADER));
   if (request->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
   if (request->source_term) PetscCall(Columns(table->nstate, table->fields, "source_", header));
   if (request->ringing) PetscCall(Columns(table->nstate, table->fields, "ringing_", header));
@@ -58,11 +59,15 @@ PetscErrorCode MpmRunCsvRow(const MpmRun *run, const MpmMarch *march, const MpmT
   if (run->has_errors) PetscCall(MpmDiagnosticsErrors(march, error));
   if (!csv->stream) PetscFunctionReturn(PETSC_SUCCESS);
   fprintf(csv->stream, "%" PetscInt64_FMT, march->step);
-  MpmTextFileCell(csv, march->step * scene->dt);
+  MpmTextFileCell(csv, MpmMarchTime(march, march->step));
   MpmTextFileCell(csv, exp(log_norm));
   MpmTextFileCell(csv, energy);
   MpmTextFileCell(csv, log_norm / M_LN10);
   for (PetscInt f = 0; run->has_errors && f < MpmSceneErrorFields(scene, name); f++) MpmTextFileCell(csv, error[f].l2);
+  if (run->pace) { /* of the last step */
+    MpmTextFileCell(csv, march->step ? MpmSceneTimeStep(scene, march->courant) : NAN);
+    MpmTextFileCell(csv, march->step ? run->pace->fastest * scene->wave_speed : NAN);
+  }
   if (request->weights) {
     MpmTextFileCell(csv, diagnostics->last.c1_mean);
     MpmTextFileCell(csv, diagnostics->last.c1_min);

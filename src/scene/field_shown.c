@@ -98,8 +98,28 @@ PetscBool MpmRecordHasSpeed(const MpmScene *scene, MpmRecord record)
   return record != MPM_IN_JSON || MpmSceneIsPhysical(scene) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/* With courant auto step and drift differ from step to step. */
+PetscBool MpmRecordHasOneStep(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->safety > 0 ? PETSC_FALSE : PETSC_TRUE;
+}
+
+PetscBool MpmRecordHasSafety(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return scene->safety > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* A checkpoint compares the drift also then, because it says how fast particles start. */
+PetscBool MpmRecordHasDrift(const MpmScene *scene, MpmRecord record)
+{
+  return record == MPM_IN_CHECKPOINT || scene->safety == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 PetscBool MpmRecordHasTimeStep(const MpmScene *scene, MpmRecord record)
 {
+  if (scene->safety > 0) return PETSC_FALSE;
   return record != MPM_IN_JSON || (MpmSceneIsPhysical(scene) && MpmSceneHasStep(scene)) ? PETSC_TRUE : PETSC_FALSE;
 }
 

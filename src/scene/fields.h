@@ -54,6 +54,7 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    help       - its meaning, as 'mpmstab list options' prints it
    lo, hi     - bounds of a number; lo itself is out when lo_open
    word(i)    - the words that are allowed, NULL after the last
+   also       - a word that may stand in the place of a number, or NULL; where a number is needed, it is the default then
    rival      - an option that says the same in another way, so that giving both is an error; several with commas
    tasks      - those that read it (NULL: all); the others refuse it on the command line
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
@@ -76,6 +77,7 @@ typedef struct {
   PetscReal     lo, hi;
   PetscBool     lo_open;
   const char *(*word)(PetscInt i);
+  const char  *also;
   const char  *rival, *tasks;
   MpmValueKind value;
   MpmOwner     owner;

@@ -26,19 +26,23 @@ static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scen
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A run that chooses its steps ends at a time after as many of them as it takes. */
 static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscReal time, steps;
 
   PetscFunctionBegin;
-  if (MpmSettingsGiven(settings, "time")) {
+  if (MpmSettingsGiven(settings, "time") && scene->safety > 0) {
+    PetscCall(MpmSettingsReal(settings, "time", &request->end));
+    request->steps = (PetscInt64)MOST_STEPS;
+  } else if (MpmSettingsGiven(settings, "time")) {
     PetscCall(MpmSettingsReal(settings, "time", &time));
     /* a time that is a whole number of steps but for rounding does not get one more */
     steps = ceil(time / scene->dt * (1 - 1e-12));
     if (!(steps <= MOST_STEPS)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
     request->steps = PetscMax((PetscInt64)steps, 1);
   }
-  PetscCall(CheckEnd(settings, scene, request));
+  if (request->end == 0) PetscCall(CheckEnd(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -438,6 +442,8 @@ static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScen
   static const char *const linear[] = {"symbol", "critical", "map", "ensemble"};
 
   PetscFunctionBegin;
+  if (scene->safety > 0 && strcmp(request->task, "run"))
+    PetscCall(MpmSettingsRefuse(settings, "courant", "allowed with this task: a number"));
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(linear) && scene->scheme.space.finite; i++)
     if (!strcmp(request->task, linear[i]))
       PetscCall(MpmSettingsRefuse(
@@ -457,7 +463,13 @@ static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene 
   char               why[160];
 
   PetscFunctionBegin;
-  if (!solution || request->steps * scene->dt <= solution->end(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!solution) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->safety > 0 && request->end == 0)
+    PetscCall(MpmSettingsRefuse(settings, "courant",
+                                "its exact solution holds until some time, and the time of so many steps is not known; "
+                                "allowed: with time in the place of steps"));
+  if ((scene->safety > 0 ? request->end : request->steps * scene->dt) <= solution->end(scene))
+    PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(why, sizeof why,
                           "its exact solution holds until time %.6g; allowed: a run to that time or before",
                           (double)solution->end(scene)));

@@ -64,6 +64,8 @@ extern const char *const MpmTangentNames[];
 
    task              - its name
    steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
+   end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another run ends
+                       after its steps.
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
@@ -105,7 +107,7 @@ typedef struct {
   MpmTangentKind  tangent;
   PetscInt        window, exponents;
   PetscInt64      at_step;
-  PetscReal       warn_above;
+  PetscReal       warn_above, end;
   PetscBool       at_mach;
   MpmMach         mach;
   MpmExpect       expect;

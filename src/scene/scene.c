@@ -448,6 +448,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadFill(settings, scene));
   PetscCall(MpmSettingsReadShape(settings, scene));
   PetscCall(ReadSpace(settings, scene));
+  PetscCall(MpmSettingsReadPace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
   if (scene->scheme.space.finite)
     PetscCall(MpmSettingsCheckFinite(settings, scene));

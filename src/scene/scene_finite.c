@@ -176,6 +176,36 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define SAFETY 0.8      /* measured on runs that fail (examples/warnings) */
+#define SAFETY_LESS 0.6 /* the same of transfers with an affine part, and of MLS-MPM's gradient */
+
+PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
+{
+  const PetscBool less =
+      scene->scheme.transfer->affine || scene->scheme.space.gradient == MPM_GRADIENT_MLS ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool moves = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!MpmSettingsIsAlso(settings, "courant")) {
+    if (MpmSettingsGiven(settings, "safety") && !MpmSettingsOverruled(settings, "safety", "courant"))
+      PetscCall(MpmSettingsRefuse(settings, "safety", "allowed: only with courant auto"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  scene->safety = less ? SAFETY_LESS : SAFETY;
+  if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
+  if (!scene->scheme.space.finite)
+    PetscCall(MpmSettingsRefuse(settings, "courant",
+                                "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
+                                "or kinematics finite ('mpmstab critical' finds the largest stable number)"));
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    if (scene->step.drift[a].value != 0) moves = PETSC_TRUE;
+  if (moves && MpmSettingsGiven(settings, "drift") && MpmSettingsSource(settings, "drift") != MPM_FROM_DEFAULT)
+    PetscCall(MpmSettingsRefuse(
+        settings, "drift", "with courant auto no step is known of which it is the way; allowed: velocity or mach"));
+  if (scene->stagger) PetscCall(MpmSettingsRefuse(settings, "stagger", "courant auto: steps differ; allowed: false"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
 {
   PetscInt word;

@@ -114,7 +114,7 @@ static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene
 
   PetscFunctionBegin;
   factor[1] = *velocity;
-  PetscCall(MpmFractionParse(MpmSettingsText(settings, step), &factor[2], &ok));
+  PetscCall(MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2], &ok));
   if (has_dt && MpmSettingsGiven(settings, "length")) {
     const PetscInt cells = scene->layout.grid[0].cells;
 

@@ -137,6 +137,12 @@ PetscBool   MpmSettingsGiven(const MpmSettings *settings, const char name[]);
 MpmOrigin   MpmSettingsSource(const MpmSettings *settings, const char name[]);
 const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
 
+/* Not collective. Whether the word stands there that an option allows in the place of a number. */
+PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[]);
+
+/* Not collective. The text of an option's number: that of its default where such a word stands in its place. */
+const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[]);
+
 /*
    MpmSettingsFarthest - of the options that were given the one whose number is farthest from 1; it is to blame when a
    product of them is out of the range of doubles.
@@ -218,6 +224,9 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene);
+
+/* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */
+PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene);
 
 /* Collective. Reads the shape that particles fill. The box that they are in and the kinematics must be known. */
 PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene);

@@ -52,7 +52,8 @@ static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[
 
   PetscFunctionBegin;
   if (option->lo_open && option->hi == PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g", what, (double)option->lo));
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g%s%s", what, (double)option->lo,
+                            option->also ? ", or " : "", option->also ? option->also : ""));
   else if (option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL)
     PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g", what, (double)option->lo));
   else if (option->hi == PETSC_MAX_REAL)
@@ -126,6 +127,19 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[])
+{
+  const char *also = MpmOptions[MpmOptionIndex(name)].also;
+
+  return also && !strcmp(MpmSettingsText(settings, name), also) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[])
+{
+  return MpmSettingsIsAlso(settings, name) ? MpmOptions[MpmOptionIndex(name)].fallback
+                                           : MpmSettingsText(settings, name);
+}
+
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
@@ -134,7 +148,7 @@ PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], P
 
   PetscFunctionBegin;
   if (option->kind == MPM_FRACTION) {
-    PetscCall(MpmFractionParse(MpmSettingsText(settings, name), &fraction, &ok));
+    PetscCall(MpmFractionParse(MpmSettingsNumberText(settings, name), &fraction, &ok));
     *value = fraction.value;
   } else
     ok = ParseReal(MpmSettingsText(settings, name), value);
@@ -156,7 +170,7 @@ PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], P
 static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
                           char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
 {
-  const char *text                   = MpmSettingsText(settings, name);
+  const char *text                   = MpmSettingsNumberText(settings, name);
   char        part[MOST_PARTS][PART] = {{0}}, why[160];
   PetscInt    n                      = 0;
   PetscBool   fits                   = PETSC_TRUE;

@@ -21,13 +21,13 @@ typedef struct {
   PetscBool         again; /* the run goes once more to where it has been */
 } Files;
 
-static PetscErrorCode OpenOutput(Files *files, const MpmMarch *march)
+static PetscErrorCode OpenOutput(Files *files, const MpmRun *run, const MpmMarch *march)
 {
   PetscBool there = PETSC_FALSE;
 
   PetscFunctionBegin;
   /* a run of no steps adds nothing to an output that ends with this step */
-  if (march->step == files->request->steps) PetscCall(MpmOutputHasStep(files->request, march->step, &there));
+  if (march->step == run->last) PetscCall(MpmOutputHasStep(files->request, march->step, &there));
   if (there)
     MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", files->request->output, march->step);
   else
@@ -62,11 +62,12 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
   }
   if (request->restart[0]) PetscCall(MpmCheckpointRead(request->restart, request->steps, march, run, &before));
   files->from = march->step;
-  if (request->restart[0] && files->from == request->steps && !files->again)
+  if (run->pace && MpmPaceIsOver(run->pace, march)) run->last = march->step;
+  if (request->restart[0] && files->from == run->last && !files->again)
     MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", request->restart,
              files->from);
   if (request->checkpoint[0]) MpmStopInstall();
-  if (request->output[0]) PetscCall(OpenOutput(files, march));
+  if (request->output[0]) PetscCall(OpenOutput(files, run, march));
   if (request->csv[0]) PetscCall(OpenCsv(files, run, before));
   PetscCall(PetscFree(before));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -92,7 +93,7 @@ static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *marc
   char             *csv     = NULL;
 
   PetscFunctionBegin;
-  if (!request->checkpoint[0] || march->step == files->from || march->step == request->steps)
+  if (!request->checkpoint[0] || march->step == files->from || march->step == run->last)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmStopAgreed(PETSC_COMM_WORLD, stop));
   if (!*stop && march->step % request->checkpoint_every) PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,7 +111,7 @@ static PetscErrorCode Step(void *context, const MpmRun *run, MpmMarch *march, Pe
 
   PetscFunctionBegin;
   if (files->output &&
-      (march->step == files->from || march->step % request->output_every == 0 || march->step == request->steps))
+      (march->step == files->from || march->step % request->output_every == 0 || march->step == run->last))
     PetscCall(MpmOutputStep(files->output, march));
   if (!run->lost) PetscCall(Keep(files, run, march, stop));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -144,9 +145,10 @@ static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRu
 {
   MpmRequest            request = *files->request;
   Files                 again   = {.scene = files->scene, .request = &request, .kept = MPM_NEVER, .again = PETSC_TRUE};
-  const MpmRunCallbacks callbacks = {.context = &again, .begin = Begin, .sample = Sample, .step = Step, .end = End};
-  char                  more[128];
-  MpmRun               *run;
+  const MpmRunCallbacks callbacks = {
+      .context = &again, .begin = Begin, .sample = Sample, .step = Step, .end = End, .silent = PETSC_TRUE};
+  char    more[128];
+  MpmRun *run;
 
   PetscFunctionBegin;
   request.steps     = failed->steps;

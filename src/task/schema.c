@@ -65,13 +65,19 @@ static json_t *One(const MpmField *o)
   }
 }
 
+/* A word that may stand in the place of a number. */
+static json_t *OrAlso(const MpmField *o, json_t *value)
+{
+  return o->also ? json_pack("{s:[o,{s:s}]}", "anyOf", value, "const", o->also) : value;
+}
+
 /* Lists, ranges, ends and words may be text with commas or an array; so may a value for each direction. */
 static json_t *Value(const MpmField *o)
 {
   if (o->kind == MPM_LIST) return json_pack("{s:[s,s,s]}", "type", "integer", "string", "array");
   if (o->kind == MPM_ENDS || o->kind == MPM_WORDS) return json_pack("{s:[s,s]}", "type", "string", "array");
   if (o->kind == MPM_WORD && !strcmp(o->name, "formulation")) return Word(o);
-  if (!o->each) return One(o);
+  if (!o->each) return OrAlso(o, One(o));
   return json_pack("{s:[o,o,{s:s,s:s}]}", "anyOf", One(o), Several(One(o), 1, 2 * MPM_MAX_DIM), "type", "string",
                    "pattern", ",");
 }

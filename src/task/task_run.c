@@ -5,6 +5,18 @@
 #include "task/run_files.h"
 #include "task/task.h"
 
+static PetscErrorCode PrintStopped(const MpmRun *run, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  MpmPrint("stopped at step %" PetscInt64_FMT, run->steps);
+  if (request->end > 0)
+    MpmPrint(", at time %.6g of %.6g", run->time, request->end);
+  else
+    MpmPrint(" of %" PetscInt64_FMT, request->steps);
+  MpmPrint("; to go on: the same command with -restart %s\n", request->checkpoint);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmRun *run;
@@ -16,9 +28,7 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
     MpmPrintFailure(run->failure);
     *missed = MPM_WORK_FAILED;
   } else if (run->stopped)
-    MpmPrint("stopped at step %" PetscInt64_FMT " of %" PetscInt64_FMT
-             "; to go on: the same command with -restart %s\n",
-             run->steps, request->steps, request->checkpoint);
+    PetscCall(PrintStopped(run, request));
   else {
     if (request->json[0]) PetscCall(MpmRunWriteJson(run));
     PetscCall(MpmRunPrint(run));

@@ -3,6 +3,7 @@
 
 check_finite.py MPIEXEC MPMSTAB. Silent when all is well.
 """
+import csv
 import json
 import os
 import subprocess
@@ -85,6 +86,77 @@ def check_failure(ranks, dim):
               f"from the last whole state: {again.stderr}")
 
 
+PACED = ("-kinematics finite -formulation usl -material neo -basis quadratic -courant auto -cells 16 -initial mode "
+         "-amplitude 0.6").split()
+LEVEL = 2 ** (1 / 16)  # steps are rounded down to such a power
+
+
+def result(ranks, *words):
+    done(ranks, *words, "-json", "result.json")
+    with open("result.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def limit_of(*words):
+    process = subprocess.run([MPMSTAB, "critical", *words, "-json", "critical.json"], capture_output=True, text=True, check=False)
+    check(process.returncode == 0, process.stderr)
+    with open("critical.json", encoding="utf-8") as file:
+        return json.load(file)["critical"]["critical_courant"]
+
+
+def check_chosen_steps():
+    """Each step is a part of the limit with the fastest waves at any particle. They are those of this bar, by its stretch."""
+    run_of = result(1, *PACED, "-time", "0.5", "-csv", "paced.csv", "-output", "paced.h5", "-output_every", "1")
+    auto, known = run_of["run"]["courant_auto"], limit_of("-formulation", "usl", "-basis", "quadratic")
+    check("courant" not in run_of and "drift" not in run_of, "numbers that differ from step to step")
+    check(abs(auto["limit"] - known) < 1e-6 and auto["safety"] == 0.8, f"limit {auto}, not {known}")
+    check(abs(run_of["run"]["time"] - 0.5) < 1e-14 and auto["changes"] > 3 and auto["dt_least"] < 0.9 * auto["dt_largest"],
+          f"{run_of['run']}")
+    with open("paced.csv", encoding="utf-8") as file, h5py.File("paced.h5") as fields:
+        rows, groups = list(csv.DictReader(file)), sorted(key for key in fields if key.startswith("step_"))
+        check(len(rows) == len(groups) == run_of["run"]["steps"] + 1, f"{len(rows)} rows, {len(groups)} steps")
+        for row, before, group in zip(rows[1:-2], groups, groups[1:]):  # the last two fill what is left
+            stretch = fields[before]["particles/f"][...]
+            fastest = np.sqrt((stretch ** 2 + 1) / 2).max()
+            most = 0.8 * auto["limit"] / 16 / fastest
+            dt = fields[group].attrs["time"] - fields[before].attrs["time"]
+            check(abs(float(row["fastest_wave"]) / fastest - 1) < 1e-12 and abs(float(row["dt"]) / dt - 1) < 1e-9
+                  and most / LEVEL * (1 - 1e-12) <= dt <= most * (1 + 1e-12), f"{row}: dt {dt}, at most {most}")
+
+
+def check_alike():
+    """Waves in an isothermal gas have one speed. So the steps that are chosen are those of a Courant number."""
+    scene = ("-kinematics finite -formulation usl -basis quadratic -material gas -cells 12 -initial mode -amplitude 0.1 "
+             "-steps 40").split()
+    auto = result(1, *scene, "-courant", "auto", "-output", "auto.h5")["run"]["courant_auto"]
+    done(1, *scene, "-courant", repr(auto["limit"] * 0.8), "-output", "number.h5")
+    check(auto["changes"] == 0, f"{auto}")
+    one, other = arrays("auto.h5"), arrays("number.h5")
+    for name, values in one.items():
+        check(np.abs(values - other[name]).max() < 1e-12, f"{name} differs by {np.abs(values - other[name]).max()}")
+
+
+def check_chosen_restart(ranks, dim):
+    """A run that resumes chooses the same steps, and ends at the same time with the same bits."""
+    scene = [*PACED, "-dim", str(dim), "-mach", "0.4"]
+    done(ranks, *scene, "-time", "0.4", "-checkpoint", "whole.h5", "-output", "whole_fields.h5")
+    done(ranks, *scene, "-steps", "4", "-checkpoint", "part.h5")
+    done(ranks, *scene, "-time", "0.4", "-restart", "part.h5", "-checkpoint", "resumed.h5")
+    whole, resumed = arrays("whole.h5"), arrays("resumed.h5")
+    for name, values in whole.items():
+        if not name.startswith(("series", "csv")):
+            check(np.array_equal(values, resumed[name]), f"{ranks} ranks, dim {dim}: {name} is another after a restart")
+    done(3, *scene, "-time", "0.4", "-restart", "part.h5", "-output", "other_fields.h5")
+    whole, other = arrays("whole_fields.h5"), arrays("other_fields.h5")
+    for name, values in whole.items():
+        apart = np.abs(values - other[name])
+        check(np.minimum(apart, np.abs(apart - 1)).max() < 1e-11, f"dim {dim}: {name} is off by {apart.max():.2e} on three")
+    said = done(ranks, *scene, "-time", "0.4", "-restart", "resumed.h5")
+    check("nothing is left to march" in said, said)
+    process = run(ranks, *scene, "-time", "0.1", "-restart", "resumed.h5")
+    check(process.returncode == 2 and "is at time 0.4 of 0.1" in process.stderr, process.stderr)
+
+
 def check_failure_beside_tangents():
     """The last whole state is marched once more, and says nothing of its tangents a second time, nor of where it begins."""
     scene = [*BREAKS, "-checkpoint", "last.h5"]
@@ -141,7 +213,15 @@ def check_refusals():
                              ("run", "-kinematics finite -formulation usl -ringing", "are of the linear step"),
                              ("run", "-kinematics finite -formulation usl -material svk -stretch 0.5", "no stiffness"),
                              ("run", "-kinematics finite -formulation usl -dim 2 -poisson 0.5", "less than 0.5"),
-                             ("run", "-kinematics finite -formulation usl -move projected", "no second P2G")):
+                             ("run", "-kinematics finite -formulation usl -move projected", "no second P2G"),
+                             ("run", "-formulation usl -courant auto", "kinematics finite alone"),
+                             ("spectrum", "-kinematics finite -formulation usl -courant auto", "with this task: a number"),
+                             ("run", "-kinematics finite -formulation usl -courant automatic", "greater than 0, or auto"),
+                             ("run", "-kinematics finite -formulation usl -courant auto -drift 1/8", "velocity or mach"),
+                             ("run", "-kinematics finite -formulation usl -courant auto -stagger", "steps differ"),
+                             ("run", "-kinematics finite -formulation usl -safety 0.5", "only with courant auto"),
+                             ("run", "-kinematics finite -formulation usl -courant auto -initial manufactured -amplitude 0.01",
+                              "with time in the place of steps")):
         process = subprocess.run([MPMSTAB, task, *words.split()], capture_output=True, text=True, check=False)
         check(process.returncode == 2 and why in process.stderr and len(process.stderr.splitlines()) == 1,
               f"{task} {words}: status {process.returncode}: {process.stderr}")
@@ -194,6 +274,10 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     check_refusals()
     check_json()
+    check_chosen_steps()
+    check_alike()
+    check_chosen_restart(1, 1)
+    check_chosen_restart(2, 2)
     check_ratio()
     check_columns()
     check_energy()

@@ -1,0 +1,238 @@
+/* Chooses the steps of a run by the fastest waves at any particle. */
+#include "analysis/pace.h"
+#include "analysis/lone.h"
+#include "analysis/patch.h"
+#include "march/finite.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/errors.h>
+#include <math.h>
+
+#define CELLS 16     /* of the layout whose limit is sought; the limit of an endless one does not depend on them */
+#define FARTHEST 0.9 /* cells that a particle may move in a step; a run ends where one goes a whole cell */
+#define WORTH 1.18   /* a step is printed when it is so many times larger or smaller than the one printed before */
+#define DIGITS 1e6   /* the limit is rounded, since a search on other ranks ends with other last digits */
+#define SAME_TIME 1e-12
+#define TOLERANCE 1e-6 /* growth per step above 1 + TOLERANCE counts */
+
+const char *const MpmPaceReasonNames[] = {"waves", "motion", "end"};
+
+/* ---- the limit of the linear scheme ---- */
+
+/* A periodic domain with the particles of the scene in each cell, all at their sites. */
+static PetscErrorCode LayoutAtRest(const MpmScene *scene, MpmScene **rest)
+{
+  const MpmLayout *l = &scene->layout;
+  char             text[512], part[64];
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(text, sizeof text, "{formulation: usl, dim: %" PetscInt_FMT ", cells: %d, basis: %s, ppc: '",
+                          l->dim, CELLS, scene->scheme.basis->name));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", l->ppc[a]));
+    PetscCall(PetscStrlcat(text, part, sizeof text));
+  }
+  PetscCall(PetscStrlcat(text, "', offset: '", sizeof text));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.17g", a ? "," : "", l->offset[a].value));
+    PetscCall(PetscStrlcat(text, part, sizeof text));
+  }
+  PetscCall(PetscStrlcat(text, "'}", sizeof text));
+  PetscCall(MpmSceneFromText(text, rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Poisson's ratio at rest, of which the linear scheme knows the material; 1/2 of a fluid. */
+static PetscReal PoissonOf(const MpmMaterialNumbers *m)
+{
+  const PetscBool solid = m->law == MPM_LAW_LINEAR || m->law == MPM_LAW_NEO || m->law == MPM_LAW_SVK;
+
+  return solid ? m->lambda / (2 * (m->lambda + m->mu)) : 0.5;
+}
+
+/* Whether particles end somewhere inside the grid, or at a free end: there they are near a surface, or alone. */
+static PetscBool HasSurface(const MpmLayout *layout)
+{
+  for (PetscInt a = 0; a < layout->dim; a++)
+    if (layout->grid[a].ends[0] == MPM_FREE || layout->grid[a].ends[1] == MPM_FREE) return PETSC_TRUE;
+  return MpmLayoutIsFull(layout) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* The limit of a lone particle, which is known in closed form for most schemes; else, or without a limit, that at an edge. */
+static PetscErrorCode LimitAtSurface(const MpmCriticalCase *of, PetscReal *limit, MpmNeighbourhoodKind *where)
+{
+  MpmLone       lone;
+  MpmPatchLimit edge;
+
+  PetscFunctionBegin;
+  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &lone));
+  *limit = lone.courant;
+  *where = MPM_ALONE;
+  if (lone.known && isfinite(lone.courant)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchFind(of, MPM_PATCH_EDGE, &edge));
+  *limit = edge.courant;
+  *where = MPM_AT_EDGE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNeighbourhoodKind *where)
+{
+  const MpmCriticalCase none   = {.tolerance = TOLERANCE};
+  MpmCriticalCase       of     = none;
+  MpmScheme             scheme = scene->scheme;
+  MpmScene             *rest;
+  MpmCritical           critical;
+
+  PetscFunctionBegin;
+  PetscCall(LayoutAtRest(scene, &rest));
+  scheme.space          = rest->scheme.space;
+  scheme.space.gradient = scene->scheme.space.gradient;
+  scheme.space.filter   = scene->scheme.space.filter;
+  scheme.space.poisson  = PoissonOf(&scene->scheme.space.material);
+  PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
+  of.layout = &rest->layout;
+  of.scheme = &scheme;
+  of.step   = (MpmStep){.courant = 1};
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) of.step.drift[a] = (MpmFraction){.den = 1};
+  PetscCall(MpmCriticalFind(&of, PETSC_TRUE, &critical));
+  *limit = critical.courant;
+  *where = MPM_IN_BULK;
+  if (HasSurface(&scene->layout)) {
+    PetscReal            other = NAN;
+    MpmNeighbourhoodKind at    = MPM_IN_BULK;
+
+    PetscCall(LimitAtSurface(&of, &other, &at));
+    if (!(other >= *limit)) {
+      *limit = other;
+      *where = at;
+    }
+  }
+  PetscCall(MpmTableDestroy(&scheme.table));
+  PetscCall(MpmSceneDestroy(&rest));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, MpmPace **pace)
+{
+  MpmNeighbourhoodKind where;
+  PetscReal            limit;
+
+  PetscFunctionBegin;
+  PetscCall(LimitAtRest(scene, &limit, &where));
+  limit = rint(limit * DIGITS) / DIGITS;
+  MpmCheckInput(
+      limit > 0 && isfinite(limit),
+      "courant auto: the scheme has no largest stable step with particles at rest (%s, %s); allowed: a number, or "
+      "another scheme",
+      MpmNeighbourhoodNames[where],
+      isnan(limit) ? "where the limit is undecided"
+      : limit > 0  ? "where all are stable"
+                   : "where none is stable");
+  PetscCall(PetscNew(pace));
+  **pace = (MpmPace){.limit = limit, .where = where, .end = INFINITY, .least = INFINITY, .fastest = NAN, .motion = NAN};
+  if (request->end > 0) (*pace)->end = request->end * scene->wave_speed / scene->cell_width;
+  (*pace)->expected = request->end > 0 ? ceil((*pace)->end / (scene->safety * limit)) : (PetscReal)request->steps;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPaceDestroy(MpmPace **pace)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(*pace));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the next step ---- */
+
+PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march)
+{
+  return march->elapsed >= pace->end * (1 - SAME_TIME) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The largest speeds of waves and of particles along an axis, over c. */
+static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal speed[2])
+{
+  const MpmTable  *t   = march->scheme->table;
+  const PetscInt   dim = t->dim, n = march->particles->count;
+  const PetscReal *F[MPM_MAX_DIM * MPM_MAX_DIM], *q;
+
+  PetscFunctionBegin;
+  speed[0] = speed[1] = 0;
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  for (PetscInt p = 0; p < n; p++) {
+    PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
+
+    for (PetscInt c = 0; c < dim * dim; c++) at[c] = F[c][p];
+    speed[0] = PetscMax(speed[0], MpmMaterialSpeed(&t->material, dim, at));
+  }
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+  speed[0] *= sqrt(march->scheme->space.stiffness);
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
+    PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
+    for (PetscInt p = 0; p < n; p++) speed[1] = PetscMax(speed[1], fabs(q[p]));
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+  }
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, speed, 2, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The Courant number of the next step. It follows from the state and the time alone, so that a run that resumes goes on as it
+   would have. Where no waves travel at all, the step of the start is taken.
+*/
+static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal most = march->scene->safety * pace->limit, waves = pace->fastest > 0 ? most / pace->fastest : most;
+  const PetscReal motion = FARTHEST / pace->motion, left = pace->end - march->elapsed;
+  PetscReal       k = PetscMin(waves, motion);
+
+  pace->reason = waves <= motion ? MPM_PACE_WAVES : MPM_PACE_MOTION;
+  k            = most * exp2(floor(MPM_PACE_LEVELS * log2(k / most) * (1 + PETSC_MACHINE_EPSILON)) / MPM_PACE_LEVELS);
+  if (left >= 2 * k) return k;
+  pace->reason = MPM_PACE_END;
+  return left > k ? left / 2 : left; /* two steps share what is left, so that the last one is not tiny */
+}
+
+PetscErrorCode MpmPaceStep(MpmPace *pace, MpmMarch *march, PetscInt64 *last)
+{
+  PetscReal speed[2], courant;
+
+  PetscFunctionBegin;
+  PetscCall(LargestSpeeds(march, speed));
+  pace->fastest = speed[0];
+  pace->motion  = speed[1];
+  courant       = Choose(pace, march);
+  if (courant >= pace->end - march->elapsed) *last = PetscMin(*last, march->step + 1);
+  if (courant != march->courant) {
+    PetscCall(MpmMarchSetCourant(march, courant));
+    PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+    pace->changes += march->step > 0 ? 1 : 0;
+  }
+  if (pace->reason != MPM_PACE_END) {
+    pace->least   = PetscMin(pace->least, courant);
+    pace->largest = PetscMax(pace->largest, courant);
+  }
+  pace->taken[pace->reason]++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPaceTell(MpmPace *pace, const MpmMarch *march)
+{
+  const MpmScene *scene = march->scene;
+  const PetscReal ratio = pace->told > 0 ? march->courant / pace->told : INFINITY;
+
+  PetscFunctionBegin;
+  if (pace->reason == MPM_PACE_END || (ratio < WORTH && ratio > 1 / WORTH)) PetscFunctionReturn(PETSC_SUCCESS);
+  pace->told = march->courant;
+  MpmPrint("step %" PetscInt64_FMT ": dt = %.6g, ", march->step + 1, MpmSceneTimeStep(scene, march->courant));
+  if (pace->reason == MPM_PACE_MOTION)
+    MpmPrint("in which the fastest particle, of speed %.4g, moves at most %g of a cell\n",
+             pace->motion * scene->wave_speed, FARTHEST);
+  else
+    MpmPrint("%g of the largest stable step, %.6g h / c (%s), at the fastest waves, c = %.4g\n", scene->safety,
+             pace->limit, MpmNeighbourhoodNames[pace->where], pace->fastest * scene->wave_speed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
