@@ -43,6 +43,7 @@ static const char *const other[][2] = {
     {"length", "-cell_width 0.25"},
     {"wave_speed", "-young 4 -density 1"},
     {"courant", "-courant 0.25"},
+    {"safety", "-kinematics finite -courant auto"},
     {"drift", "-drift 1/7"},
     {"initial", "-initial pulse"},
     {"mode", "-mode 2"},
