@@ -7,19 +7,25 @@ typedef struct {
   PetscReal *xi[MPM_MAX_DIM];
 } Places;
 
-/* The number of particles from begin on that are on one line, in cells that a line of nodes has room for. */
-static PetscInt Length(const Places *a, PetscInt begin)
+/* The number of particles from begin on that are on one line along x. */
+static PetscInt OnLine(const Places *a, PetscInt begin)
 {
-  const PetscInt most = PetscMin(a->count - begin, MPM_BLOCK);
-  PetscInt       n    = 1;
+  PetscInt n = 1;
 
-  for (; n < most; n++) {
-    const PetscInt on = a->cell[0][begin + n] - a->cell[0][begin];
-
-    if (on < 0 || on >= MPM_BLOCK) return n;
+  for (; begin + n < a->count; n++)
     for (PetscInt d = 1; d < a->dim; d++)
       if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
-  }
+  return n;
+}
+
+/* The number of particles of a row from begin on: about `share` in whole cells, for which a line of nodes has room. */
+static PetscInt Length(const Places *a, PetscInt begin, PetscInt line, PetscInt share)
+{
+  const PetscInt most = PetscMin(line, MPM_BLOCK), *cell = a->cell[0] + begin;
+  PetscInt       n = 1;
+
+  for (; n < most && cell[n] >= cell[0] && cell[n] - cell[0] < MPM_BLOCK; n++)
+    if (n >= share && cell[n] != cell[n - 1]) return n;
   return n;
 }
 
@@ -34,13 +40,20 @@ static PetscBool IsAlike(const Places *a, PetscInt of, PetscInt begin, PetscInt 
   return differ ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* The number of rows, which are stored unless row is NULL. */
+/*
+   The number of rows, which are stored unless row is NULL. The rows of a line are as long as one another, if whole cells
+   permit, so that more of them are alike.
+*/
 static PetscInt Visit(const Places *a, PetscBool altered, MpmRow row[])
 {
-  PetscInt rows = 0, of = 0, before = 0;
+  PetscInt rows = 0, of = 0, before = 0, line = 0, share = 0;
 
-  for (PetscInt begin = 0, n; begin < a->count; begin += n, rows++) {
-    n = Length(a, begin);
+  for (PetscInt begin = 0, n; begin < a->count; begin += n, line -= n, rows++) {
+    if (!line) {
+      line  = OnLine(a, begin);
+      share = (line - 1) / ((line - 1) / MPM_BLOCK + 1) + 1;
+    }
+    n = Length(a, begin, line, share);
     if (row)
       row[rows] = (MpmRow){.begin = begin, .alike = n == before ? IsAlike(a, of, begin, n, altered) : PETSC_FALSE};
     of     = begin;

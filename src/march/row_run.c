@@ -153,10 +153,47 @@ static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, PetscBool to_
   else if (to_nodes)
     MpmRunsSpread(&placed->block, nodes, placed->run[map->weights], factor, q, line);
   else
-    MpmRunsGather(&placed->block, nodes, placed->run[map->weights], factor, q, line);
+    MpmRunsGather(&placed->block, nodes, placed->run[map->weights], 1, &factor, &q, line);
 }
 
-/* The nodes [lo, hi) of a line to particles. Maps that share a kernel differ in their particle fields and factors. */
+/*
+   The maps that share a kernel and a line with m, from m on, as far as one loop does them all: runs that are alike, and no
+   weight of a particle's own. Returns how many they are.
+*/
+static PetscInt GatherAlike(const MpmRowArrays *a, const MpmRowMap *m, const Placed *placed, const PetscReal line[])
+{
+  PetscReal factor[MPM_MOST_TARGETS], *q[MPM_MOST_TARGETS];
+  PetscInt  n = 0;
+
+  for (; placed->alike && n <= m->shared && n < MPM_MOST_TARGETS && !m[n].weight; n++) {
+    factor[n] = m[n].a;
+    q[n]      = MpmRowsField(a, m[n].particle, placed->begin);
+  }
+  if (n) MpmRunsGather(&placed->block, a->march->scheme->basis->nodes, placed->run[m->weights], n, factor, q, line);
+  return n;
+}
+
+/* Maps that share a kernel differ in their particle fields and factors. */
+static void GatherShared(const MpmRowArrays *a, const MpmRowMap *m, const Placed *placed, Work *w, PetscReal line[])
+{
+  const MpmRowMap *last = m + m->shared;
+
+  if (m == last && !m->weight) {
+    RunKernel(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
+    return;
+  }
+  for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
+  RunKernel(a, m, PETSC_FALSE, placed, 1, w->weighed, line);
+  for (; m <= last; m++) {
+    const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
+    const PetscReal *restrict from   = w->weighed;
+    PetscReal *restrict q            = MpmRowsField(a, m->particle, placed->begin);
+
+    for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
+  }
+}
+
+/* The nodes [lo, hi) of a line to particles. */
 static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
 {
   PetscReal *line = w->line[0] + MARGIN;
@@ -167,22 +204,10 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
     MpmLinesGather(placed->rows, placed->offset, placed->weight[l->across], placed->hi - placed->lo, node,
                    line + placed->lo);
     for (const MpmRowMap *m = a->plan->map + l->begin, *end = a->plan->map + l->end; m < end;) {
-      const MpmRowMap *last = m + m->shared;
+      const PetscInt n = GatherAlike(a, m, placed, line);
 
-      if (m == last && !m->weight) {
-        RunKernel(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
-        m++;
-        continue;
-      }
-      for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
-      RunKernel(a, m, PETSC_FALSE, placed, 1, w->weighed, line);
-      for (; m <= last; m++) {
-        const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
-        const PetscReal *restrict from   = w->weighed;
-        PetscReal *restrict q            = MpmRowsField(a, m->particle, placed->begin);
-
-        for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
-      }
+      if (!n) GatherShared(a, m, placed, w, line);
+      m += n ? n : m->shared + 1;
     }
   }
 }

@@ -34,13 +34,15 @@ MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind);
 
    Not collective. MpmRunsFind says whether the runs of a block are alike, those at its ends too, which may be parts of
    runs. MpmRunsWeights finds the weights of a kind of operation that goes to nodes. MpmRunsGather and MpmRunsSpread are
-   the kernels that have these weights: MpmKernel says what they add.
+   the kernels that have these weights: MpmKernel says what they add. A gather adds a[t] times its sums to each of n
+   particle fields, at most MPM_MOST_TARGETS.
 */
 #define MPM_LONGEST_RUN 4
+#define MPM_MOST_TARGETS 3
 PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *block);
 void      MpmRunsWeights(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *block, PetscReal weight[]);
-void MpmRunsGather(const MpmBlock *block, PetscInt nodes, const PetscReal weight[], PetscReal a, PetscReal particle[],
-                   const PetscReal node[]);
+void MpmRunsGather(const MpmBlock *block, PetscInt nodes, const PetscReal weight[], PetscInt n, const PetscReal a[],
+                   PetscReal *const particle[], const PetscReal node[]);
 void MpmRunsSpread(const MpmBlock *block, PetscInt nodes, const PetscReal weight[], PetscReal a,
                    const PetscReal particle[], PetscReal node[]);
 

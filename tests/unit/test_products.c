@@ -109,22 +109,32 @@ static void CheckBundle(const MpmBasis *basis, const Cloud *c, PetscInt n, Petsc
 static void CheckRuns(const MpmBasis *basis, PetscInt length, PetscInt first, MpmOpKind gather, MpmOpKind spread)
 {
   enum { N = 23, NODES = N + 12 };
-  PetscInt  cell[N];
-  PetscReal xi[N], weight[MPM_LONGEST_RUN * MPM_MOST_NODES], q[2][N], node[2][NODES];
-  MpmBlock  block;
+  const PetscReal factor[MPM_MOST_TARGETS] = {0.7, -0.2, 1.1};
+  PetscInt        cell[N];
+  PetscReal      *to[MPM_MOST_TARGETS];
+  PetscReal       xi[N], weight[MPM_LONGEST_RUN * MPM_MOST_NODES], q[1 + MPM_MOST_TARGETS][N], node[2][NODES];
+  MpmBlock        block;
 
   for (PetscInt p = 0; p < N; p++) {
     cell[p] = 4 + (first + p) / length;
     xi[p]   = ((first + p) % length + 0.51) / length;
-    q[0][p] = q[1][p] = MpmHash(8, p);
+    q[0][p] = MpmHash(8, p);
   }
   for (PetscInt i = 0; i < NODES; i++) node[0][i] = node[1][i] = MpmHash(9, i);
   MpmBlockPlace(basis, N, cell, xi, WIDTH, MpmNoWalls, &block);
   CHECK(MpmRunsFind(basis, &block), "%s: runs of %d are not found", basis->name, (int)length);
   MpmRunsWeights(basis, spread, &block, weight);
   basis->kernel[gather](&block, 0.7, q[0], node[0]);
-  MpmRunsGather(&block, basis->nodes, weight, 0.7, q[1], node[1]);
-  for (PetscInt p = 0; p < N; p++) CHECK_NEAR(q[0][p], q[1][p], NEAR);
+  for (PetscInt n = 1; n <= MPM_MOST_TARGETS; n++) {
+    for (PetscInt t = 0; t < n; t++) {
+      to[t] = q[1 + t];
+      for (PetscInt p = 0; p < N; p++) to[t][p] = MpmHash(8, p);
+    }
+    MpmRunsGather(&block, basis->nodes, weight, n, factor, to, node[1]);
+    for (PetscInt t = 0; t < n; t++)
+      for (PetscInt p = 0; p < N; p++)
+        CHECK_NEAR(MpmHash(8, p) + factor[t] / 0.7 * (q[0][p] - MpmHash(8, p)), to[t][p], NEAR);
+  }
   basis->kernel[spread](&block, 0.3, q[0], node[0]);
   MpmRunsSpread(&block, basis->nodes, weight, 0.3, q[0], node[1]);
   for (PetscInt i = 0; i < NODES; i++) CHECK_NEAR(node[0][i], node[1][i], NEAR);
