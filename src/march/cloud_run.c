@@ -3,7 +3,11 @@
 #include "march/finite.h"
 #include <stdint.h>
 
-#define LINE 64 /* bytes in a line of the cache: the values of a node are in one line */
+#define LINE 64        /* bytes in a line of the cache: the values of a node are in one line */
+#define SECOND_LEVEL 2 /* of the cache: the first one has no room for another cloud */
+
+#define SIDE 4 /* particles, or lanes, that are moved at once */
+typedef PetscReal Side __attribute__((vector_size(SIDE * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
 /* The places of a cloud, before DRIFT or after it, and its weights, by direction and number of the kind in the plan. */
 typedef struct {
@@ -13,14 +17,13 @@ typedef struct {
 
 /*
    Memory for a cloud while it is in a pass. taken, given: the numbers of a cloud's particles for each product of weights, in
-   a gather and in a spread. given is 0 for what the part filled gives nothing to.
+   a gather and in all spreads. given is 0 for what has no map. lane: the numbers of some lanes, one after another.
 */
 typedef struct {
   Placed placed[2];
-  _Alignas(LINE) PetscReal taken[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE],
-      given[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], one[MPM_CLOUD], ones[MPM_CLOUD];
+  _Alignas(LINE) PetscReal taken[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], lane[SIDE][MPM_CLOUD], ones[MPM_CLOUD];
   const MpmCloudPlan *plan;
-  const MpmCloudPart *filled;
+  PetscReal          *given;
   PetscReal          *node[2 * (MPM_MAX_FIELDS + 1)]; /* node 0 of each bundle */
 } Work;
 
@@ -49,24 +52,50 @@ static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt af
   }
 }
 
-/* The weights of the kinds of a part. A part without a kind has phi_ip for it, and no map that uses the products. */
+/* The weights of the kinds of a part. */
 static void TakeWeights(const MpmCloudPart *part, PetscInt dim, Placed *placed)
 {
   for (PetscInt d = 0; d < dim; d++) {
-    placed->cloud.weight[d][0] = placed->cloud.weight[d][1] = placed->weight[d][0];
+    placed->cloud.weight[d][0] = placed->weight[d][0];
     for (PetscInt k = 0; k < part->nkinds; k++) placed->cloud.weight[d][1 + k] = placed->weight[d][part->kind[k]];
   }
 }
 
-/* Where the numbers of a map's lane and product are among those of all. */
-static PetscInt NumbersOf(const MpmCloudMap *map, PetscInt width)
+/*
+   Takes a lane from vectors of width lanes. Numbers are stored in the groups in which they are read next. A read of a
+   group that was stored in parts would wait until all of them are in the cache.
+*/
+static inline void TakeLaneOf(const PetscReal *restrict from, const PetscInt width, PetscInt n, PetscReal *restrict to)
 {
-  return width * MPM_CLOUD * map->product + map->lane;
+  for (PetscInt p = 0; p < n; p += SIDE, from += SIDE * width)
+    *(Side *)(to + p) = (Side){from[0], from[width], from[2 * width], from[3 * width]};
 }
 
-static PetscBool SameNumbers(const MpmCloudMap *a, const MpmCloudMap *b)
+static void TakeLane(const PetscReal from[], PetscInt width, PetscInt n, PetscReal to[])
 {
-  return a->product == b->product && a->lane == b->lane ? PETSC_TRUE : PETSC_FALSE;
+  if (width == 4) TakeLaneOf(from, 4, n, to);
+  if (width == 8) TakeLaneOf(from, 8, n, to);
+}
+
+/* Where the numbers of a lane come from, and the factor that they are multiplied by. */
+typedef struct {
+  const PetscReal *q;
+  PetscReal        a;
+} Source;
+
+/* Sets SIDE lanes that are beside one another, as groups too. */
+static inline void GiveLanesOf(const Source from[SIDE], const PetscInt width, PetscInt n, PetscReal *restrict to)
+{
+  const PetscReal *restrict x = from[0].q, *restrict y = from[1].q, *restrict z = from[2].q, *restrict w = from[3].q;
+  const Side a = {from[0].a, from[1].a, from[2].a, from[3].a};
+
+  for (PetscInt p = 0; p < n; p++, to += width) *(Side *)to = a * (Side){x[p], y[p], z[p], w[p]};
+}
+
+static void GiveLanes(const Source from[SIDE], PetscInt width, PetscInt n, PetscReal to[])
+{
+  if (width == 4) GiveLanesOf(from, 4, n, to);
+  if (width == 8) GiveLanesOf(from, 8, n, to);
 }
 
 /* What the nodes of particle p give to it, or with spreads get from it: q times the weights of a map along two axes. */
@@ -113,6 +142,16 @@ static void RunCrosses(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt
   }
 }
 
+/* q += a weight from, or without weight q += a from */
+static void AddWeighed(PetscInt n, PetscReal a, const PetscReal *restrict weight, const PetscReal *restrict from,
+                       PetscReal *restrict q)
+{
+  if (weight)
+    for (PetscInt p = 0; p < n; p++) q[p] += a * weight[p] * from[p];
+  else
+    for (PetscInt p = 0; p < n; p++) q[p] += a * from[p];
+}
+
 static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
   const MpmCloudPlan *plan  = w->plan;
@@ -120,37 +159,52 @@ static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt 
 
   part->run(&placed->cloud, w->node[part->bundle], w->taken);
   for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
-    const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
-    const PetscReal *restrict from   = w->taken + NumbersOf(m, width);
-    PetscReal *restrict q            = MpmRowsField(a, m->particle, begin);
-    PetscReal *restrict one          = w->one;
-
-    if (m == plan->map + part->begin || !SameNumbers(m, m - 1))
-      for (PetscInt p = 0; p < n; p++) one[p] = from[width * p];
-    for (PetscInt p = 0; p < n; p++) q[p] += m->a * weight[p] * one[p];
+    if (m == plan->map + part->begin || m->product != m[-1].product || m->lane != m[-1].lane)
+      TakeLane(w->taken + width * MPM_CLOUD * m->product + m->lane, width, n, w->lane[0]);
+    AddWeighed(n, m->a, m->weight ? a->weight[m->weight] + begin : NULL, w->lane[0],
+               MpmRowsField(a, m->particle, begin));
   }
+}
+
+static const PetscReal *FieldOf(const MpmRowArrays *a, const MpmCloudMap *m, PetscInt begin, const Work *w)
+{
+  return m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
+}
+
+/* Finds the source of the lane of map m: one particle field or a sum. Returns the first map of another lane. */
+static const MpmCloudMap *FindSource(const MpmRowArrays *a, const MpmCloudMap *m, const MpmCloudMap *end,
+                                     PetscInt begin, PetscInt n, Work *w, Source from[SIDE])
+{
+  const MpmCloudMap *next = m + 1;
+  const PetscInt     l    = m->lane % SIDE;
+  PetscReal         *lane = w->lane[l];
+
+  while (next < end && next->product == m->product && next->lane == m->lane) next++;
+  from[l] = (Source){.q = FieldOf(a, m, begin, w), .a = m->a};
+  if (next == m + 1 && !m->weight) return next;
+  from[l] = (Source){.q = lane, .a = 1};
+  for (PetscInt p = 0; p < n; p++) lane[p] = 0;
+  for (; m < next; m++)
+    AddWeighed(n, m->a, m->weight ? a->weight[m->weight] + begin : NULL, FieldOf(a, m, begin, w), lane);
+  return next;
 }
 
 static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
   const MpmCloudPlan *plan  = w->plan;
+  const MpmCloudMap  *end   = plan->map + part->end;
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
-  const PetscInt      products = MPM_PRODUCTS(a->march->grid->dim, PetscMax(part->nkinds, 1));
+  PetscReal          *given = w->given + part->given;
 
-  if (w->filled != part)
-    for (PetscInt i = 0; i < products * MPM_CLOUD * width; i++) w->given[i] = 0;
-  w->filled = part;
-  for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
-    const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + begin : w->ones;
-    const PetscReal *restrict q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
-    PetscReal *restrict to           = w->given + NumbersOf(m, width);
+  for (const MpmCloudMap *m = plan->map + part->begin; m < end;) {
+    const PetscInt product = m->product, side = m->lane / SIDE;
+    Source         from[SIDE];
 
-    if (m == plan->map + part->begin || !SameNumbers(m, m - 1))
-      for (PetscInt p = 0; p < n; p++) to[width * p] = m->a * weight[p] * q[p];
-    else
-      for (PetscInt p = 0; p < n; p++) to[width * p] += m->a * weight[p] * q[p];
+    for (PetscInt l = 0; l < SIDE; l++) from[l] = (Source){.q = w->ones, .a = 0};
+    while (m < end && m->product == product && m->lane / SIDE == side) m = FindSource(a, m, end, begin, n, w, from);
+    GiveLanes(from, width, n, given + width * MPM_CLOUD * product + SIDE * side);
   }
-  part->run(&placed->cloud, w->node[part->bundle], w->given);
+  part->run(&placed->cloud, w->node[part->bundle], given);
 }
 
 /* Runs an operation of finite deformation. */
@@ -170,10 +224,24 @@ static void RunFinite(const MpmRowArrays *a, const MpmRowStep *step, PetscInt be
   MpmFiniteRun(a->march, step->finite, &block);
 }
 
+/* Asks for the state of n particles before it is read: a cloud is too short for the processor to foresee what comes. */
+static void Prefetch(const MpmRowArrays *a, PetscInt begin, PetscInt n)
+{
+  for (PetscInt p = begin; p < begin + n; p += LINE / (PetscInt)sizeof(PetscReal)) {
+    for (PetscInt f = 0; f < a->march->scheme->table->nstate; f++)
+      __builtin_prefetch(a->particle[f] + p, 1, SECOND_LEVEL);
+    for (PetscInt d = 0; d < a->march->grid->dim; d++) {
+      __builtin_prefetch(a->xi[d] + p, 0, SECOND_LEVEL);
+      __builtin_prefetch(a->cell[d] + p, 0, SECOND_LEVEL);
+    }
+  }
+}
+
 static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
 {
   Placed *placed = &w->placed[0];
 
+  Prefetch(a, begin + n, PetscMin(MPM_CLOUD, a->march->particles->count - begin - n));
   Place(a, begin, n, 0, placed);
   for (PetscInt s = 0; s < a->plan->nsteps; s++) {
     const MpmRowStep *step = &a->plan->step[s];
@@ -234,7 +302,7 @@ static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt n
 
 PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan)
 {
-  return plan->width * Nodes(grid) + LINE / sizeof(PetscReal);
+  return plan->width * Nodes(grid) + plan->given + LINE / sizeof(PetscReal);
 }
 
 PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
@@ -242,12 +310,13 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
   const MpmGrid *grid  = a->march->grid;
   const PetscInt count = a->march->particles->count, nodes = Nodes(grid);
   PetscReal     *first = bundles + (LINE - (uintptr_t)bundles % LINE) / sizeof(PetscReal);
-  Work           work  = {.plan = plan};
+  Work           work  = {.plan = plan, .given = first + plan->width * nodes};
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < grid->dim; d++)
     work.placed[0].cloud.stride[d] = work.placed[1].cloud.stride[d] = grid->axis[d].stride;
   for (PetscInt p = 0; p < MPM_CLOUD; p++) work.ones[p] = 1;
+  PetscCall(PetscArrayzero(work.given, plan->given));
   for (PetscInt b = 0; b < plan->nbundles; b++) {
     const MpmCloudBundle *bundle = &plan->bundle[b];
     PetscReal            *values = first + bundle->begin * nodes;

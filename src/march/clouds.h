@@ -25,10 +25,11 @@ typedef struct {
 /*
    Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to
    map[end - 1] of the plan, in the order of their products and lanes, and cross[first_cross] to cross[end_cross - 1].
-   kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside phi_ip.
+   kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside phi_ip. given: where the
+   products of a spread begin in the memory for all of them.
 */
 typedef struct {
-  PetscInt     bundle, begin, end, first_cross, end_cross, nkinds;
+  PetscInt     bundle, begin, end, first_cross, end_cross, nkinds, given;
   PetscInt     kind[MPM_BUNDLE_KINDS];
   MpmBundleMap run;
 } MpmCloudPart;
@@ -41,10 +42,11 @@ typedef struct {
 
 /*S
    MpmCloudPlan - what a row plan needs besides, to be run on clouds. Step s of it has part[first[s]] to
-   part[first[s + 1] - 1]; width is the sum of the widths of all bundles.
+   part[first[s + 1] - 1]; width is the sum of the widths of all bundles, and
+   given the number of products of all spreads.
 S*/
 struct MpmCloudPlan_ {
-  PetscInt       nparts, nmaps, ncrosses, nbundles, width, first[2 * MPM_MAX_PASS_OPS + 1];
+  PetscInt       nparts, nmaps, ncrosses, nbundles, width, given, first[2 * MPM_MAX_PASS_OPS + 1];
   MpmCloudPart   part[2 * MPM_MAX_PASS_OPS];
   MpmCloudMap    map[2 * MPM_MAX_PASS_OPS];
   MpmCloudCross  cross[2 * MPM_MAX_PASS_OPS];

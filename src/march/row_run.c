@@ -135,13 +135,6 @@ static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Work
   PlaceAcross(a, row->begin, after, w, &w->placed[after]);
 }
 
-PetscReal *MpmRowsField(const MpmRowArrays *a, PetscInt field, PetscInt begin)
-{
-  const PetscInt nstate = a->march->scheme->table->nstate;
-
-  return field < nstate ? a->particle[field] + begin : a->march->scratch + (field - nstate) * MPM_BLOCK;
-}
-
 /* Runs the kernel of a map, from a line to particles or back. */
 static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, PetscBool to_nodes, const Placed *placed,
                       PetscReal factor, PetscReal q[], PetscReal line[])

@@ -102,7 +102,12 @@ void MpmRowsMove(const MpmRowArrays *arrays, PetscInt axis, PetscInt n, const Pe
                  PetscInt after, PetscInt cell[], PetscReal xi[]);
 
 /* Not collective. A particle field from particle begin on. Scratch fields live for one row, or for one cloud. */
-PetscReal *MpmRowsField(const MpmRowArrays *arrays, PetscInt field, PetscInt begin);
+static inline PetscReal *MpmRowsField(const MpmRowArrays *arrays, PetscInt field, PetscInt begin)
+{
+  const PetscInt nstate = arrays->march->scheme->table->nstate;
+
+  return field < nstate ? arrays->particle[field] + begin : arrays->march->scratch + (field - nstate) * MPM_BLOCK;
+}
 
 /* Collective. The node operations after a pass, in more than one dimension. step is that of the particles' places. */
 PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,

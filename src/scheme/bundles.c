@@ -1,6 +1,7 @@
 /*
    The maps of a bundle. The numbers of directions, of nodes, of kinds and of fields are constants in each loop, so that
-   the values of a node are one or two registers and the sums stay in registers.
+   the values of a node are one register and the sums stay in registers. Without AVX-512 a bundle has at most four fields:
+   no register holds eight, and GCC would then keep them in memory.
 */
 #include "scheme/bundles.h"
 
@@ -9,7 +10,10 @@
 
 /* The values of a bundle at a node. They are aligned as single numbers are. */
 typedef PetscReal Four __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+#ifdef __AVX512F__
+#define HAS_EIGHT /* a register holds eight numbers */
 typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+#endif
 
 /* The weights of particle p along x and y, each in all lanes of a register: every plane of nodes uses them again. */
 #define LOAD(Values)                                                                                                   \
@@ -118,9 +122,7 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
   }
 
 DEFINE_GATHER(Four)
-DEFINE_GATHER(Eight)
 DEFINE_SPREAD(Four)
-DEFINE_SPREAD(Eight)
 
 /* One function for each number of directions, of nodes, of kinds and of fields. */
 #define DEFINE(way, Values, dim, nodes, kinds)                                                                         \
@@ -129,6 +131,7 @@ DEFINE_SPREAD(Eight)
     way##Values(dim, nodes, kinds, cloud, node, product);                                                              \
   }
 #define DEFINE_KINDS(way, Values, dim, nodes)                                                                          \
+  DEFINE(way, Values, dim, nodes, 0)                                                                                   \
   DEFINE(way, Values, dim, nodes, 1)                                                                                   \
   DEFINE(way, Values, dim, nodes, 2)                                                                                   \
   DEFINE(way, Values, dim, nodes, 3)
@@ -140,29 +143,42 @@ DEFINE_SPREAD(Eight)
   DEFINE_KINDS(way, Values, 3, 3)                                                                                      \
   DEFINE_KINDS(way, Values, 3, 4)
 DEFINE_ALL(Gather, Four)
-DEFINE_ALL(Gather, Eight)
 DEFINE_ALL(Spread, Four)
+#ifdef HAS_EIGHT
+DEFINE_GATHER(Eight)
+DEFINE_SPREAD(Eight)
+DEFINE_ALL(Gather, Eight)
 DEFINE_ALL(Spread, Eight)
+#endif
 
 #define KINDS(way, Values, dim, nodes)                                                                                 \
   {                                                                                                                    \
-    way##Values##dim##nodes##1, way##Values##dim##nodes##2, way##Values##dim##nodes##3                                 \
+    way##Values##dim##nodes##0, way##Values##dim##nodes##1, way##Values##dim##nodes##2, way##Values##dim##nodes##3     \
   }
 #define ALL(way, Values)                                                                                               \
   {                                                                                                                    \
     {KINDS(way, Values, 2, 2), KINDS(way, Values, 2, 3), KINDS(way, Values, 2, 4)},                                    \
         {KINDS(way, Values, 3, 2), KINDS(way, Values, 3, 3), KINDS(way, Values, 3, 4)},                                \
   }
+typedef MpmBundleMap Maps[2][3][1 + MPM_BUNDLE_KINDS];
 
 PetscInt MpmBundleWidth(PetscInt fields)
 {
-  return fields > 4 ? 8 : 4;
+#ifdef HAS_EIGHT
+  if (fields > 4) return 8;
+#endif
+  (void)fields;
+  return 4;
 }
 
 MpmBundleMap MpmBundleMapFind(PetscBool to_nodes, PetscInt dim, PetscInt nodes, PetscInt kinds, PetscInt width)
 {
-  static const MpmBundleMap maps[2][2][2][3][MPM_BUNDLE_KINDS] = {{ALL(Gather, Four), ALL(Gather, Eight)},
-                                                                  {ALL(Spread, Four), ALL(Spread, Eight)}};
+  static const Maps four[2] = {ALL(Gather, Four), ALL(Spread, Four)};
+#ifdef HAS_EIGHT
+  static const Maps eight[2] = {ALL(Gather, Eight), ALL(Spread, Eight)};
 
-  return maps[to_nodes ? 1 : 0][width > 4 ? 1 : 0][dim - 2][nodes - 2][kinds - 1];
+  if (width > 4) return eight[to_nodes ? 1 : 0][dim - 2][nodes - 2][kinds];
+#endif
+  (void)width;
+  return four[to_nodes ? 1 : 0][dim - 2][nodes - 2][kinds];
 }

@@ -39,7 +39,8 @@ typedef void (*MpmBundleMap)(const MpmCloud *cloud, PetscReal node[], PetscReal 
 
 /*
    Not collective. The map to nodes (a spread) or from them (a gather) for bases whose particles have weights at so many
-   nodes in each direction, and the number of fields that its bundles are wide when they have at least so many.
+   nodes in each direction, with 0 to MPM_BUNDLE_KINDS kinds. MpmBundleWidth is the width of a bundle of so many fields.
+   MpmBundleWidth(MPM_BUNDLE) is the largest width on this processor, and more fields need more bundles.
 */
 MpmBundleMap MpmBundleMapFind(PetscBool to_nodes, PetscInt dim, PetscInt nodes, PetscInt kinds, PetscInt width);
 PetscInt     MpmBundleWidth(PetscInt fields);

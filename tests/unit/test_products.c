@@ -154,8 +154,8 @@ static PetscErrorCode Test(int argc, char **argv)
 
     for (PetscInt dim = 2; dim <= 3; dim++) {
       Place(*b, dim, &cloud);
-      for (PetscInt n = 1; n <= (hat ? 2 : KINDS); n++)
-        for (PetscInt width = 4; width <= 8; width += 4) CheckBundle(*b, &cloud, n, width);
+      for (PetscInt n = 0; n <= (hat ? 2 : KINDS); n++)
+        for (PetscInt width = 4; width <= MpmBundleWidth(FIELDS); width += 4) CheckBundle(*b, &cloud, n, width);
     }
     for (PetscInt length = 1; length <= MPM_LONGEST_RUN; length++) {
       for (PetscInt first = 0; first < length; first++) {
