@@ -83,13 +83,18 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout);
 /*
    MpmSymbolCreate - computes the symbol of a scheme on a layout, with the Courant number and the drift of step.
 
-   Collective. layout and scheme must outlive the symbol, which is destroyed with MpmSymbolDestroy.
+   MpmSymbolsCreate - the symbols at n Courant numbers in the place of step's. Each is the same as by MpmSymbolCreate. What
+   does not depend on the Courant number is computed once.
+
+   Collective. layout and scheme must outlive the symbols, each of which is destroyed with MpmSymbolDestroy.
 
    Errors: refuses (PETSC_ERR_USER_INPUT) layouts that are not uniform, drifts without a short period (MpmStepPeriod),
    and so many phases that their output does not fit.
 */
 PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                const MpmSymbolWish *wish, MpmSymbol **symbol);
+PetscErrorCode MpmSymbolsCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                PetscInt n, const PetscReal courant[], const MpmSymbolWish *wish, MpmSymbol *symbols[]);
 PetscErrorCode MpmSymbolDestroy(MpmSymbol **symbol);
 
 /* Not collective. Phase m of n equally spaced ones: 2 pi m / n. */

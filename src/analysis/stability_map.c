@@ -1,4 +1,4 @@
-/* Computes growth at the points of a rectangle, through the symbol of one scene after another. */
+/* Computes growth at the points of a rectangle, through the symbols of one scene after another. */
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
@@ -16,6 +16,8 @@
    each part of a cell where it is slower.
 */
 #define DENOMINATOR 240
+
+#define TOGETHER 64 /* at most so many Courant numbers are computed together; what they share is then soon paid */
 
 /*
    What the symbol of a point depends on: the scene's own layout, step and scheme, except for the two numbers that the
@@ -245,32 +247,96 @@ static PetscErrorCode RefinePoint(MpmStabilityMap *map, const Point *at, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SolvePoint(void *context, PetscInt i)
+/* Keeps what the symbol of a point says. */
+static PetscErrorCode KeepPoint(MpmStabilityMap *map, const Point *at, PetscInt i, const MpmSymbol *symbol)
 {
-  MpmStabilityMap    *map = context;
-  const PetscInt      dim = map->scene->layout.dim, *phases = map->request->phases;
-  MpmFinding          f    = {.tolerance = map->request->tolerance};
-  const MpmSymbolWish wish = {.phases    = {phases[0], phases[1], phases[2]},
-                              .tolerance = map->request->tolerance}; /* the map's own progress line counts the points */
-  Point               at;
-  MpmSymbol          *symbol;
+  MpmFinding f = {.tolerance       = map->request->tolerance,
+                  .growth          = symbol->growth,
+                  .uncertainty     = symbol->uncertainty,
+                  .defective_error = symbol->defective_error};
 
   PetscFunctionBegin;
-  PetscCall(PointCreate(map, i, &at));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_SELF, &at.layout, &at.scheme, &at.step, &wish, &symbol));
-  f.growth          = symbol->growth;
-  f.uncertainty     = symbol->uncertainty;
-  f.defective_error = symbol->defective_error;
-  map->growth[i]    = symbol->growth;
-  f.verdict         = MpmVerdictOf(&f);
-  for (PetscInt a = 0; a < dim; a++) {
-    if (map->drift[a]) map->drift[a][i] = at.step.drift[a].value;
+  map->growth[i] = symbol->growth;
+  f.verdict      = MpmVerdictOf(&f);
+  for (PetscInt a = 0; a < at->layout.dim; a++) {
+    if (map->drift[a]) map->drift[a][i] = at->step.drift[a].value;
     map->beta[a][i] = symbol->beta_at_max[a];
-    PetscCall(MpmFindingOfPhases(&f, symbol->phases[a], at.layout.grid[a].cells));
+    PetscCall(MpmFindingOfPhases(&f, symbol->phases[a], at->layout.grid[a].cells));
   }
-  if (map->request->refine) PetscCall(RefinePoint(map, &at, i, &f));
+  if (map->request->refine) PetscCall(RefinePoint(map, at, i, &f));
   map->verdict[i] = f.verdict;
-  PetscCall(MpmSymbolDestroy(&symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Part of a map: points that differ in their Courant number alone, at most TOGETHER of them. Where no axis is the Courant
+   number, or the drift depends on it, a part is one point.
+
+   n      - the number of points
+   first, stride - the first point, and from a point to the next
+   axis, at - the axis of the Courant number, and where the part begins along it; axis is MPM_NONE for one point
+*/
+typedef struct {
+  PetscInt n, first, stride, axis, at;
+} Part;
+
+static PetscInt AxisOfParts(const MpmStabilityMap *map)
+{
+  const MpmAxis *axes = map->request->axes;
+
+  if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT) || MpmRequestKeepsMach(map->request)) return MPM_NONE;
+  return axes[0].kind == MPM_AXIS_COURANT ? 0 : 1;
+}
+
+static PetscInt PartsAlong(const MpmStabilityMap *map, PetscInt axis)
+{
+  return (map->points[axis] + TOGETHER - 1) / TOGETHER;
+}
+
+static PetscInt Parts(const MpmStabilityMap *map)
+{
+  const PetscInt axis = AxisOfParts(map);
+
+  return axis == MPM_NONE ? map->points[0] * map->points[1] : map->points[1 - axis] * PartsAlong(map, axis);
+}
+
+static Part PartOf(const MpmStabilityMap *map, PetscInt number)
+{
+  const PetscInt axis = AxisOfParts(map);
+  PetscInt       across;
+  Part           p;
+
+  if (axis == MPM_NONE) return (Part){.n = 1, .first = number, .axis = MPM_NONE};
+  across   = number / PartsAlong(map, axis);
+  p.axis   = axis;
+  p.at     = number % PartsAlong(map, axis) * TOGETHER;
+  p.n      = PetscMin(TOGETHER, map->points[axis] - p.at);
+  p.stride = axis == 0 ? map->points[1] : 1;
+  p.first  = p.at * p.stride + across * (axis == 0 ? 1 : map->points[1]);
+  return p;
+}
+
+static PetscErrorCode SolvePart(void *context, PetscInt number)
+{
+  MpmStabilityMap    *map    = context;
+  const Part          part   = PartOf(map, number);
+  const PetscInt     *phases = map->request->phases;
+  const MpmSymbolWish wish   = {.phases    = {phases[0], phases[1], phases[2]},
+                                .tolerance = map->request->tolerance}; /* the map's own progress line counts the parts */
+  Point               at;
+  PetscReal           courant[TOGETHER];
+  MpmSymbol          *symbol[TOGETHER];
+
+  PetscFunctionBegin;
+  PetscCall(PointCreate(map, part.first, &at));
+  for (PetscInt i = 0; i < part.n; i++)
+    courant[i] = part.axis == MPM_NONE ? at.step.courant : NumberOf(&map->request->axes[part.axis], part.at + i).value;
+  PetscCall(MpmSymbolsCreate(PETSC_COMM_SELF, &at.layout, &at.scheme, &at.step, part.n, courant, &wish, symbol));
+  for (PetscInt i = 0; i < part.n; i++) {
+    at.step.courant = courant[i];
+    PetscCall(KeepPoint(map, &at, part.first + i * part.stride, symbol[i]));
+    PetscCall(MpmSymbolDestroy(&symbol[i]));
+  }
   PetscCall(PointDestroy(&at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -280,7 +346,7 @@ static PetscErrorCode Solve(MpmStabilityMap *map)
   const PetscInt n = map->points[0] * map->points[1];
 
   PetscFunctionBegin;
-  PetscCall(MpmFarm("point", n, SolvePoint, map));
+  PetscCall(MpmFarm("part", Parts(map), SolvePart, map));
   PetscCall(MpmFarmSumReals(n, map->growth));
   for (PetscInt a = 0; a < map->scene->layout.dim; a++) {
     PetscCall(MpmFarmSumReals(n, map->beta[a]));

@@ -20,11 +20,12 @@
 #include <math.h>
 
 #define KINDS MPM_OP_KINDS
-#define SINGULAR 1e-12 /* a symbol of P2G G2P below this is taken for 0 */
-#define RESCALE_AT 200 /* powers of two */
-#define MODERATE 256   /* Courant number; up to here a step multiplies by less than 2^100, */
-#define SELDOM 8       /* and only after so many steps a matrix may have to be divided */
-#define BLOCK 4        /* numbers that are added at once; rows are filled up with zeros to a multiple of it */
+#define SINGULAR 1e-12        /* a symbol of P2G G2P below this is taken for 0 */
+#define RESCALE_AT 200        /* powers of two */
+#define MODERATE 256          /* Courant number; up to here a step multiplies by less than 2^100, */
+#define SELDOM 8              /* and only after so many steps a matrix may have to be divided */
+#define BLOCK MPM_BLOCH_LANES /* numbers that are added at once; rows are filled up with zeros to a multiple of it */
+#define LANES_UP_TO 64        /* columns of a Courant number; wider rows fill the blocks well enough */
 
 /*
    Finds the kinds whose weights the maps of a scheme have along some direction. Every table has a P2G, whose weights give
@@ -120,9 +121,11 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
   b->size = b->fields * b->ppc;
   PetscCall(FindTurn(drift, b));
   PetscCall(FindTaken(b));
-  PetscCall(PetscMalloc2(2 * table->nparticles * b->ppc * FullWidth(b->size), &b->particle,
-                         2 * table->nnodes * FullWidth(b->size), &b->nodes));
-  PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops, &b->values));
+  b->most = b->size <= LANES_UP_TO ? MPM_BLOCH_LANES : 1;
+  PetscCall(PetscMalloc3(2 * table->nparticles * b->ppc * FullWidth(b->size * b->most), &b->particle,
+                         2 * table->nnodes * FullWidth(b->size * b->most), &b->nodes,
+                         b->most > 1 ? b->most * b->turn_size * b->turn_size : 0, &b->turns));
+  PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops * BLOCK, &b->values));
   for (PetscInt o = 0; o < table->nops; o++) b->traits[o] = MpmOpTraitsOf(table->ops[o].kind);
   FindUsed(scheme, b->used);
   for (PetscInt a = 0; a < layout->dim; a++) {
@@ -142,7 +145,7 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
     PetscCall(MpmTiesDestroy(&b->ties[a]));
     PetscCall(PetscFree(b->tie[a]));
   }
-  PetscCall(PetscFree2(b->particle, b->nodes));
+  PetscCall(PetscFree3(b->particle, b->nodes, b->turns));
   PetscCall(PetscFree2(b->place, b->beyond));
   PetscCall(PetscFree(b->taken));
   PetscCall(PetscFree2(b->traits, b->values));
@@ -163,7 +166,7 @@ static void SetPhase(MpmBloch *b, PetscInt a, PetscReal beta, PetscInt steps)
     for (PetscInt kind = 0; kind < KINDS; kind++) {
       if (!b->used[kind]) continue;
       for (PetscInt j = 0; j < ties->n; j++)
-        b->tie[a][(b->known[a] * KINDS + kind) * ties->n + j] =
+        b->tie[a][(kind * ties->period + b->known[a]) * ties->n + j] =
             MpmTie(ties, b->known[a], (MpmOpKind)kind, j, b->wave[a]);
     }
 }
@@ -177,39 +180,66 @@ static void SetStep(MpmBloch *b, PetscInt step)
     const PetscInt at   = step % ties->period;
 
     b->mass *= ties->masses[at];
-    b->now[a] = b->tie[a] + at * KINDS * ties->n;
+    b->now[a] = b->tie[a] + at * ties->n;
   }
 }
 
-double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
+static inline double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
 {
   const PetscInt *ppc = b->layout->ppc;
   double complex  product;
 
-  if (b->layout->dim == 1) return b->now[0][kind * ppc[0] + j];
+  if (b->layout->dim == 1) return b->now[0][kind * b->ties[0].period * ppc[0] + j];
   product = 1;
   for (PetscInt a = 0; a < b->layout->dim; a++) {
-    product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * ppc[a] + j % ppc[a]]);
+    product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]]);
     j /= ppc[a];
   }
   return product;
 }
 
-/* dst += factor src, for rows of n numbers: first their real parts, then their imaginary ones. n is a multiple of BLOCK. */
-static inline void AddRow(PetscInt n, double complex factor, const PetscReal *restrict src, PetscReal *restrict dst)
+double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
 {
-  const PetscReal re = creal(factor), im = cimag(factor);
+  return Tie(b, kind, axis, j);
+}
 
+/* A factor for each number of a block: of every lane, or the same for a block of columns. */
+typedef struct {
+  PetscReal re[BLOCK], im[BLOCK];
+} Factor;
+
+static inline Factor Times(const PetscReal a[BLOCK], double complex z)
+{
+  Factor f;
+
+  for (PetscInt i = 0; i < BLOCK; i++) {
+    f.re[i] = a[i] * creal(z);
+    f.im[i] = a[i] * cimag(z);
+  }
+  return f;
+}
+
+/*
+   dst += factor src, or dst = factor src where anew, for rows of n numbers: first their real parts, then their imaginary
+   ones. n is a multiple of BLOCK.
+*/
+static inline void AddRow(PetscInt n, const Factor *f, const PetscReal *restrict src, PetscBool anew,
+                          PetscReal *restrict dst)
+{
   for (PetscInt c = 0; c < n; c += BLOCK)
-    for (PetscInt i = c; i < c + BLOCK; i++) {
-      dst[i] += re * src[i] - im * src[n + i];
-      dst[n + i] += re * src[n + i] + im * src[i];
+    for (PetscInt i = 0; i < BLOCK; i++) {
+      const PetscReal re = f->re[i] * src[c + i] - f->im[i] * src[n + c + i],
+                      im = f->re[i] * src[n + c + i] + f->im[i] * src[c + i];
+
+      dst[c + i]     = anew ? re : dst[c + i] + re;
+      dst[n + c + i] = anew ? im : dst[n + c + i] + im;
     }
 }
 
-static inline void ScaleRows(PetscInt n, PetscReal factor, PetscReal row[])
+static inline void ScaleRows(PetscInt n, const PetscReal factor[BLOCK], PetscReal row[])
 {
-  for (PetscInt c = 0; c < 2 * n; c++) row[c] *= factor;
+  for (PetscInt c = 0; c < 2 * n; c += BLOCK)
+    for (PetscInt i = 0; i < BLOCK; i++) row[c + i] *= factor[i];
 }
 
 static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
@@ -261,22 +291,27 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
 {
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
-  const PetscReal   a      = b->values[o];
+  const PetscReal  *a      = b->values + o * BLOCK;
   const PetscInt    ppc = b->ppc, n = b->width;
-  PetscReal        *dst;
+  PetscReal        *dst, share[BLOCK];
+  Factor            f;
 
   if (traits.dst == MPM_NOWHERE) return;
   if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {
-    ScaleRows(ppc * n, op->kind == MPM_ADD ? 1 + a : a, Rows(b, op->dst));
+    for (PetscInt i = 0; i < BLOCK; i++) share[i] = op->kind == MPM_ADD ? 1 + a[i] : a[i];
+    ScaleRows(ppc * n, share, Rows(b, op->dst));
     return;
   }
   if (op->kind == MPM_ADD) {
-    AddRow(ppc * n, a, Rows(b, op->src), Rows(b, op->dst));
+    f = Times(a, 1);
+    AddRow(ppc * n, &f, Rows(b, op->src), PETSC_FALSE, Rows(b, op->dst));
     return;
   }
   if (traits.dst == MPM_ON_PARTICLES) {
-    for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, MpmScaled(a, MpmBlochTie(b, op->kind, op->axis, j)), Row(b, op->src), Rows(b, op->dst) + j * 2 * n);
+    for (PetscInt j = 0; j < ppc; j++) {
+      f = Times(a, Tie(b, op->kind, op->axis, j));
+      AddRow(n, &f, Row(b, op->src), PETSC_FALSE, Rows(b, op->dst) + j * 2 * n);
+    }
     return;
   }
   dst = Row(b, op->dst);
@@ -284,55 +319,96 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
     ScaleRows(n, a, dst);
     return;
   }
-  if (!op->accumulates)
-    for (PetscInt c = 0; c < 2 * n; c++) dst[c] = 0;
   if (traits.src == MPM_ON_PARTICLES) {
-    const PetscReal share = a / b->mass;
-
-    for (PetscInt j = 0; j < ppc; j++)
-      AddRow(n, MpmScaled(share, conj(MpmBlochTie(b, op->kind, op->axis, j))), Rows(b, op->src) + j * 2 * n, dst);
-  } else
-    AddRow(n, a * MpmBlochOfNodes(b, op, beta), Row(b, op->src), dst);
+    for (PetscInt i = 0; i < BLOCK; i++) share[i] = a[i] / b->mass;
+    for (PetscInt j = 0; j < ppc; j++) {
+      f = Times(share, conj(Tie(b, op->kind, op->axis, j)));
+      if (j == 0 && !op->accumulates)
+        AddRow(n, &f, Rows(b, op->src), PETSC_TRUE, dst);
+      else
+        AddRow(n, &f, Rows(b, op->src) + j * 2 * n, PETSC_FALSE, dst);
+    }
+  } else {
+    f = Times(a, MpmBlochOfNodes(b, op, beta));
+    AddRow(n, &f, Row(b, op->src), op->accumulates ? PETSC_FALSE : PETSC_TRUE, dst);
+  }
 }
 
-/* Divides the state's registers by a power of two when they would leave the range of doubles; returns its exponent. */
-static PetscInt Rescale(MpmBloch *b)
+/* After so many steps the registers of some lane may have to be divided. */
+static PetscInt Every(PetscInt n, const PetscReal courant[])
 {
-  const PetscInt n           = 2 * b->size * b->width;
-  PetscReal      most[BLOCK] = {0}, largest = 0;
-  PetscInt       shift;
-
-  for (PetscInt i = 0; i < n; i += BLOCK)
-    for (PetscInt j = 0; j < BLOCK; j++) most[j] = PetscMax(fabs(b->particle[i + j]), most[j]);
-  for (PetscInt j = 0; j < BLOCK; j++) largest = PetscMax(largest, most[j]);
-  shift = MpmPowerToTakeOut(largest, RESCALE_AT);
-  for (PetscInt i = 0; i < n && shift; i++) b->particle[i] = scalbn(b->particle[i], -(int)shift);
-  return shift;
+  for (PetscInt i = 0; i < n; i++)
+    if (!(courant[i] <= MODERATE)) return 1;
+  return SELDOM;
 }
 
-/* Moves every number by up to MPM_ROUNDING, relative. The random numbers are the same at any phase and on any rank. */
+/*
+   Divides the state's registers by a power of two, in each lane, when they would leave the range of doubles. Adds to the
+   exponents of the lanes. A lane is divided at the steps at which it would be alone, so that its digits are the same.
+*/
+static void Rescale(MpmBloch *b, PetscBool all, PetscInt n, const PetscReal courant[], PetscInt exponent[])
+{
+  const PetscInt numbers     = 2 * b->size * b->width;
+  PetscReal      most[BLOCK] = {0};
+
+  for (PetscInt i = 0; i < numbers; i += BLOCK)
+    for (PetscInt j = 0; j < BLOCK; j++) {
+      const PetscReal size = fabs(b->particle[i + j]);
+
+      most[j] = size < most[j] ? most[j] : size;
+    }
+  for (PetscInt lane = 0; lane < b->lanes; lane++) {
+    PetscReal largest = 0;
+    PetscInt  shift;
+
+    if (!all && courant[PetscMin(lane, n - 1)] <= MODERATE) continue;
+    for (PetscInt j = lane; j < BLOCK; j += b->lanes) largest = PetscMax(largest, most[j]);
+    shift = MpmPowerToTakeOut(largest, RESCALE_AT);
+    for (PetscInt i = lane; i < numbers && shift; i += b->lanes) b->particle[i] = scalbn(b->particle[i], -(int)shift);
+    exponent[lane] += shift;
+  }
+}
+
+/*
+   Moves every number by up to MPM_ROUNDING, relative. The random numbers are the same at any phase, in any lane and on any
+   rank.
+*/
 static void Disturb(MpmBloch *b, PetscInt step)
 {
-  const PetscInt n = b->size, width = b->width;
+  const PetscInt n = b->size, width = b->width, lanes = b->lanes;
 
   for (PetscInt row = 0; row < n; row++)
     for (PetscInt c = 0; c < n; c++) {
       const PetscReal factor = 1 + MPM_ROUNDING * (2 * MpmHash(step, row * n + c) - 1);
+      PetscReal      *re     = b->particle + 2 * row * width + c * lanes;
 
-      b->particle[2 * row * width + c] *= factor;
-      b->particle[(2 * row + 1) * width + c] *= factor;
+      if (lanes == 1) {
+        re[0] *= factor;
+        re[width] *= factor;
+      } else
+        for (PetscInt lane = 0; lane < MPM_BLOCH_LANES; lane++) {
+          re[lane] *= factor;
+          re[width + lane] *= factor;
+        }
     }
 }
 
-/* Makes ready for the first steps of a period, of so many columns. All registers are 0. */
-static PetscErrorCode Begin(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt steps, PetscInt columns)
+/*
+   Makes ready for the first steps of a period, of so many columns for each of n Courant numbers. All registers are 0.
+   Lanes without a Courant number have the last one's.
+*/
+static PetscErrorCode Begin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
+                            PetscInt columns)
 {
   const MpmTable *t = b->scheme->table;
 
   PetscFunctionBegin;
-  b->width = FullWidth(columns);
+  b->lanes = n == 1 ? 1 : MPM_BLOCH_LANES;
+  b->width = FullWidth(columns * b->lanes);
   for (PetscInt a = 0; a < b->layout->dim; a++) SetPhase(b, a, beta[a], steps);
-  for (PetscInt o = 0; o < t->nops; o++) b->values[o] = MpmOpValue(&t->ops[o], courant);
+  for (PetscInt o = 0; o < t->nops; o++)
+    for (PetscInt i = 0; i < BLOCK; i++)
+      b->values[o * BLOCK + i] = i < n ? MpmOpValue(&t->ops[o], courant[i]) : b->values[o * BLOCK + n - 1];
   PetscCall(PetscArrayzero(b->particle, 2 * t->nparticles * b->ppc * b->width));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -347,7 +423,7 @@ PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta
                             double complex state[])
 {
   PetscFunctionBegin;
-  PetscCall(Begin(b, courant, beta, step + 1, 1));
+  PetscCall(Begin(b, 1, &courant, beta, step + 1, 1));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < b->ppc; j++) {
       Rows(b, field)[2 * j * b->width]       = creal(state[b->fields * j + field]);
@@ -360,21 +436,64 @@ PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The steps of a period, or of a turn, from all states of a cell at once. */
-static PetscErrorCode Steps(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt steps, PetscBool noisy,
-                            PetscInt *exponent)
+/* Sets number c of a row to a number, in all lanes. */
+static inline void SetAll(const MpmBloch *b, PetscReal row[], PetscInt c, PetscReal number)
 {
-  const PetscInt ppc = b->ppc, n = b->size, every = courant <= MODERATE ? SELDOM : 1;
+  for (PetscInt lane = 0; lane < b->lanes; lane++) row[c * b->lanes + lane] = number;
+}
+
+/* Number c of a row, in a lane. */
+static inline double complex At(const MpmBloch *b, const PetscReal row[], PetscInt c, PetscInt lane)
+{
+  return CMPLX(row[c * b->lanes + lane], row[b->width + c * b->lanes + lane]);
+}
+
+/* The steps of a period, or of a turn, from all states of a cell at once. */
+static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
+                            PetscBool noisy, PetscInt exponent[])
+{
+  const PetscInt every = Every(n, courant);
 
   PetscFunctionBegin;
-  *exponent = 0;
-  PetscCall(Begin(b, courant, beta, steps, n));
+  PetscCall(Begin(b, n, courant, beta, steps, b->size));
   for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < ppc; j++) Rows(b, field)[2 * j * b->width + b->fields * j + field] = 1;
+    for (PetscInt j = 0; j < b->ppc; j++) SetAll(b, Rows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
   for (PetscInt step = 0; step < steps; step++) {
+    const PetscBool all = step % SELDOM == SELDOM - 1 || step == steps - 1 ? PETSC_TRUE : PETSC_FALSE;
+
     Step(b, step, beta);
     if (noisy) Disturb(b, step);
-    if (step % every == every - 1 || step == steps - 1) *exponent += Rescale(b);
+    if (all || every == 1) Rescale(b, all, n, courant, exponent);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The matrices of a period of up to so many Courant numbers as there are lanes. exponent has an entry for each lane. */
+static PetscErrorCode Period(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                             PetscBool noisy, double complex G[], PetscInt exponent[])
+{
+  const PetscInt size = b->size;
+
+  PetscFunctionBegin;
+  PetscCall(Steps(b, n, courant, beta, b->period, noisy, exponent));
+  for (PetscInt field = 0; field < b->fields; field++)
+    for (PetscInt j = 0; j < b->ppc; j++)
+      for (PetscInt lane = 0; lane < n; lane++)
+        for (PetscInt c = 0; c < size; c++)
+          G[(lane * size + c) * size + b->fields * j + field] = At(b, Rows(b, field) + 2 * j * b->width, c, lane);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochMatrices(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                                PetscBool noisy, double complex G[], PetscInt exponent[])
+{
+  PetscFunctionBegin;
+  for (PetscInt first = 0, some; first < n; first += some) {
+    PetscInt of[MPM_BLOCH_LANES] = {0};
+
+    some = PetscMin(b->most, n - first);
+    PetscCall(Period(b, some, courant + first, beta, noisy, G + first * b->size * b->size, of));
+    PetscCall(PetscArraycpy(exponent + first, of, some));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -382,16 +501,8 @@ static PetscErrorCode Steps(MpmBloch *b, PetscReal courant, const PetscReal beta
 PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscBool noisy,
                               double complex G[], PetscInt *exponent)
 {
-  const PetscInt n = b->size;
-
   PetscFunctionBegin;
-  PetscCall(Steps(b, courant, beta, b->period, noisy, exponent));
-  for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < b->ppc; j++) {
-      const PetscReal *row = Rows(b, field) + 2 * j * b->width;
-
-      for (PetscInt c = 0; c < n; c++) G[c * n + b->fields * j + field] = CMPLX(row[c], row[b->width + c]);
-    }
+  PetscCall(MpmBlochMatrices(b, 1, &courant, beta, noisy, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -404,22 +515,21 @@ static double complex PhaseBeyond(const MpmBloch *b, const PetscReal beta[], Pet
   return angle == 0 ? 1 : cexp(I * angle);
 }
 
-static PetscErrorCode WholeTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
-                                PetscInt *exponent)
+static PetscErrorCode WholeTurn(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                                double complex G[], PetscInt exponent[])
 {
-  const PetscInt n = b->size;
+  const PetscInt size = b->size;
 
   PetscFunctionBegin;
-  PetscCall(Steps(b, courant, beta, b->turn, PETSC_FALSE, exponent));
+  PetscCall(Steps(b, n, courant, beta, b->turn, PETSC_FALSE, exponent));
   for (PetscInt j = 0; j < b->ppc; j++) {
     const double complex wave = PhaseBeyond(b, beta, j);
 
-    for (PetscInt field = 0; field < b->fields; field++) {
-      const PetscReal *row = Rows(b, field) + 2 * j * b->width;
-
-      for (PetscInt c = 0; c < n; c++)
-        G[c * n + b->fields * b->place[j] + field] = MpmTimes(wave, CMPLX(row[c], row[b->width + c]));
-    }
+    for (PetscInt field = 0; field < b->fields; field++)
+      for (PetscInt lane = 0; lane < n; lane++)
+        for (PetscInt c = 0; c < size; c++)
+          G[(lane * size + c) * size + b->fields * b->place[j] + field] =
+              MpmTimes(wave, At(b, Rows(b, field) + 2 * j * b->width, c, lane));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -430,7 +540,7 @@ static PetscErrorCode WholeTurn(MpmBloch *b, PetscReal courant, const PetscReal 
    Sets the registers at the start of a turn. The nodes gave their numbers at the step before, when particles stood as at the
    last step of a turn, but for the places that they have taken since.
 */
-static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscReal courant)
+static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const PetscReal courant[])
 {
   const MpmTaken *t   = b->taken;
   PetscInt        col = t->numbers;
@@ -439,70 +549,78 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscReal courant)
   for (PetscInt j = 0; j < b->ppc; j++) {
     const double complex wave = PhaseBeyond(b, beta, j);
 
-    for (PetscInt n = 0; n < t->numbers; n++) {
-      const MpmTakenGift *gift = &t->gift[t->first[n]];
+    for (PetscInt y = 0; y < t->numbers; y++) {
+      const MpmTakenGift *gift = &t->gift[t->first[y]];
 
       for (PetscInt i = 0; i < gift->parts; i++) {
         const MpmTakenPart  *part = &gift->part[i];
-        PetscReal           *row  = Rows(b, part->dst) + 2 * b->place[j] * b->width;
-        const double complex tie  = MpmScaled(part->factor * PetscPowRealInt(courant, part->power),
-                                              MpmTimes(wave, MpmBlochTie(b, part->kind, part->axis, j)));
+        PetscReal           *row  = Rows(b, part->dst) + 2 * b->place[j] * b->width + y * b->lanes;
+        const double complex tie  = MpmTimes(wave, MpmBlochTie(b, part->kind, part->axis, j));
 
-        row[n] += creal(tie);
-        row[b->width + n] += cimag(tie);
+        for (PetscInt lane = 0; lane < n; lane++) {
+          const double complex given = MpmScaled(part->factor * PetscPowRealInt(courant[lane], part->power), tie);
+
+          row[lane] += creal(given);
+          row[b->width + lane] += cimag(given);
+        }
       }
     }
   }
   for (PetscInt j = 0; j < b->ppc; j++)
     for (PetscInt r = 0; r < b->fields; r++)
-      if (!t->taken[r]) Rows(b, r)[2 * j * b->width + col++] = 1;
+      if (!t->taken[r]) SetAll(b, Rows(b, r) + 2 * j * b->width, col++, 1);
 }
 
 /* The last step of a turn: the nodes' numbers, rows of 2 x width, are noted before they are given to particles. */
 static void LastStep(MpmBloch *b, const PetscReal beta[], PetscReal numbers[])
 {
   const MpmTaken *t = b->taken;
+  PetscReal       one[BLOCK];
 
+  for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
   for (PetscInt i = 0; i < t->numbers * 2 * b->width; i++) numbers[i] = 0;
   SetStep(b, b->turn - 1);
   for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-    for (PetscInt g = 0; g < t->ngifts; g++)
-      if (t->gift[g].at == o)
-        AddRow(b->width, t->gift[g].times, Row(b, t->gift[g].src), numbers + t->gift[g].number * 2 * b->width);
+    for (PetscInt g = 0; g < t->ngifts; g++) {
+      const MpmTakenGift *gift = &t->gift[g];
+      const Factor        f    = Times(one, gift->times);
+
+      if (gift->at == o) AddRow(b->width, &f, Row(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
+    }
     ApplyOp(b, o, beta);
   }
 }
 
-static PetscErrorCode SmallerTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
-                                  PetscInt *exponent)
+static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                                  double complex G[], PetscInt exponent[])
 {
-  const MpmTaken *t = b->taken;
-  const PetscInt  n = b->turn_size, every = courant <= MODERATE ? SELDOM : 1;
+  const MpmTaken *t    = b->taken;
+  const PetscInt  size = b->turn_size, every = Every(n, courant);
   PetscReal      *numbers;
 
   PetscFunctionBegin;
-  *exponent = 0;
-  PetscCall(Begin(b, courant, beta, b->turn, n));
+  PetscCall(Begin(b, n, courant, beta, b->turn, size));
   PetscCall(PetscMalloc1(t->numbers * 2 * b->width, &numbers));
-  SpreadTaken(b, beta, courant);
+  SpreadTaken(b, beta, n, courant);
   for (PetscInt step = 0; step < b->turn - 1; step++) {
     Step(b, step, beta);
-    if (step % every == every - 1) *exponent += Rescale(b);
+    if (step % every == every - 1)
+      Rescale(b, step % SELDOM == SELDOM - 1 ? PETSC_TRUE : PETSC_FALSE, n, courant, exponent);
   }
-  *exponent += Rescale(b);
+  Rescale(b, PETSC_TRUE, n, courant, exponent);
   LastStep(b, beta, numbers);
   for (PetscInt y = 0; y < t->numbers; y++)
-    for (PetscInt c = 0; c < n; c++)
-      G[c * n + y] = CMPLX(numbers[2 * y * b->width + c], numbers[(2 * y + 1) * b->width + c]);
+    for (PetscInt lane = 0; lane < n; lane++)
+      for (PetscInt c = 0; c < size; c++) G[(lane * size + c) * size + y] = At(b, numbers + 2 * y * b->width, c, lane);
   for (PetscInt j = 0; j < b->ppc; j++) {
     const double complex wave = PhaseBeyond(b, beta, j);
     PetscInt             to   = t->numbers + t->left * b->place[j];
 
     for (PetscInt r = 0; r < b->fields; r++) {
-      const PetscReal *row = Rows(b, r) + 2 * j * b->width;
-
       if (t->taken[r]) continue;
-      for (PetscInt c = 0; c < n; c++) G[c * n + to] = MpmTimes(wave, CMPLX(row[c], row[b->width + c]));
+      for (PetscInt lane = 0; lane < n; lane++)
+        for (PetscInt c = 0; c < size; c++)
+          G[(lane * size + c) * size + to] = MpmTimes(wave, At(b, Rows(b, r) + 2 * j * b->width, c, lane));
       to++;
     }
   }
@@ -510,10 +628,25 @@ static PetscErrorCode SmallerTurn(MpmBloch *b, PetscReal courant, const PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmBlochTurns(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                             double complex G[], PetscInt exponent[])
+{
+  PetscFunctionBegin;
+  for (PetscInt first = 0, some; first < n; first += some) {
+    double complex *of                      = G + first * b->turn_size * b->turn_size;
+    PetscInt        powers[MPM_BLOCH_LANES] = {0};
+
+    some = PetscMin(b->most, n - first);
+    PetscCall((b->taken ? SmallerTurn : WholeTurn)(b, some, courant + first, beta, of, powers));
+    PetscCall(PetscArraycpy(exponent + first, powers, some));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBlochTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
                             PetscInt *exponent)
 {
   PetscFunctionBegin;
-  PetscCall((b->taken ? SmallerTurn : WholeTurn)(b, courant, beta, G, exponent));
+  PetscCall(MpmBlochTurns(b, 1, &courant, beta, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

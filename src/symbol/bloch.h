@@ -5,16 +5,22 @@
 
 typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
 
+#define MPM_BLOCH_LANES 8 /* Courant numbers that go through the steps of a period side by side */
+
 /*S
    MpmBloch - memory for the matrices, and the weights of all maps for one cell's particles at every step of a period.
 
    A register is a dense matrix. Its rows are a cell's particles, or its one node. Its columns are the states that the
    steps start from: for the matrix of a phase each number of the cell's state, particle by particle as in MpmOperator.
    Particle j of a cell has the places j_a along the directions, j = j_0 + ppc_0 (j_1 + ppc_1 j_2). A row has the real
-   parts of its numbers first, then the imaginary parts.
+   parts of its numbers first, then the imaginary parts. Several Courant numbers have a *lane* each: a row then has
+   the number of each lane for the first column, those for the second column, and so on. The maps are the same in all
+   lanes, and an operation has a factor for each lane.
 
    fields, ppc, size - the number of fields of the state, of particles in a cell, and size = fields x ppc
-   width        - of a row in the present step: the number of columns, filled up with zeros
+   lanes, most  - the number of lanes in the present step, 1 or MPM_BLOCH_LANES; and the most that are worthwhile, 1 where
+                  rows are long
+   width        - of a row in the present step: the number of columns times lanes, filled up with zeros
    period       - the number of steps in a period
    turn         - after so many steps the particles have changed places with one another: particle j has the place that
                   place[j] had, beyond[j] cells farther. A period is a whole number of turns. A turn is shorter where
@@ -24,24 +30,27 @@ typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
+   turns        - room for the matrices of a turn of all lanes, where there is more than one
    beta, known  - the present phase, and the number of steps for which tie is set
    wave         - the phase factors of the nodes along each direction, at the present phase (MpmTiesWave)
-   tie          - tie[axis][(step x kinds + kind) x ppc + j]: the symbol of a map along an axis at the particles that
-                  are j-th there, at the present phase; now[axis]: those of the present step
+   tie          - tie[axis][(kind x period + step) x ppc + j]: the symbol of a map along an axis at the particles that
+                  are j-th there, at the present phase; period and ppc are those of the axis. now[axis]: from the
+                  present step on
    mass         - of a node, at the present step
    nodal        - the nodal operator; NULL where it does not apply
-   traits, values - of the table's operations; values are those at the Courant number of the last matrix
+   traits, values - of the table's operations; values are the factors in each lane
 S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
-  PetscInt         fields, ppc, size, width, period, turn, turn_size, *place, (*beyond)[MPM_MAX_DIM];
+  PetscInt         fields, ppc, size, lanes, most, width, period, turn, turn_size, *place, (*beyond)[MPM_MAX_DIM];
   MpmTaken        *taken;
   PetscBool        used[MPM_OP_KINDS];
   MpmTies          ties[MPM_MAX_DIM];
   double complex   wave[MPM_MAX_DIM][MPM_MOST_SEEN], *tie[MPM_MAX_DIM], *now[MPM_MAX_DIM];
   PetscInt         known[MPM_MAX_DIM];
   PetscReal       *particle, *nodes, beta[MPM_MAX_DIM], mass;
+  double complex  *turns;
   MpmBlochNodal   *nodal;
   MpmOpTraits     *traits;
   PetscReal       *values;
@@ -63,10 +72,14 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
    step. The difference of two such matrices then shows the effect of rounding, with any growth over the rest of the
    period.
 
+   MpmBlochMatrices - the same at n Courant numbers, one matrix after another. Each is the same to the last bit as alone.
+
    Not collective.
 */
 PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscBool noisy,
                               double complex G[], PetscInt *exponent);
+PetscErrorCode MpmBlochMatrices(MpmBloch *bloch, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                                PetscBool noisy, double complex G[], PetscInt exponent[]);
 
 /*
    MpmBlochTurn - the matrix of a turn, as MpmBlochMatrix. With R, which gives what was a particle's to the one whose
@@ -74,11 +87,15 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscRea
    one, m the cells that particles move in a period, and growth per step is the same. With two particles a cell and a
    drift of 1/8 a turn takes four steps, and a period eight.
 
+   MpmBlochTurns - the same at n Courant numbers, one matrix after another. Each is the same to the last bit as alone.
+
    Not collective. G is turn_size x turn_size by columns. Where particles take values from nodes (MpmTaken) it is of the
    smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those of the turn, but for zeros.
 */
 PetscErrorCode MpmBlochTurn(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], double complex G[],
                             PetscInt *exponent);
+PetscErrorCode MpmBlochTurns(MpmBloch *bloch, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                             double complex G[], PetscInt exponent[]);
 
 /*
    MpmBlochSetPhase - makes ready for MpmBlochTie and MpmBlochOfNodes at a phase, before the first step

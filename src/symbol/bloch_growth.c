@@ -3,22 +3,50 @@
 #include "symbol/bloch_nodal.h"
 #include <mpmstab/verdict.h>
 
-/* Where the nodal operator is too large for doubles, growth is not that of the null space. */
-PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal courant, const PetscReal beta[],
-                               PetscReal *growth, PetscReal *without_null)
+/* Growth by the matrix of a turn, divided by 2^exponent, which takes the place of eigen's. */
+static PetscErrorCode OfTurn(const MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt exponent, PetscReal *growth,
+                             PetscReal *without_null)
 {
-  PetscInt  exponent;
   PetscReal largest = 0;
-  PetscBool ok      = PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (bloch->nodal) PetscCall(MpmBlochNodalGrowths(bloch->nodal, bloch, courant, beta, growth, without_null, &ok));
-  if (ok) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmBlochTurn(bloch, courant, beta, eigen->matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < eigen->n; i++) largest = PetscMax(largest, cabs(eigen->value[i]));
   *growth       = MpmGrowthPerStep(largest, exponent, bloch->turn);
   *without_null = bloch->nodal ? *growth : NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same for up to as many Courant numbers as there are lanes. */
+static PetscErrorCode OfTurns(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
+                              const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
+{
+  const PetscInt  numbers = bloch->turn_size * bloch->turn_size;
+  double complex *G       = n == 1 ? eigen->matrix : bloch->turns;
+  PetscInt        exponent[MPM_BLOCH_LANES];
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlochTurns(bloch, n, courant, beta, G, exponent));
+  for (PetscInt i = 0; i < n; i++) {
+    if (n > 1) PetscCall(PetscArraycpy(eigen->matrix, G + i * numbers, numbers));
+    PetscCall(OfTurn(bloch, eigen, exponent[i], &growth[i], &without_null[i]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where the nodal operator is too large for doubles, growth is not that of the null space. */
+PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
+                               const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0, some; i < n; i += some) {
+    PetscBool ok = PETSC_FALSE;
+
+    some = bloch->nodal ? 1 : PetscMin(bloch->most, n - i);
+    if (bloch->nodal)
+      PetscCall(MpmBlochNodalGrowths(bloch->nodal, bloch, courant[i], beta, &growth[i], &without_null[i], &ok));
+    if (!ok) PetscCall(OfTurns(bloch, eigen, some, courant + i, beta, growth + i, without_null + i));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,6 +56,6 @@ PetscErrorCode MpmBlochGrowth(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal c
   PetscReal without_null;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochGrowths(bloch, eigen, courant, beta, growth, &without_null));
+  PetscCall(MpmBlochGrowths(bloch, eigen, 1, &courant, beta, growth, &without_null));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

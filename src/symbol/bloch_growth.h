@@ -7,11 +7,11 @@
    MpmBlochGrowth - the growth per step of a phase at a Courant number: the largest abs of the amplification factors of the
    nodal operator and of the null space of P2G, where that is known, and else of a turn.
 
-   MpmBlochGrowths - that, and growth without the null space; NaN where it is not known.
+   MpmBlochGrowths - that at n Courant numbers, and growth without the null space; NaN where it is not known.
 
    Not collective. eigen has the order bloch->turn_size and is overwritten.
 */
 PetscErrorCode MpmBlochGrowth(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal courant, const PetscReal beta[],
                               PetscReal *growth);
-PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal courant, const PetscReal beta[],
-                               PetscReal *growth, PetscReal *without_null);
+PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
+                               const PetscReal beta[], PetscReal growth[], PetscReal without_null[]);

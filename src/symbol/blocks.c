@@ -60,6 +60,8 @@ PetscErrorCode MpmBlocksSource(const MpmBlocks *b, const char name[], MpmSource 
   *source = (MpmSource){.dim      = b->dim,
                         .size     = b->size,
                         .period   = b->period,
+                        .cases    = 1,
+                        .together = 1,
                         .matrix   = Matrix,
                         .context  = (void *)b,
                         .alike    = {0, 1, 2},

@@ -16,20 +16,32 @@ typedef PetscErrorCode (*MpmSourceMatrix)(void *context, const PetscReal beta[],
                                           PetscInt *exponent);
 
 /*
-   Computes the growth per step of a phase, and that without the null space of P2G where the source knows of it, by a
-   shorter way than the eigenvalues of its matrix. The two have the same growth.
+   Computes the matrices of a phase in n cases of a source, in the order of which, one after another.
 
    Not collective.
 */
-typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[], PetscReal *growth,
-                                           PetscReal *without_null);
+typedef PetscErrorCode (*MpmSourceMatrices)(void *context, PetscInt n, const PetscInt which[], const PetscReal beta[],
+                                            PetscBool noisy, double complex G[], PetscInt exponent[]);
+
+/*
+   Computes the growth per step of a phase in all cases, and that without the null space of P2G where the source knows of
+   it, by a shorter way than the eigenvalues of its matrix. The two have the same growth.
+
+   Not collective.
+*/
+typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[], PetscReal growth[],
+                                           PetscReal without_null[]);
 
 /*S
-   MpmSource - where the matrices of a symbol come from.
+   MpmSource - where the matrices of a symbol come from, or those of several symbols, one for each *case* of the source: a
+   table has a case for each Courant number.
 
    dim, size    - the number of directions, and the order of a matrix
    period       - the number of steps that a matrix covers
-   matrix, context - gives the matrix of a phase; the matrices of beta and -beta are conjugates of each other
+   matrix, context - gives the matrix of a phase, in the first case; the matrices of beta and -beta are conjugates of each
+                  other
+   cases, together - the number of cases, and how many of them matrices takes at a time
+   matrices     - the same in several cases; NULL where there is one
    growths      - NULL where there is no shorter way
    has_noise    - whether matrix knows how rounding goes through the steps of a period
    reflects, alike - the symmetries, as MpmSymbol has them; alike[a] is at most a
@@ -39,24 +51,25 @@ typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[]
    name         - of what determines the size, for messages
 S*/
 typedef struct {
-  PetscInt         dim, size, period;
-  MpmSourceMatrix  matrix;
-  MpmSourceGrowths growths;
-  void            *context;
-  PetscBool        has_noise, reflects[MPM_MAX_DIM];
-  PetscInt         alike[MPM_MAX_DIM], null_rest, null_all;
-  PetscReal        null_factor;
-  char             name[1100];
+  PetscInt          dim, size, period, cases, together;
+  MpmSourceMatrix   matrix;
+  MpmSourceMatrices matrices;
+  MpmSourceGrowths  growths;
+  void             *context;
+  PetscBool         has_noise, reflects[MPM_MAX_DIM];
+  PetscInt          alike[MPM_MAX_DIM], null_rest, null_all;
+  PetscReal         null_factor;
+  char              name[1100];
 } MpmSource;
 
 /*
-   MpmSymbolFromSource - computes the symbol of a source. Its layout and scheme are NULL.
+   MpmSymbolFromSource - computes the symbol of each case of a source. Their layout and scheme are NULL.
 
    Collective. The source is not needed after the call. Errors: refuses (PETSC_ERR_USER_INPUT) so many phases that their
    output does not fit.
 */
 PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish,
-                                   MpmSymbol **symbol);
+                                   MpmSymbol *symbols[]);
 
 /*S
    MpmSourceGrowth - the growth of one phase per step, with the condition number of its amplification factor and an

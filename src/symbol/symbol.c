@@ -15,19 +15,32 @@
 #define SHARES_MAXIMUM 1e-12 /* relative: growths that differ by less are taken for equal */
 #define NEAR 10              /* in tolerances: up to this growth - 1 the error of a defective eigenvalue is computed */
 
-/* noisy: memory for a second matrix where the source knows how rounding goes through a period, else NULL. */
+/*
+   plain, noisy - memory for the matrices of several cases, and for those with noise where the source knows how rounding
+                  goes through a period; else NULL
+   exponent, other - theirs
+   growth, without_null - of a phase in all cases
+   which        - numbers of cases
+*/
 typedef struct {
   const MpmSource *source;
   MpmSmallEigen    eigen;
-  double complex  *noisy;
+  double complex  *plain, *noisy;
+  PetscReal       *growth, *without_null;
+  PetscInt        *exponent, *other, *which;
 } Reader;
 
 static PetscErrorCode ReaderCreate(const MpmSource *source, Reader *r)
 {
+  const PetscInt numbers = source->together * source->size * source->size, cases = source->cases;
+
   PetscFunctionBegin;
   *r = (Reader){.source = source};
   PetscCall(MpmSmallEigenCreate(source->size, &r->eigen));
-  if (source->has_noise) PetscCall(PetscMalloc1(source->size * source->size, &r->noisy));
+  PetscCall(PetscMalloc1(numbers, &r->plain));
+  if (source->has_noise) PetscCall(PetscMalloc1(numbers, &r->noisy));
+  PetscCall(PetscMalloc5(cases, &r->growth, cases, &r->without_null, source->together, &r->exponent, source->together,
+                         &r->other, cases, &r->which));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -35,15 +48,46 @@ static PetscErrorCode ReaderDestroy(Reader *r)
 {
   PetscFunctionBegin;
   PetscCall(MpmSmallEigenDestroy(&r->eigen));
+  PetscCall(PetscFree(r->plain));
   PetscCall(PetscFree(r->noisy));
+  PetscCall(PetscFree5(r->growth, r->without_null, r->exponent, r->other, r->which));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the matrix of a phase where the solver takes it. */
-static PetscErrorCode Matrix(Reader *r, const PetscReal beta[], PetscInt *exponent)
+static PetscErrorCode CallMatrices(const MpmSource *source, PetscInt n, const PetscInt which[], const PetscReal beta[],
+                                   PetscBool noisy, double complex G[], PetscInt exponent[])
 {
   PetscFunctionBegin;
-  PetscCall(r->source->matrix(r->source->context, beta, PETSC_FALSE, r->eigen.matrix, exponent));
+  if (source->matrices)
+    PetscCall(source->matrices(source->context, n, which, beta, noisy, G, exponent));
+  else
+    PetscCall(source->matrix(source->context, beta, noisy, G, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Computes the matrices of a phase in up to as many cases as the source takes together. */
+static PetscErrorCode Matrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[])
+{
+  PetscFunctionBegin;
+  PetscCall(CallMatrices(r->source, n, which, beta, PETSC_FALSE, r->plain, r->exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same with noise, for Rounding. */
+static PetscErrorCode NoisyMatrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[])
+{
+  PetscFunctionBegin;
+  if (r->noisy) PetscCall(CallMatrices(r->source, n, which, beta, PETSC_TRUE, r->noisy, r->other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Puts one of the matrices where the solver takes it. */
+static PetscErrorCode Take(Reader *r, PetscInt k)
+{
+  const PetscInt n = r->eigen.n * r->eigen.n;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(r->eigen.matrix, r->plain + k * n, n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,25 +97,23 @@ static PetscReal Square(double complex z)
 }
 
 /*
-   An estimate of the rounding error of a phase's matrix, in the Frobenius norm. Over a period of several steps, modes
+   An estimate of the rounding error of one of the matrices, in the Frobenius norm. Over a period of several steps, modes
    may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose steps are
    disturbed by rounding (see source.h).
 */
-static PetscErrorCode Rounding(Reader *r, const PetscReal beta[], PetscInt exponent, PetscReal *error)
+static PetscReal Rounding(const Reader *r, PetscInt k)
 {
-  const PetscInt n      = r->eigen.n * r->eigen.n;
-  PetscReal      sum[2] = {0, 0};
-  PetscInt       other;
+  const PetscInt        n = r->eigen.n * r->eigen.n, exponent = r->exponent[k];
+  const double complex *plain  = r->plain + k * n;
+  PetscReal             sum[2] = {0, 0};
 
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++) sum[0] += Square(r->eigen.matrix[i]);
+  for (PetscInt i = 0; i < n; i++) sum[0] += Square(plain[i]);
   if (r->noisy) {
-    PetscCall(r->source->matrix(r->source->context, beta, PETSC_TRUE, r->noisy, &other));
-    for (PetscInt i = 0; i < n; i++)
-      sum[1] += Square(r->noisy[i] * scalbn(1, (int)(other - exponent)) - r->eigen.matrix[i]);
+    const PetscReal scale = scalbn(1, (int)(r->other[k] - exponent));
+
+    for (PetscInt i = 0; i < n; i++) sum[1] += Square(r->noisy[k * n + i] * scale - plain[i]);
   }
-  *error = PetscMax(sqrt(sum[1]), MPM_ROUNDING * sqrt(sum[0]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return PetscMax(sqrt(sum[1]), MPM_ROUNDING * sqrt(sum[0]));
 }
 
 /* Computes a phase's amplification factors, divided by 2^exponent, and which is the largest. Overwrites the matrix. */
@@ -122,22 +164,14 @@ static void BetaOf(const MpmSymbol *s, PetscInt i, PetscReal beta[])
 }
 
 /*
-   The growth of a phase of this rank, and its amplification factors where they are kept. Whether they are changes no digit
-   of growth.
+   The amplification factors of a phase of this rank, where they are kept, and growth unless the source has given it.
+   Whether they are kept changes no digit of growth.
 */
-static PetscErrorCode VisitPhase(Reader *r, PetscInt i, const PetscReal beta[], MpmSymbol *s)
+static PetscErrorCode VisitMatrix(Reader *r, PetscInt i, PetscInt exponent, MpmSymbol *s)
 {
-  const PetscBool shorter = r->source->growths ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal       without_null;
-  PetscInt        largest, exponent;
+  PetscInt largest;
 
   PetscFunctionBegin;
-  if (shorter) {
-    PetscCall(r->source->growths(r->source->context, beta, &s->per_phase[i], &without_null));
-    if (s->without_null) s->without_null[i] = without_null;
-    if (!s->factors) PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(Matrix(r, beta, &exponent));
   PetscCall(Factors(r, PETSC_FALSE, &largest));
   if (s->factors) {
     s->exponents[i] = exponent;
@@ -146,23 +180,49 @@ static PetscErrorCode VisitPhase(Reader *r, PetscInt i, const PetscReal beta[], 
       s->factors[2 * (s->size * i + j) + 1] = cimag(r->eigen.value[j]);
     }
   }
-  if (shorter) PetscFunctionReturn(PETSC_SUCCESS);
+  if (r->source->growths) PetscFunctionReturn(PETSC_SUCCESS);
   s->per_phase[i] = MpmGrowthPerStep(cabs(r->eigen.value[largest]), exponent, s->period);
   if (s->without_null) s->without_null[i] = LargestWithoutNull(r, exponent);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
+/* A phase of this rank in all cases. */
+static PetscErrorCode VisitPhase(Reader *r, PetscInt i, const PetscReal beta[], MpmSymbol *s[])
+{
+  const MpmSource *source = r->source;
+
+  PetscFunctionBegin;
+  if (source->growths) {
+    PetscCall(source->growths(source->context, beta, r->growth, r->without_null));
+    for (PetscInt c = 0; c < source->cases; c++) {
+      s[c]->per_phase[i] = r->growth[c];
+      if (s[c]->without_null) s[c]->without_null[i] = r->without_null[c];
+    }
+    if (!s[0]->factors) PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt c = 0; c < source->cases; c++) r->which[c] = c;
+  for (PetscInt first = 0, n; first < source->cases; first += n) {
+    n = PetscMin(source->together, source->cases - first);
+    PetscCall(Matrices(r, n, r->which + first, beta));
+    for (PetscInt k = 0; k < n; k++) {
+      PetscCall(Take(r, k));
+      PetscCall(VisitMatrix(r, i, r->exponent[k], s[first + k]));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s[])
 {
   MpmProgress progress;
 
   PetscFunctionBegin;
   PetscCall(MpmProgressBegin("phase", &progress));
-  for (PetscInt i = 0; i < s->count; i++) {
+  for (PetscInt i = 0; i < s[0]->count; i++) {
     PetscReal beta[MPM_MAX_DIM];
 
-    PetscCall(MpmProgressUpdate(&progress, i, s->count));
-    BetaOf(s, i, beta);
+    PetscCall(MpmProgressUpdate(&progress, i, s[0]->count));
+    BetaOf(s[0], i, beta);
     PetscCall(VisitPhase(r, i, beta, s));
   }
   PetscCall(MpmProgressEnd(&progress));
@@ -173,63 +233,104 @@ static PetscErrorCode VisitPhases(Reader *r, MpmSymbol *s)
    Computes the error of a defective eigenvalue. It matters only where growth is about within the tolerance, and is left
    out elsewhere, because it takes as long as the amplification factors.
 */
-static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s)
+static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s[])
 {
-  PetscFunctionBegin;
-  if (!(s->growth <= 1 + NEAR * s->wish.tolerance)) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < s->count; i++) {
-    PetscReal beta[MPM_MAX_DIM], error;
-    PetscInt  exponent;
+  PetscInt some = 0;
 
-    BetaOf(s, i, beta);
-    PetscCall(Matrix(r, beta, &exponent));
-    PetscCall(Rounding(r, beta, exponent, &error));
-    s->defective_error = PetscMax(s->defective_error, MpmDefectiveErrorOf(error, exponent, s->period));
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < r->source->cases; c++)
+    if (s[c]->growth <= 1 + NEAR * s[c]->wish.tolerance) r->which[some++] = c;
+  for (PetscInt i = 0; i < s[0]->count && some; i++) {
+    PetscReal beta[MPM_MAX_DIM];
+
+    BetaOf(s[0], i, beta);
+    for (PetscInt first = 0, n; first < some; first += n) {
+      n = PetscMin(r->source->together, some - first);
+      PetscCall(Matrices(r, n, r->which + first, beta));
+      PetscCall(NoisyMatrices(r, n, r->which + first, beta));
+      for (PetscInt k = 0; k < n; k++) {
+        MpmSymbol *at = s[r->which[first + k]];
+
+        at->defective_error =
+            PetscMax(at->defective_error, MpmDefectiveErrorOf(Rounding(r, k), r->exponent[k], at->period));
+      }
+    }
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->defective_error, 1, MPIU_REAL, MPI_MAX, comm));
+  for (PetscInt k = 0; k < some; k++)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s[r->which[k]]->defective_error, 1, MPIU_REAL, MPI_MAX, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   Finds the growth of one phase, the condition number of its amplification factor, and from it the error that rounding
-   makes. exponent: of the matrix.
+   Finds the growth of one phase in n cases, the condition number of its amplification factor, and from it the error that
+   rounding makes. n is at most as many as the source takes together; r->exponent has the exponents of the matrices.
 */
-static PetscErrorCode LookAt(Reader *r, const PetscReal beta[], MpmSourceGrowth *at, PetscInt *exponent)
+static PetscErrorCode LookAt(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[],
+                             MpmSourceGrowth at[])
 {
-  const PetscInt n = r->eigen.n;
-  PetscInt       largest;
-  double complex overlap = 0, leading;
-  PetscReal      error;
-
   PetscFunctionBegin;
-  PetscCall(Matrix(r, beta, exponent));
-  PetscCall(Rounding(r, beta, *exponent, &error));
-  PetscCall(Factors(r, PETSC_TRUE, &largest));
-  leading = r->eigen.value[largest];
-  for (PetscInt i = 0; i < n; i++) overlap += conj(r->eigen.left[n * largest + i]) * r->eigen.right[n * largest + i];
-  at->growth    = MpmGrowthPerStep(cabs(leading), *exponent, r->source->period);
-  at->condition = 1 / cabs(overlap);
-  at->relative  = at->condition * error / cabs(leading);
+  PetscCall(Matrices(r, n, which, beta));
+  PetscCall(NoisyMatrices(r, n, which, beta));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscInt       largest;
+    double complex overlap = 0, leading;
+
+    PetscCall(Take(r, k));
+    PetscCall(Factors(r, PETSC_TRUE, &largest));
+    leading = r->eigen.value[largest];
+    for (PetscInt i = 0; i < r->eigen.n; i++)
+      overlap += conj(r->eigen.left[r->eigen.n * largest + i]) * r->eigen.right[r->eigen.n * largest + i];
+    at[k].growth    = MpmGrowthPerStep(cabs(leading), r->exponent[k], r->source->period);
+    at[k].condition = 1 / cabs(overlap);
+    at[k].relative  = at[k].condition * Rounding(r, k) / cabs(leading);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the largest growth, the first phase that has it, and the condition number of its amplification factor. */
-static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, MpmSymbol *s)
+/* Finds the largest growth of a case, and the class of the first phase that has it. */
+static PetscErrorCode FindLargest(MPI_Comm comm, MpmSymbol *s, PetscInt *class)
 {
-  PetscInt        m = s->classes;
-  MpmSourceGrowth at;
-
   PetscFunctionBegin;
+  *class    = s->classes;
   s->growth = 0;
   for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
   for (PetscInt i = s->count - 1; i >= 0; i--)
-    if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) m = s->first + i;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &m, 1, MPIU_INT, MPI_MIN, comm));
-  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, m), s->beta_at_max);
-  PetscCall(LookAt(r, s->beta_at_max, &at, &s->exponent));
-  s->condition   = at.condition;
-  s->uncertainty = MpmUncertaintyOf(s->growth, at.relative, s->period);
+    if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) *class = s->first + i;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, class, 1, MPIU_INT, MPI_MIN, comm));
+  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, *class), s->beta_at_max);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the largest growths and the condition numbers of their amplification factors: cases with the same phase together. */
+static PetscErrorCode FindLargests(MPI_Comm comm, Reader *r, MpmSymbol *s[])
+{
+  const PetscInt cases = r->source->cases;
+  PetscInt *class;
+  MpmSourceGrowth *at;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(cases, &class, r->source->together, &at));
+  for (PetscInt c = 0; c < cases; c++) PetscCall(FindLargest(comm, s[c], &class[c]));
+  for (PetscInt c = 0; c < cases; c++) {
+    const PetscInt of   = class[c];
+    PetscInt       some = 0;
+
+    for (PetscInt other = c; other < cases && some < r->source->together && of != MPM_NONE; other++) {
+      if (class[other] != of) continue;
+      r->which[some++] = other;
+      class[other]     = MPM_NONE;
+    }
+    if (some) PetscCall(LookAt(r, some, r->which, s[c]->beta_at_max, at));
+    for (PetscInt k = 0; k < some; k++) {
+      MpmSymbol *found = s[r->which[k]];
+
+      found->exponent    = r->exponent[k];
+      found->condition   = at[k].condition;
+      found->uncertainty = MpmUncertaintyOf(found->growth, at[k].relative, found->period);
+    }
+  }
+  PetscCall(PetscFree2(class, at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -256,14 +357,12 @@ static PetscErrorCode CountPhases(MPI_Comm comm, const MpmSource *source, MpmSym
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish,
-                                   MpmSymbol **symbol)
+/* The symbol of a case, with room for its curves. */
+static PetscErrorCode Create(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish, MpmSymbol **symbol)
 {
-  const PetscReal begin = MPI_Wtime();
-  Reader          reader;
-  PetscMPIInt     rank, size;
-  MpmSymbol      *s;
-  PetscInt        room;
+  PetscMPIInt rank, size;
+  MpmSymbol  *s;
+  PetscInt    room;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -279,27 +378,38 @@ PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const
   PetscCall(MpmPhasesList(s));
   s->first = (PetscInt)((PetscInt64)s->classes * rank / size);
   s->count = (PetscInt)((PetscInt64)s->classes * (rank + 1) / size) - s->first;
-  PetscCall(ReaderCreate(source, &reader));
-  room = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
+  room     = PetscMax(1, s->count); /* not 0 for a rank without phases: NULL would say that there is no such curve */
   PetscCall(PetscMalloc1(room, &s->per_phase));
   if (source->null_all != MPM_NONE) PetscCall(PetscMalloc1(room, &s->without_null));
   if (wish->keep) PetscCall(PetscMalloc2(2 * s->size * room, &s->factors, room, &s->exponents));
-  PetscCall(VisitPhases(&reader, s));
-  PetscCall(FindLargest(comm, &reader, s));
-  PetscCall(FindDefectiveError(comm, &reader, s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const MpmSymbolWish *wish,
+                                   MpmSymbol *symbols[])
+{
+  const PetscReal begin = MPI_Wtime();
+  Reader          reader;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < source->cases; c++) PetscCall(Create(comm, source, wish, &symbols[c]));
+  PetscCall(ReaderCreate(source, &reader));
+  PetscCall(VisitPhases(&reader, symbols));
+  PetscCall(FindLargests(comm, &reader, symbols));
+  PetscCall(FindDefectiveError(comm, &reader, symbols));
   PetscCall(ReaderDestroy(&reader));
-  s->seconds = MPI_Wtime() - begin;
+  for (PetscInt c = 0; c < source->cases; c++) symbols[c]->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSourceGrowthAt(const MpmSource *source, const PetscReal beta[], MpmSourceGrowth *at)
 {
-  Reader   reader;
-  PetscInt exponent;
+  const PetscInt first = 0;
+  Reader         reader;
 
   PetscFunctionBegin;
   PetscCall(ReaderCreate(source, &reader));
-  PetscCall(LookAt(&reader, beta, at, &exponent));
+  PetscCall(LookAt(&reader, 1, &first, beta, at));
   PetscCall(ReaderDestroy(&reader));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

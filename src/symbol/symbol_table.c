@@ -61,28 +61,42 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A case for each of n Courant numbers. */
 typedef struct {
-  MpmBloch      bloch;
-  MpmSmallEigen eigen;
-  PetscReal     courant;
+  MpmBloch         bloch;
+  MpmSmallEigen    eigen;
+  PetscInt         n;
+  const PetscReal *courant;
 } TableMatrix;
+
+static PetscErrorCode Matrices(void *context, PetscInt n, const PetscInt which[], const PetscReal beta[],
+                               PetscBool noisy, double complex G[], PetscInt exponent[])
+{
+  TableMatrix *t = context;
+  PetscReal    courant[MPM_BLOCH_LANES];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) courant[i] = t->courant[which[i]];
+  PetscCall(MpmBlochMatrices(&t->bloch, n, courant, beta, noisy, G, exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
                              PetscInt *exponent)
 {
-  TableMatrix *t = context;
+  const PetscInt first = 0;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&t->bloch, t->courant, beta, noisy, G, exponent));
+  PetscCall(Matrices(context, 1, &first, beta, noisy, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal *growth, PetscReal *without_null)
+static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
 {
   TableMatrix *t = context;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochGrowths(&t->bloch, &t->eigen, t->courant, beta, growth, without_null));
+  PetscCall(MpmBlochGrowths(&t->bloch, &t->eigen, t->n, t->courant, beta, growth, without_null));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,7 +125,10 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
   *source = (MpmSource){.dim       = layout->dim,
                         .size      = b->size,
                         .period    = b->period,
+                        .cases     = t->n,
+                        .together  = PetscMin(b->most, t->n),
                         .matrix    = Matrix,
+                        .matrices  = Matrices,
                         .growths   = b->turn < b->period || b->nodal || b->taken ? Growths : NULL,
                         .context   = t,
                         .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
@@ -127,10 +144,10 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
-                               const MpmSymbolWish *wish, MpmSymbol **symbol)
+PetscErrorCode MpmSymbolsCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                                PetscInt n, const PetscReal courant[], const MpmSymbolWish *wish, MpmSymbol *symbols[])
 {
-  TableMatrix table = {.courant = step->courant};
+  TableMatrix table = {.n = n, .courant = courant};
   MpmSource   source;
 
   PetscFunctionBegin;
@@ -138,19 +155,30 @@ PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const Mpm
   PetscCall(MpmBlochCreate(layout, scheme, step->drift, &table.bloch));
   PetscCall(MpmSmallEigenCreate(table.bloch.turn_size, &table.eigen));
   PetscCall(Describe(&table, step, &source));
-  PetscCall(MpmSymbolFromSource(comm, &source, wish, symbol));
-  (*symbol)->layout = layout;
-  (*symbol)->scheme = scheme;
-  (*symbol)->step   = *step;
+  PetscCall(MpmSymbolFromSource(comm, &source, wish, symbols));
+  for (PetscInt i = 0; i < n; i++) {
+    symbols[i]->layout       = layout;
+    symbols[i]->scheme       = scheme;
+    symbols[i]->step         = *step;
+    symbols[i]->step.courant = courant[i];
+  }
   PetscCall(MpmSmallEigenDestroy(&table.eigen));
   PetscCall(MpmBlochDestroy(&table.bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
+                               const MpmSymbolWish *wish, MpmSymbol **symbol)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolsCreate(comm, layout, scheme, step, 1, &step->courant, wish, symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTableBlocks(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                               const char option[], MpmBlocks *blocks)
 {
-  TableMatrix table = {.courant = step->courant};
+  TableMatrix table = {.n = 1, .courant = &step->courant};
   MpmSource   source;
 
   PetscFunctionBegin;

@@ -1,11 +1,13 @@
 /*
    The symbol in two and three dimensions is compared with the oracle, with the closed forms at random phases of random
-   schemes, with the symbol of one dimension at waves along an axis, and with itself without symmetries.
+   schemes, with the symbol of one dimension at waves along an axis, and with itself without symmetries. In any dimension
+   many Courant numbers side by side are compared with each of them alone.
 */
 #include "oracle.h"
 #include "symbols.h"
 #include "base/hash.h"
 #include "linalg/small_eigen.h"
+#include "symbol/bloch_growth.h"
 #include "symbol/bloch_nodal.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
@@ -124,6 +126,93 @@ static PetscErrorCode CheckTurns(void)
   PetscCall(CheckTurn("-dim 3 -formulation usl -basis quadratic -ppc 1,1,2 -drift 1/2 -courant 0.4 -transfer tpic "
                       "-gradient mls",
                       2, 3 + 12));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- lanes ---- */
+
+#define MANY 11 /* Courant numbers, so that some lanes are left over */
+
+/* Whether a matrix is another one to the last bit. They may be divided by different powers of two. */
+static PetscBool Same(PetscInt n, const double complex a[], PetscInt a_exponent, const double complex b[],
+                      PetscInt b_exponent)
+{
+  for (PetscInt i = 0; i < n * n; i++)
+    if (a[i] != b[i] || a_exponent != b_exponent) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Many Courant numbers side by side have the matrices and growths of each of them alone, to the last bit. */
+static PetscErrorCode CheckLanes(const char options[])
+{
+  const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
+  double complex *G, *alone;
+  PetscReal       courant[MANY], growth[MANY], without[MANY];
+  PetscInt        exponent[MANY], size, turn;
+  MpmSmallEigen   turned;
+  Wave            w;
+
+  PetscFunctionBegin;
+  PetscCall(WaveCreate(options, &w));
+  size = w.bloch.size;
+  turn = w.bloch.turn_size;
+  for (int i = 0; i < MANY; i++) courant[i] = w.scene->step.courant * (1 + 0.37 * (i * 7 % MANY));
+  courant[4] = 1e9; /* its matrices are divided on the way */
+  PetscCall(PetscMalloc2(MANY * size * size, &G, size * size, &alone));
+  PetscCall(MpmSmallEigenCreate(turn, &turned));
+  for (int noisy = 0; noisy < 2; noisy++) {
+    PetscCall(MpmBlochMatrices(&w.bloch, MANY, courant, beta, noisy ? PETSC_TRUE : PETSC_FALSE, G, exponent));
+    for (int i = 0; i < MANY; i++) {
+      PetscInt own;
+
+      PetscCall(MpmBlochMatrix(&w.bloch, courant[i], beta, noisy ? PETSC_TRUE : PETSC_FALSE, alone, &own));
+      CHECK(Same(size, G + i * size * size, exponent[i], alone, own), "%s: matrix %d%s", options, i,
+            noisy ? " with noise" : "");
+    }
+  }
+  PetscCall(MpmBlochTurns(&w.bloch, MANY, courant, beta, G, exponent));
+  for (int i = 0; i < MANY; i++) {
+    PetscInt own;
+
+    PetscCall(MpmBlochTurn(&w.bloch, courant[i], beta, alone, &own));
+    CHECK(Same(turn, G + i * turn * turn, exponent[i], alone, own), "%s: turn %d", options, i);
+  }
+  PetscCall(MpmBlochGrowths(&w.bloch, &turned, MANY, courant, beta, growth, without));
+  for (int i = 0; i < MANY; i++) {
+    PetscReal own;
+
+    PetscCall(MpmBlochGrowth(&w.bloch, &turned, courant[i], beta, &own));
+    CHECK(growth[i] == own, "%s: growth %d is %.17g, alone %.17g", options, i, growth[i], own);
+  }
+  PetscCall(PetscFree2(G, alone));
+  PetscCall(MpmSmallEigenDestroy(&turned));
+  PetscCall(WaveDestroy(&w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Schemes and transfers of all kinds: with and without a turn, with registers that are taken, and wide matrices. */
+static PetscErrorCode CheckManyCourantNumbers(void)
+{
+  static const char *const formulations[] = {"gas1", "gas2", "elastic", "usl", "usf", "musl", "usavg"};
+  static const char *const transfers[]    = {
+         "flip", "pic", "blend", "xpic -xpic_order 3", "nullspace", "fmpm -xpic_order 3", "apic", "tpic", "aflip"};
+  static const size_t      with_momentum = 3, affine = 6; /* from these on; an affine part is one of momentum */
+  static const char *const places[] = {"-ppc 2", "-ppc 2 -drift 1/8", "-ppc 3 -drift -2/7 -offset 0.3",
+                                       "-dim 2 -ppc 1,2 -drift 1/4,-2/3", "-dim 2 -ppc 2"};
+  char                     options[256];
+
+  PetscFunctionBegin;
+  for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(formulations); f++)
+    for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(transfers); t++)
+      for (size_t p = 0; p < PETSC_STATIC_ARRAY_LENGTH(places); p++) {
+        if (f < with_momentum && t >= affine) continue;
+        PetscCall(PetscSNPrintf(options, sizeof options,
+                                "-formulation %s -transfer %s %s -courant 0.3 -basis quadratic", formulations[f],
+                                transfers[t], places[p]));
+        PetscCall(CheckLanes(options));
+      }
+  PetscCall(CheckLanes("-dim 3 -formulation usl -transfer apic -ppc 2,1,1 -drift 1/2 -courant 0.4"));
+  PetscCall(CheckLanes("-dim 3 -formulation usl -basis quadratic -drift 1/2 -courant 0.4")); /* of order 72: one lane */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -501,6 +590,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   PetscCall(OracleGrowthNd(argv[1], 60, CheckSymbolRow));
   PetscCall(CheckTurns());
+  PetscCall(CheckManyCourantNumbers());
   PetscCall(
       CheckSymbolRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
   for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));
