@@ -129,9 +129,9 @@ PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[]
 
 PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[])
 {
-  const char *also = MpmOptions[MpmOptionIndex(name)].also;
+  const char *also = MpmOptions[MpmOptionIndex(name)].also, *text = MpmSettingsText(settings, name);
 
-  return also && !strcmp(MpmSettingsText(settings, name), also) ? PETSC_TRUE : PETSC_FALSE;
+  return also && text && !strcmp(text, also) ? PETSC_TRUE : PETSC_FALSE; /* no text: a rival was given */
 }
 
 const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[])
