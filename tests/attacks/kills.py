@@ -11,6 +11,9 @@ SIGNALS = {"SIGKILL": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "SIGINT": signa
 SCENES = ("-formulation gas2 -cells 400 -courant 0.2 -drift 0.3 -jitter 0.5",
           "-formulation usl -cells 300 -ppc 3 -drift 1/7",
           "-formulation musl -cells 200 -basis quadratic -boundary fixed,free -courant 0.3",
+          "-kinematics finite -formulation usl -material neo -basis quadratic -courant auto -cells 200 -initial random "
+          "-amplitude 1e-6", "-kinematics finite -formulation musl -transfer apic -basis cubic -dim 2 -cells 12 "
+          "-initial random -amplitude 1e-6 -courant 0.4",
           "-formulation gas1 -cells 300 -initial random", "-formulation usavg -transfer xpic -cells 200 -jitter 0.2")
 LONG = ("run -cells 300 -steps 100000000 -output o.h5 -csv o.csv -json o.json",
         "map -map_points 300,300 -csv o.csv -output o.h5", "symbol -cells 100000 -csv o.csv -output o.h5",
