@@ -172,8 +172,8 @@ def check_refusals():
     check_refused("good.h5", "checkpoint good.h5: is at step 50 of 49; allowed: as many steps or more", "-steps", "49")
     status, said, errors = finish(start(1, "-checkpoint", "series.h5", "-csv", "series.csv", "-steps", "50"))
     check(status == 0, said + errors)
-    check_refused("series.h5", "restart series.h5: its CSV has other columns; allowed: weights, source_term and ringing as "
-                  "before", "-steps", "60", "-csv", "other.csv", "-source_term", "true")
+    check_refused("series.h5", "restart series.h5: its CSV has other columns; allowed: weights, source_term, ringing "
+                  "and tangent as before", "-steps", "60", "-csv", "other.csv", "-source_term", "true")
 
 
 def sum_up(path):

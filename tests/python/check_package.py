@@ -113,7 +113,7 @@ def check_symbol_and_map():
 
     with contextlib.redirect_stderr(io.StringIO()) as shown:
         found = mpmstab.map(cells=8, map_points=(3, 4), ranks=2, progress=True)
-    check("\rpoint " in shown.getvalue() and "\n" not in shown.getvalue(), f"progress {shown.getvalue()!r}")
+    check("\rpart " in shown.getvalue() and "\n" not in shown.getvalue(), f"progress {shown.getvalue()!r}")
     check(found.table.shape == (3, 4) and list(found.map.shape) == [3, 4], f"shape {found.table.shape}")
     check(numpy.array_equal(found.table.ravel(), found.rows["growth"]), "table and rows of a map")
     check(numpy.array_equal(numpy.repeat(found.map.courant, 4), found.rows["courant"]), "axis of a map")
