@@ -109,6 +109,9 @@ def check_steps():
         quotes("chosen-steps", words.format(re.search(r"step (\d+): particle", done.stderr)[1]))
     beam = run("cantilever", "-courant", "auto", "-time", "0.3", "-expect_energy", "0,2")["courant_auto"]
     check(beam["limited_by"] == "lone" and f"{beam['limit']:.6g}:" in page("chosen-steps"), f"cantilever: {beam}")
+    fast = launch("cantilever", "-courant", "1.05643")
+    check(fast.returncode == 1, f"cantilever: {fast.stdout}")
+    quotes("chosen-steps", f"fails at step {re.search(r'step (.+?): particle', fast.stderr)[1]}.")
     tube = launch("shock-tube", "-courant", "auto", "-time", "0.15")
     check(tube.returncode == 1 and "step 2: particle" in tube.stderr, f"shock tube: {tube.stderr}")
     run("shock-tube", "-courant", "auto", "-time", "0.15", "-safety", "0.5")
