@@ -191,22 +191,6 @@ static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A property of this rank's particles, or NULL where all are alike. */
-static PetscErrorCode Property(const MpmMarch *march, MpmProperty property, const PetscReal **values)
-{
-  PetscFunctionBegin;
-  *values = NULL;
-  if (march->layout->varies[property]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[property], values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode RestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
-{
-  PetscFunctionBegin;
-  if (*values) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Adds m v^2 / 2 of this rank's particles, and their energy in the gravity, in units of rho0 c^2. */
 static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
 {
@@ -215,7 +199,7 @@ static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
   const PetscInt  *cell;
 
   PetscFunctionBegin;
-  PetscCall(Property(march, MPM_MASS, &mass));
+  PetscCall(MpmMarchGetProperty(march, MPM_MASS, &mass));
   for (PetscInt r = 0; r < t->nstate; r++) {
     if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
     PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
@@ -233,7 +217,7 @@ static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &q));
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
   }
-  PetscCall(RestoreProperty(march, MPM_MASS, &mass));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &mass));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -247,13 +231,13 @@ static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], Petsc
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
-  PetscCall(Property(march, MPM_STIFFNESS, &stiffness));
-  PetscCall(Property(march, MPM_VOLUME, &volume));
+  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &volume));
   MpmMaterialEnergy(&t->material, t->dim, march->particles->count, (const PetscReal *const *)F, psi);
   for (PetscInt p = 0; p < march->particles->count; p++)
     *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
-  PetscCall(RestoreProperty(march, MPM_VOLUME, &volume));
-  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &volume));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,8 +15,7 @@ static PetscReal CellVolume(const MpmMarch *march)
   return volume;
 }
 
-/* The array of a property where it varies, else NULL. */
-static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+PetscErrorCode MpmMarchGetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
 {
   PetscFunctionBegin;
   *values = NULL;
@@ -24,7 +23,7 @@ static PetscErrorCode GetProperty(const MpmMarch *march, MpmProperty property, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
+PetscErrorCode MpmMarchRestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values)
 {
   PetscFunctionBegin;
   if (*values) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[property], values));
@@ -43,13 +42,13 @@ static PetscErrorCode WeighedSquares(const MpmMarch *march, const MpmEnergyTerm 
   const PetscReal  *weight, *stiffness;
 
   PetscFunctionBegin;
-  PetscCall(GetProperty(march, by, &weight));
-  PetscCall(GetProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchGetProperty(march, by, &weight));
+  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
   *sum = 0;
   for (PetscInt p = 0; p < march->particles->count; p++)
     *sum += q[p] * q[p] * (weight ? weight[p] : 1) / (stress && stiffness ? stiffness[p] : 1);
-  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
-  PetscCall(RestoreProperty(march, by, &weight));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchRestoreProperty(march, by, &weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,8 +134,8 @@ static PetscErrorCode WeighedStressSquares(const MpmMarch *march, PetscInt first
   PetscFunctionBegin;
   for (PetscInt c = 0; c < n; c++)
     PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[first + c], &s[c]));
-  PetscCall(GetProperty(march, MPM_VOLUME, &weight));
-  PetscCall(GetProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &weight));
+  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
   *sum = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) {
     PetscReal trace = 0, squares = 0;
@@ -150,8 +149,8 @@ static PetscErrorCode WeighedStressSquares(const MpmMarch *march, PetscInt first
     squares = squares / (2 * mu) - lambda / (2 * mu * (dim * lambda + 2 * mu)) * trace * trace;
     *sum += squares * (weight ? weight[p] : 1) / (stiffness ? stiffness[p] : 1);
   }
-  PetscCall(RestoreProperty(march, MPM_STIFFNESS, &stiffness));
-  PetscCall(RestoreProperty(march, MPM_VOLUME, &weight));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &weight));
   for (PetscInt c = 0; c < n; c++)
     PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[first + c], &s[c]));
   PetscFunctionReturn(PETSC_SUCCESS);

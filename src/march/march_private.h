@@ -141,6 +141,10 @@ PetscErrorCode MpmRowsFind(MpmMarch *march);
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
 
+/* Not collective. The array of a property of this rank's particles where it varies, else NULL; and its return. */
+PetscErrorCode MpmMarchGetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values);
+PetscErrorCode MpmMarchRestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values);
+
 /* Collective. P2G of one particle field at the present places, into a local vector with its ghosts. */
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
 
