@@ -76,11 +76,10 @@ static PetscErrorCode LimitAtSurface(const MpmCriticalCase *of, PetscReal *limit
 
 static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNeighbourhoodKind *where)
 {
-  const MpmCriticalCase none   = {.tolerance = TOLERANCE};
-  MpmCriticalCase       of     = none;
-  MpmScheme             scheme = scene->scheme;
-  MpmScene             *rest;
-  MpmCritical           critical;
+  MpmCriticalCase of     = {.tolerance = TOLERANCE};
+  MpmScheme       scheme = scene->scheme;
+  MpmScene       *rest;
+  MpmCritical     critical;
 
   PetscFunctionBegin;
   PetscCall(LayoutAtRest(scene, &rest));
