@@ -2,7 +2,7 @@
    The time of all eigenvalues of a random complex matrix of each given order, by MpmSmallQr and by LAPACK's zgeev, and
    the rate of dgemm: a line of JSON an order. Each time is the least of several.
 */
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 #include "linalg/small_eigen.h"
 #include "linalg/small_qr.h"
 #include <petscblaslapack.h>

@@ -7,7 +7,7 @@
    Column j is stored from row j - lower - upper on. These are lower rows more than the matrix has; pivoting fills them.
 */
 #include "linalg/band_lu.h"
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 
 #define DGBTRF MPM_LAPACK(dgbtrf, DGBTRF)
 

@@ -1,7 +1,13 @@
 /* Dense matrices that every rank holds whole. */
+#include "linalg/lapack_names.h"
 #include "linalg/dense.h"
-#include <petscblaslapack.h>
 #include <math.h>
+
+#define DSYEVD MPM_LAPACK(dsyevd, DSYEVD)
+
+extern void DSYEVD(const char *jobz, const char *uplo, const PetscBLASInt *n, double *a, const PetscBLASInt *lda,
+                   double *w, double *work, const PetscBLASInt *lwork, PetscBLASInt *iwork, const PetscBLASInt *liwork,
+                   PetscBLASInt *info);
 
 #define DOUBTFUL 1e-11 /* eigenvalues of a product with the transpose below this, relatively, may be 0 */
 
@@ -87,20 +93,21 @@ PetscErrorCode MpmDenseLargest(Mat matrix, PetscReal value[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Eigenvalues, ascending, and vectors of a symmetric matrix, by columns, which they take the place of. */
-static PetscErrorCode Symmetric(PetscInt n, PetscReal a[], PetscReal value[])
+PetscErrorCode MpmDenseSymmetric(PetscInt n, PetscReal a[], PetscReal value[])
 {
-  PetscBLASInt order, info, room = -1;
+  PetscBLASInt order, places, info, room = -1, places_room = -1, *place;
   PetscReal   *work, query;
 
   PetscFunctionBegin;
   PetscCall(PetscBLASIntCast(n, &order));
-  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "U", &order, a, &order, value, &query, &room, &info));
-  room = (PetscBLASInt)query;
-  PetscCall(PetscMalloc1(room, &work));
-  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "U", &order, a, &order, value, work, &room, &info));
-  PetscCall(PetscFree(work));
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyev failed: %d", (int)info);
+  DSYEVD("V", "U", &order, a, &order, value, &query, &room, &places, &places_room, &info);
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyevd failed: %d", (int)info);
+  room        = (PetscBLASInt)query;
+  places_room = places;
+  PetscCall(PetscMalloc2(room, &work, places_room, &place));
+  DSYEVD("V", "U", &order, a, &order, value, work, &room, place, &places_room, &info);
+  PetscCall(PetscFree2(work, place));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyevd failed: %d", (int)info);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,7 +149,7 @@ static PetscErrorCode Deficiency(Mat tall, PetscReal tolerance, PetscInt *missin
   PetscCall(MatMatMult(wide, tall, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
   PetscCall(PetscMalloc2((size_t)n * n, &gram, n, &value));
   PetscCall(MpmDenseCopy(product, gram));
-  PetscCall(Symmetric(n, gram, value));
+  PetscCall(MpmDenseSymmetric(n, gram, value));
   while (doubtful < n && value[doubtful] <= DOUBTFUL * value[n - 1]) doubtful++;
   if (doubtful) {
     PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, n, doubtful, gram, &vectors));

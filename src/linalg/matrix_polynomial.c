@@ -1,5 +1,5 @@
 /* Polynomials of matrices: where they are singular, and the largest eigenvalue, by LAPACK. */
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 #include "linalg/dense.h"
 #include "linalg/matrix_polynomial.h"
 #include <math.h>

@@ -33,24 +33,16 @@ static PetscErrorCode Square(Mat W, PetscReal square[])
 */
 static PetscErrorCode HalfInverse(PetscInt n, PetscReal a[])
 {
-  PetscBLASInt order, room, info;
-  PetscReal   *lambda, *work, query;
+  PetscReal *lambda;
 
   PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &order));
   PetscCall(PetscMalloc1(n, &lambda));
-  room = -1;
-  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, &query, &room, &info));
-  room = (PetscBLASInt)query;
-  PetscCall(PetscMalloc1(room, &work));
-  PetscCallBLAS("LAPACKsyev", LAPACKsyev_("V", "L", &order, a, &order, lambda, work, &room, &info));
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dsyev failed: %d", (int)info);
+  PetscCall(MpmDenseSymmetric(n, a, lambda));
   for (PetscInt j = 0; j < n; j++) {
     const PetscReal scale = lambda[j] > SINGULAR * lambda[n - 1] ? 1 / sqrt(lambda[j]) : 0;
 
     for (PetscInt i = 0; i < n; i++) a[(size_t)j * n + i] *= scale;
   }
-  PetscCall(PetscFree(work));
   PetscCall(PetscFree(lambda));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

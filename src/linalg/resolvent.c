@@ -6,7 +6,7 @@
 
    Applying this matrix is two triangular solves. Lanczos with full orthogonalization finds its largest eigenvalue.
 */
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 #include "linalg/dense.h"
 #include "base/hash.h"
 #include "linalg/resolvent.h"

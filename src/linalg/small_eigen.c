@@ -1,5 +1,5 @@
 /* All eigenvalues of a small complex matrix. LAPACK's zgeev is asked for vectors and for what QR steps leave open. */
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 #include "linalg/small_eigen.h"
 #include "linalg/small_qr.h"
 #include <math.h>

@@ -2,7 +2,7 @@
    A plan run on small dense matrices. A slot is, for each image and each power of the Courant number, a multiple of the
    identity plus a matrix. In most plans every map meets a multiple of the identity, and no product of matrices is made.
 */
-#include "linalg/complex_lapack.h"
+#include "linalg/lapack_names.h"
 #include "operator/nodal.h"
 
 #define ZGEMM MPM_LAPACK(zgemm, ZGEMM)

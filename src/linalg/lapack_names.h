@@ -1,4 +1,4 @@
-/* Names of the complex routines of LAPACK and BLAS: PETSc with real scalars wraps only the real ones. */
+/* Names of routines of LAPACK and BLAS that PETSc with real scalars does not wrap: the complex ones and some real ones. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <petscblaslapack.h>
