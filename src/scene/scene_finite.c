@@ -74,16 +74,6 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number of a material that the scene's material does not have. */
-static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], PetscBool reads, const char why[])
-{
-  PetscFunctionBegin;
-  if (!reads && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, option, "material"))
-    PetscCall(MpmSettingsRefuse(settings, option, why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
    lambda / mu of a solid: with dim 1 the option lame_ratio, else it follows from Poisson's ratio unless lame_ratio is
    given. The scene has the one that follows from the other, too.
@@ -154,8 +144,10 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   scene->law = word < MPM_MATERIAL_KINDS ? MPM_LAW_LINEAR : (MpmLaw)(word - MPM_MATERIAL_KINDS + 1);
   power      = scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
   solid      = !power && scene->law != MPM_LAW_GAS ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckReads(settings, "lame_ratio", solid, "allowed: only with material uniform, neo or svk"));
-  PetscCall(CheckReads(settings, "exponent", power, "allowed: only with material tait or polytropic"));
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "lame_ratio", solid,
+                                              "allowed: only with material uniform, neo or svk"));
+  PetscCall(
+      MpmSettingsRefuseNumberOfMaterial(settings, "exponent", power, "allowed: only with material tait or polytropic"));
   if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT &&
       !MpmSettingsOverruled(settings, "prestress", "kinematics"))
     PetscCall(MpmSettingsRefuse(settings, "prestress",

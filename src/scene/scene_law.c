@@ -144,16 +144,6 @@ static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number of a material that the scene's material does not have. */
-static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], PetscBool reads, const char why[])
-{
-  PetscFunctionBegin;
-  if (!reads && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, option, "material"))
-    PetscCall(MpmSettingsRefuse(settings, option, why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
 {
   PetscInt  word;
@@ -163,12 +153,14 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsWord(settings, "material", &word));
   scene->law = word < MPM_MATERIAL_KINDS ? MPM_LAW_LINEAR : (MpmLaw)(word - MPM_MATERIAL_KINDS + 1);
   power      = scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckReads(settings, "stretch", scene->law != MPM_LAW_LINEAR,
-                       "allowed: only with material neo, svk, tait, gas or polytropic"));
-  PetscCall(CheckReads(settings, "lame_ratio", scene->law == MPM_LAW_NEO && scene->layout.dim == 1,
-                       scene->law == MPM_LAW_NEO ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
-                                                 : "allowed: only with material neo"));
-  PetscCall(CheckReads(settings, "exponent", power, "allowed: only with material tait or polytropic"));
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "stretch", scene->law != MPM_LAW_LINEAR,
+                                              "allowed: only with material neo, svk, tait, gas or polytropic"));
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(
+      settings, "lame_ratio", scene->law == MPM_LAW_NEO && scene->layout.dim == 1,
+      scene->law == MPM_LAW_NEO ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
+                                : "allowed: only with material neo"));
+  PetscCall(
+      MpmSettingsRefuseNumberOfMaterial(settings, "exponent", power, "allowed: only with material tait or polytropic"));
   if (scene->law == MPM_LAW_LINEAR) {
     PetscCall(FromStress(settings, scene));
     PetscFunctionReturn(PETSC_SUCCESS);

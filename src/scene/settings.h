@@ -103,6 +103,15 @@ PetscErrorCode MpmSettingsCheckUnused(void);
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[]);
 
 /*
+   MpmSettingsRefuseNumberOfMaterial - refuses a number of a material that was given although the scene's material does
+   not read it. A key of a scene file whose material the command line has changed is let pass.
+
+   Collective. read: whether the scene's material reads the option. why: what is allowed.
+*/
+PetscErrorCode MpmSettingsRefuseNumberOfMaterial(const MpmSettings *settings, const char name[], PetscBool read,
+                                                 const char why[]);
+
+/*
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
    List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of words,

@@ -45,6 +45,16 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
   MpmRefuse("-%s %.*s%s%s: %s", name, MOST_SHOWN, settings->text[i], dots, place, why);
 }
 
+PetscErrorCode MpmSettingsRefuseNumberOfMaterial(const MpmSettings *settings, const char name[], PetscBool read,
+                                                 const char why[])
+{
+  PetscFunctionBegin;
+  if (!read && MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT &&
+      !MpmSettingsOverruled(settings, name, "material"))
+    PetscCall(MpmSettingsRefuse(settings, name, why));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
