@@ -8,12 +8,12 @@ refined until it stops moving ('mpmstab symbol -refine'). With -o NAME the scrip
 --check FILE computes some forty of the numbers, and refuses a file whose tables have others.
 The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
-import concurrent.futures
 import math
 import os
 import sys
 
-from program import Parser, end_in_one_line, launch, refuse, require_input, require_outputs, require_program
+from program import (Parser, end_in_one_line, launch, refuse, require_input, require_outputs, require_program,
+                     side_by_side)
 
 BASES = ("linear", "gimp", "quadratic", "cubic")
 SCHEMES = [*((formulation, transfer, basis) for formulation in ("usl", "musl", "usf")
@@ -85,14 +85,9 @@ def tables_of(growth):
     return [*lines[:-1], "0: below 1e-7, and below 1e-8 where rounding lets that be told; ?: not decided"]
 
 
-def pool():
-    """Returns as many workers as there are cores."""
-    return concurrent.futures.ThreadPoolExecutor(os.cpu_count())
-
-
 def compute(cases):
     """Runs the program for each case."""
-    with pool() as workers:
+    with side_by_side(os.cpu_count()) as workers:
         return dict(zip(cases, workers.map(growth_of, cases)))
 
 

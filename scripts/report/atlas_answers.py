@@ -1,5 +1,4 @@
 """Runs the commands of the atlas and keeps each answer in a file of its own, so that a run that was ended goes on."""
-import concurrent.futures
 import contextlib
 import csv
 import hashlib
@@ -13,7 +12,7 @@ import tempfile
 import threading
 import time
 
-from program import PROGRAM, result_of, write_whole
+from program import PROGRAM, result_of, side_by_side, write_whole
 
 PATIENCE = 100  # seconds of a core for one command, however busy the machine is
 LASTING = (0, 2, None)  # the statuses that would come again: done, refused, stopped
@@ -121,7 +120,7 @@ def ask_row(answers, row, told):
 
 def ask_all(answers, rows, jobs, told):
     """Asks all rows, so many at a time, and returns what was found of each."""
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+    with side_by_side(jobs) as pool:
         try:
             return list(pool.map(lambda row: ask_row(answers, row, told), rows))
         except BaseException:

@@ -19,6 +19,7 @@ os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
 from checks import SCRIPTS, check, check_one_line, run_script, text_of
 from browser import browser, check_quiet, clipboard_after, opened, require_browser, resize
 import atlas_numbers  # noqa: E402 (which program it runs comes first)
+import program  # noqa: E402
 
 SUBSET = ["--only", "musl,elastic", "flip,apic", "linear", "basis", "--dim", "1", "--jobs", "2", "-o", "atlas"]
 SCHEMES = ["elastic flip linear 1-D", "musl apic linear 1-D", "musl flip linear 1-D"]
@@ -87,6 +88,14 @@ def check_numbers(page):
                    stdout=subprocess.DEVNULL)
     with open("moving.json", encoding="utf-8") as file:
         check(json.load(file)["growth"] - 1 == rows["musl flip linear 1-D"]["grows2"], "the command prints another number")
+
+
+def check_threads():
+    """A command of the atlas gets one thread for its linear algebra, whatever the shell says."""
+    os.environ["OMP_NUM_THREADS"] = "2"
+    with program.side_by_side(2) as pool:
+        said = pool.submit(subprocess.check_output, ["sh", "-c", "echo $OMP_NUM_THREADS"], text=True).result()
+    check(said == "1\n", f"{said} threads")
 
 
 def check_unknown():
@@ -174,6 +183,7 @@ def check_refusals():
 
 def main():
     require_browser()
+    check_threads()
     check_unknown()
     check_refusals()
     check_numbers(build())
