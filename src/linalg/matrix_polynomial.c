@@ -1,20 +1,16 @@
-/* Polynomials of matrices: where they are singular, and the largest eigenvalue, by LAPACK. */
+/* Polynomials of matrices: where they are singular, and the largest eigenvalue. */
 #include "linalg/lapack_names.h"
 #include "linalg/dense.h"
 #include "linalg/matrix_polynomial.h"
+#include "linalg/small_eigen.h"
 #include <math.h>
 
 #define ZGESV MPM_LAPACK(zgesv, ZGESV)
-#define ZGEEV MPM_LAPACK(zgeev, ZGEEV)
 #define ZGEMM MPM_LAPACK(zgemm, ZGEMM)
 #define REAL 1e-7 /* an eigenvalue is real up to this part of its abs */
 
 extern void ZGESV(const PetscBLASInt *n, const PetscBLASInt *nrhs, double complex *a, const PetscBLASInt *lda,
                   PetscBLASInt *ipiv, double complex *b, const PetscBLASInt *ldb, PetscBLASInt *info);
-extern void ZGEEV(const char *jobvl, const char *jobvr, const PetscBLASInt *n, double complex *a,
-                  const PetscBLASInt *lda, double complex *w, double complex *vl, const PetscBLASInt *ldvl,
-                  double complex *vr, const PetscBLASInt *ldvr, double complex *work, const PetscBLASInt *lwork,
-                  double *rwork, PetscBLASInt *info);
 extern void ZGEMM(const char *transa, const char *transb, const PetscBLASInt *m, const PetscBLASInt *n,
                   const PetscBLASInt *k, const double complex *alpha, const double complex *a, const PetscBLASInt *lda,
                   const double complex *b, const PetscBLASInt *ldb, const double complex *beta, double complex *c,
@@ -37,22 +33,16 @@ static PetscErrorCode RealEigenvalues(PetscInt n, const double complex matrix[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ComplexEigenvalues(PetscInt n, double complex matrix[], double complex value[])
+static PetscErrorCode ComplexEigenvalues(PetscInt n, const double complex matrix[], double complex value[])
 {
-  double complex *work, size;
-  PetscReal      *rwork;
-  PetscBLASInt    order, one = 1, lwork = -1, info;
+  MpmSmallEigen small;
 
   PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &order));
-  PetscCall(PetscMalloc1(2 * n, &rwork));
-  ZGEEV("N", "N", &order, matrix, &order, value, NULL, &one, NULL, &one, &size, &lwork, rwork, &info);
-  lwork = (PetscBLASInt)creal(size);
-  PetscCall(PetscMalloc1(lwork, &work));
-  ZGEEV("N", "N", &order, matrix, &order, value, NULL, &one, NULL, &one, work, &lwork, rwork, &info);
-  PetscCheck(info == 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "zgeev failed: %d", (int)info);
-  PetscCall(PetscFree(work));
-  PetscCall(PetscFree(rwork));
+  PetscCall(MpmSmallEigenCreate(n, &small));
+  PetscCall(PetscArraycpy(small.matrix, matrix, n * n));
+  PetscCall(MpmSmallEigenSolve(&small, PETSC_FALSE));
+  PetscCall(PetscArraycpy(value, small.value, n));
+  PetscCall(MpmSmallEigenDestroy(&small));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
