@@ -13,7 +13,7 @@ static PetscErrorCode OfTurn(const MpmBloch *bloch, MpmSmallEigen *eigen, PetscI
   PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < eigen->n; i++) largest = PetscMax(largest, cabs(eigen->value[i]));
   *growth       = MpmGrowthPerStep(largest, exponent, bloch->turn);
-  *without_null = bloch->nodal ? *growth : NAN;
+  *without_null = bloch->nodal && bloch->nodal->all != MPM_NONE ? *growth : NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

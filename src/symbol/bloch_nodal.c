@@ -2,6 +2,7 @@
 #include "linalg/complex_inline.h"
 #include "linalg/small_qr.h"
 #include "symbol/bloch_nodal.h"
+#include <math.h>
 
 /*
    Nodes have one number of a number, and a vector of a vector or of a stress. An affine part adds to its vector's own
@@ -44,10 +45,31 @@ static PetscInt Sums(const MpmTable *t)
   return sums;
 }
 
+/*
+   What no image of a plan sees of the registers that a step multiplies by c stays a multiple of itself, and so |c| is a
+   factor where these registers have more numbers than there are images with c. Returns the largest; NaN where there are
+   more images than numbers, which then have factors that the particles do not have.
+*/
+static PetscReal LargestUnseen(const MpmBloch *b, const MpmNodalPlan *plan)
+{
+  PetscReal largest = 0;
+
+  for (PetscInt i = 0; i < plan->nimages + plan->nstate; i++) {
+    const PetscReal c       = i < plan->nimages ? plan->image[i].c : plan->kept[i - plan->nimages];
+    PetscInt        numbers = 0, images = 0;
+
+    for (PetscInt r = 0; r < plan->nstate; r++) numbers += plan->kept[r] == c ? b->ppc : 0;
+    for (PetscInt g = 0; g < plan->nimages; g++) images += plan->image[g].c == c;
+    if (images > numbers) return NAN;
+    if (images < numbers) largest = PetscMax(largest, PetscAbsReal(c));
+  }
+  return largest;
+}
+
 PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
 {
   const MpmScheme *scheme = b->scheme;
-  PetscInt         rest, all, n;
+  PetscInt         rest   = 0, all, n;
   PetscReal        factor;
   MpmNodalPlan    *plan;
   MpmBlochNodal *new;
@@ -55,12 +77,13 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   PetscFunctionBegin;
   *nodal = NULL;
   MpmBlochCountNull(b, &rest, &all, &factor);
-  if (b->layout->dim == 1 || all == MPM_NONE || scheme->formulation->written || MpmNodalWhyNot(scheme->table) ||
-      Sums(scheme->table) > MPM_MAX_IMAGES)
+  if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->null_factor) ||
+      scheme->formulation->written || MpmNodalWhyNot(scheme->table) || Sums(scheme->table) > MPM_MAX_IMAGES)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(scheme->table, &plan));
   n = plan->nimages;
-  if (n != b->size - all) {
+  if (all == MPM_NONE) factor = LargestUnseen(b, plan);
+  if (all == MPM_NONE ? isnan(factor) : n != b->size - all) {
     PetscCall(MpmNodalPlanDestroy(&plan));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -145,8 +168,9 @@ PetscErrorCode MpmBlochNodalGrowths(MpmBlochNodal *nodal, MpmBloch *b, PetscReal
   PetscCall(MpmBlochNodalFactors(nodal, b, courant, beta, value, ok));
   if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < nodal->plan->nimages; i++) largest = PetscMax(largest, cabs(value[i]));
-  *without_null = *growth = largest;
+  *growth       = largest;
+  *without_null = nodal->all == MPM_NONE ? NAN : largest;
   if (nodal->rest > 0) *growth = PetscMax(*growth, 1);
-  if (nodal->all > nodal->rest) *growth = PetscMax(*growth, PetscAbsReal(nodal->factor));
+  if (nodal->all == MPM_NONE || nodal->all > nodal->rest) *growth = PetscMax(*growth, PetscAbsReal(nodal->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -14,7 +14,7 @@
    map         - map[m]: the symbol of the plan's map m
    coefficient - coefficient[j]: nimages x nimages by columns (MpmNodalRun)
    rest, all   - the amplification factors of the null space of P2G, particle data that no node feels: rest of them are
-                 1, the others of all are factor
+                 1, the others of all are factor; all is MPM_NONE where only the largest abs of them is known, factor
 S*/
 struct MpmBlochNodal_ {
   MpmNodalPlan    *plan;
@@ -33,13 +33,15 @@ struct MpmBlochNodal_ {
 void MpmBlochCountNull(const MpmBloch *bloch, PetscInt *rest, PetscInt *all, PetscReal *factor);
 
 /*
-   MpmBlochNodalCreate - NULL where it does not apply: one dimension, whose matrices are small, particles that drift, tables without a plan, and layouts with so few
-   particles that the nodes have more numbers than those (one particle with a pressure gives its nodes a vector).
+   MpmBlochNodalCreate - NULL where it does not apply: one dimension, whose matrices are small, particles that drift,
+   tables without a plan, and layouts with so few particles that the nodes have more numbers than those (one particle with
+   a pressure gives its nodes a vector).
 
    MpmBlochNodalFactors - the amplification factors of a phase but for the null space, plan->nimages of them. ok is false
    where the QR steps have not converged or the numbers leave the range of doubles, and nothing is then set.
 
-   MpmBlochNodalGrowths - growth per step of a phase, with the null space and without it; ok as above.
+   MpmBlochNodalGrowths - growth per step of a phase, with the null space and without it, which is NaN where it is not
+   known; ok as above.
 
    Not collective.
 */

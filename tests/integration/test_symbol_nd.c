@@ -307,6 +307,39 @@ static PetscErrorCode CheckNodal(int n, PetscInt *checked)
 }
 
 /*
+   With aflip the numbers of the null space are not counted. Growth by the nodal operator is that by the full matrix. Where
+   nothing grows, rounding splits the factors of the null space.
+*/
+static PetscErrorCode CheckUncounted(int n)
+{
+  static const char *const formulations[]    = {"usl", "usf", "musl", "usavg"};
+  static const char *const bases[]           = {"linear", "quadratic", "cubic", "gimp"};
+  static const char *const ratios[]          = {"1", "0.9", "0.3"};
+  const PetscReal          beta[MPM_MAX_DIM] = {0.7 + 0.01 * n, -1.9 + 0.03 * n, 2.6};
+  char                     options[256];
+  PetscReal                growth, largest = 0, without_null;
+  PetscBool                ok = PETSC_FALSE;
+  Wave                     w;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(options, sizeof options,
+                          "-dim %d -formulation %s -transfer aflip -aflip_ratio %s -basis %s -gradient %s -ppc %s "
+                          "-courant %.4f",
+                          2 + n % 2, formulations[Choice(n, 1, 4)], ratios[Choice(n, 2, 3)], bases[Choice(n, 3, 4)],
+                          Choice(n, 4, 2) ? "mls" : "basis", n % 2 ? "2,2,2" : "2,3", 0.05 + 2.5 * MpmHash(n, 5)));
+  PetscCall(WaveCreate(options, &w));
+  CHECK(w.bloch.nodal, "%s: no nodal operator", options);
+  PetscCall(MpmBlochNodalGrowths(w.bloch.nodal, &w.bloch, w.scene->step.courant, beta, &growth, &without_null, &ok));
+  PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
+  for (PetscInt i = 0; i < w.bloch.size; i++) largest = PetscMax(largest, cabs(w.eigen.value[i]));
+  CHECK(ok && isnan(without_null), "%s: numbers of a null space that was not counted", options);
+  CHECK(fabs(growth - largest) <= (growth > 1.001 ? 1e-10 : 1e-4), "%s: growth %.15g, but %.15g", options, growth,
+        largest);
+  PetscCall(WaveDestroy(&w));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
    Each problem of the closed form has its amplification factors among those of the symbol. Of a double factor rounding
    makes two, 1e-8 apart.
 */
@@ -595,6 +628,7 @@ static PetscErrorCode Test(int argc, char **argv)
       CheckSymbolRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
   for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));
   CHECK(checked >= 40, "%d nodal operators", (int)checked);
+  for (int n = 0; n < 40; n++) PetscCall(CheckUncounted(n));
   for (int n = 0; n < 300; n++) PetscCall(CheckProblems(n));
   for (int n = 0; n < 60; n++) PetscCall(CheckLargest(n));
   PetscCall(CheckTriple("-dim 2 -formulation gas1 -ppc 1 -offset 0 -courant 0.1085"));
