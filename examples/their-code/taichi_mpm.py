@@ -5,7 +5,8 @@ FILE: mpm88, mpm99 or mpm3d of taichi/examples/simulation, as pip has installed 
 written for single precision. MATERIAL, of mpm99: liquid, jelly or snow. The state is a block of particles at rest in the
 middle of the grid, 2 in a cell in each direction. WHAT is another state: interior is the same one, without an answer for
 other numbers of particles, so that mpmstab asks only for the interior; block has 6 cells in each direction; lone is one
-particle; demo is the scene that the file begins with, and demo N has N of its particles.
+particle; demo is the scene that the file begins with, and demo N has N of its particles. smooth: Taichi's svd
+keeps shears below 1e-5, which it drops otherwise.
 
 The file is run as it is, without its window, but for this: dt is a number that a kernel reads, so that a new one needs no
 compilation; and without demo nothing has weight, because a block that falls is not in equilibrium.
@@ -13,6 +14,7 @@ compilation; and without demo nothing has weight, because a block that falls is 
 import ast
 import contextlib
 import importlib.util
+import inspect
 import linecache
 import pathlib
 import sys
@@ -40,6 +42,17 @@ class Changes(ast.NodeTransformer):
     def visit_AugAssign(self, node):
         weight = isinstance(node.op, ast.Sub) and "dt *" in ast.unparse(node.value)  # velocity -= dt * gravity
         return ast.Pass() if weight and not DEMO else self.generic_visit(node)
+
+
+def keep_shears():
+    """Takes the switch out of Taichi's svd of 2 x 2 matrices, which is compiled from the text of its function."""
+    functions = sys.modules["taichi._funcs"]
+    text, switch = inspect.getsource(functions._svd2d), "abs(S[0, 1]) < 1e-5"
+    if text.count(switch) != 1:
+        sys.exit(f"smooth: svd of this Taichi has no '{switch}'; allowed: Taichi 1.7.4")
+    text = text.replace(switch, "S[0, 1] == 0")
+    linecache.cache["smooth svd"] = (len(text), None, text.splitlines(True), "smooth svd")
+    exec(compile(text, "smooth svd", "exec"), vars(functions))
 
 
 def load(**constants):
@@ -74,6 +87,8 @@ def step(state, dt, **constants):
     return {name: field.to_numpy() for name, field in theirs["fields"].items()}
 
 
+if "smooth" in sys.argv:
+    keep_shears()
 first = load(**{"n_particles": int(word) for word in sys.argv if word.isdigit()})
 h, c = first["dx"], first["E"] ** 0.5
 if DEMO:
