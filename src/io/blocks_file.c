@@ -100,7 +100,7 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
   PetscCall(MpmHdf5Is(path, &hdf5));
   if (!stream || fread(begin, 1, sizeof begin, stream) != sizeof begin)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read",
-                            stream ? "it is empty" : strerror(errno)));
+                            stream && !ferror(stream) ? "it is empty" : strerror(errno)));
   else if (!memcmp(begin, "PK", sizeof begin))
     PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
   else if (hdf5)

@@ -140,12 +140,14 @@ static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WH
   FILE *stream = fopen(path, "rb");
 
   PetscFunctionBegin;
-  if (!stream) {
+  /* a folder can be opened; reading it fails */
+  if (!stream || (getc(stream) == EOF && ferror(stream)))
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", strerror(errno)));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  else {
+    rewind(stream);
+    PetscCall(ReadFormat(path, stream, e, why));
   }
-  PetscCall(ReadFormat(path, stream, e, why));
-  (void)fclose(stream);
+  if (stream) (void)fclose(stream);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
