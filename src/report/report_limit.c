@@ -13,7 +13,7 @@ static void PrintGrowth(PetscReal tolerance, PetscReal growth)
   if (isinf(growth))
     MpmPrint(": growth per step is beyond the range of doubles");
   else if (growth > 1 + tolerance)
-    MpmPrint(": it grows by a factor %.6g per step", growth);
+    MpmPrint(": it grows by a factor of %.6g per step", growth);
   else if (!isnan(growth))
     MpmPrint(", but growth is still within tolerance");
 }

@@ -72,16 +72,16 @@ def check_none():
     """A scheme that grows at every step."""
     lines, found = run("critical -formulation gas1 -sound_speed 20 -dt 0.1 -cell_width 2 -neighbourhood bulk")
     check(lines[-2] == "largest stable dt: 0" and
-          lines[-1] == f"dt 0.1 is beyond it: it grows by a factor {found['growth']:.6g} per step", lines[-1])
+          lines[-1] == f"dt 0.1 is beyond it: it grows by a factor of {found['growth']:.6g} per step", lines[-1])
 
 
 BULK = "-neighbourhood bulk"
 PAGES = (("mpm88", "", 0, "dt 0.0002 is 0.724 of the limit 0.000276214"),
          ("mpm88", BULK, 0, "dt 0.0002 is 0.392 of the limit 0.000510302"),
          ("mpm88", LONE_PAGE, 0, "dt 0.0002 is 0.724 of the limit 0.000276214"),
-         ("mpm88", f"{LONE_PAGE} -dt 2.8e-4", 3, "dt 0.00028 is 1.01 times the limit 0.000276214: it grows by a factor "),
+         ("mpm88", f"{LONE_PAGE} -dt 2.8e-4", 3, "dt 0.00028 is 1.01 times the limit 0.000276214: it grows by a factor of "),
          ("mpm88", f"{LONE_PAGE} -cell_width 0.005", 3,
-          "dt 0.0002 is 1.13 times the limit 0.000176777: it grows by a factor "),
+          "dt 0.0002 is 1.13 times the limit 0.000176777: it grows by a factor of "),
          ("mpm99-jelly", BULK, 0, "dt 0.0001 is 0.179 of the limit 0.000559008"),
          ("mpmat-bar", "", 0, "dt 0.03125 is 0.264 of the limit 0.118317"),
          ("cb-geo-gimp", BULK, 0, "dt 0.001 is 0.192 of the limit 0.00519615"),
