@@ -39,6 +39,23 @@ static PetscErrorCode PrintFields(const MpmScene *scene, const MpmRequest *reque
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Says which part of the grid has particles. A shape is a word, and not all of the box around it has particles. */
+static void PrintFilled(const MpmLayout *layout)
+{
+  MpmPrint("filled");
+  if (layout->spans)
+    MpmPrint(" in the shape %s", layout->shape);
+  else
+    for (PetscInt a = 0; a < layout->dim; a++) {
+      const PetscReal ppc = layout->ppc[a];
+
+      MpmPrint("%s from cell %.6g to %.6g", a ? "," : "", layout->first[a] / ppc,
+               (layout->first[a] + layout->row[a]) / ppc);
+      if (layout->dim > 1) MpmPrint(" along %c", "xyz"[a]);
+    }
+  MpmPrint(": %" PetscInt64_FMT " particle%s\n", layout->particles, layout->particles == 1 ? "" : "s");
+}
+
 /* Describes layout and material where they are not the default. */
 static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
@@ -48,9 +65,7 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   if (s->layout.counts.n > 1)
     PetscCall(PrintFields(s, request, "particles in cells: {counts}, repeated; {particles} in all\n"));
   else if (!MpmSceneIsFull(s))
-    MpmPrint("filled from cell %.6g to %.6g: %" PetscInt64_FMT " particles\n",
-             (PetscReal)s->layout.first[0] / s->layout.ppc[0],
-             (PetscReal)(s->layout.first[0] + s->layout.particles) / s->layout.ppc[0], s->layout.particles);
+    PrintFilled(&s->layout);
   if (s->scheme.space.finite) {
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
     PetscCall(PrintFields(s, request, s->scheme.space.loaded && !s->body_force ? ", gravity {gravity}\n" : "\n"));

@@ -28,6 +28,17 @@ def without_times(text):
     return re.sub(r"(?m)^time: .*$", "", text)
 
 
+def check_filled():
+    """The heading of a scene whose particles do not fill the grid."""
+    for words, filled in (("-cells 8 -fill 2,3.5", "from cell 2 to 3.5: 3 particles"),
+                          ("usl -dim 3 -cells 6 -fill 3,5,2,4,0,6",
+                           "from cell 3 to 5 along x, from cell 2 to 4 along y, from cell 0 to 6 along z: 192 particles"),
+                          ("usl -dim 2 -cells 6 -ppc 1 -fill 3,4,3,4",
+                           "from cell 3 to 4 along x, from cell 3 to 4 along y: 1 particle"),
+                          ("usl -dim 2 -cells 20 -kinematics finite -shape discs", "in the shape discs: 416 particles")):
+        check(f"\nfilled {filled}\n" in told(f"run {words} -steps 1"), words)
+
+
 def check_ways_to_write():
     wanted = without_times(told("critical -formulation musl -basis quadratic -ppc 3"))
     for words in ("critical musl -basis quadratic -ppc 3", "critical MUSL --basis Quadratic --ppc=3",
@@ -103,6 +114,7 @@ def check_manual():
     check(set(re.findall(r"(?m)^\.([A-Za-z]+)", text)) == known, "requests that are not meant")
 
 
+check_filled()
 check_ways_to_write()
 check_help()
 check_refusals()
