@@ -62,6 +62,12 @@ static PetscErrorCode Prediction(const char name[], PetscReal growth, const char
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A motion that is not about a uniform state has no rate, however many steps it takes. */
+static PetscBool HasGrowth(const MpmRun *run)
+{
+  return !run->scene->scheme.space.finite || run->scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscErrorCode PrintGrowth(const MpmRun *run)
 {
   const MpmScene *s = run->scene;
@@ -81,7 +87,9 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
       MpmPrint(", standard error %.1e", run->growth.error);
     MpmPrint("\n\n");
   } else
-    MpmPrint("  %-11s %-13s too few steps, or nothing left to measure\n\n", "measured", "-");
+    MpmPrint("  %-11s %-13s %s\n\n", "measured", "-",
+             HasGrowth(run) ? "too few steps, or nothing left to measure"
+                            : "a motion at finite deformation has no growth");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -183,7 +191,7 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
     MpmPrint(
         ", the state leaves the range of double precision from one sample to the next: growth above %.1e per step\n",
         run->growth_above);
-  else if (run->scene->scheme.space.finite && run->scene->initial != MPM_INITIAL_RANDOM)
+  else if (!HasGrowth(run))
     MpmPrint(", a motion at finite deformation has no growth; -initial random measures that about a uniform state\n");
   else if (!growth->measured)
     MpmPrint(", the growth could not be measured\n");

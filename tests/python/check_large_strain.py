@@ -102,6 +102,8 @@ def check_steps():
     auto = found["courant_auto"]
     quotes("chosen-steps", f"K = {auto['limit']:.6g},", f"dt = {auto['dt_largest']:.6g},", f"falls to {auto['dt_least']:.6g}.",
            f"takes {found['steps']} steps, changes dt {auto['changes']} times")
+    check("measured    -             a motion at finite deformation has no growth\n" in launch("chosen-steps").stdout,
+          "another reason why a motion has no growth")
     check(run("chosen-steps", ranks=2)["courant_auto"] == auto, "other steps on two ranks")
     for courant, words in (("1.08", "(`-courant 1.08`) the run fails at step {}:"), ("0.8", "With `-courant 0.8` it fails at step {}.")):
         done = launch("chosen-steps", "-courant", courant)
