@@ -1,164 +1,47 @@
-/* Balance, Hessenberg form and QR steps of a small complex matrix, stored by columns. */
+/*
+   Eigenvalues of a small complex matrix by QR steps.
+
+   A step on many rows takes three rotations at a time. They are found on a window of five rows and four columns. The rows of
+   the window further to the right are then multiplied by one matrix of order 4, and the columns further up are rotated three
+   times in one loop.
+*/
 #include "linalg/complex_inline.h"
+#include "linalg/small_balance.h"
+#include "linalg/small_hessenberg.h"
 #include "linalg/small_qr.h"
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
-#define STEPS 30         /* QR steps that an eigenvalue may take, on average */
-#define EXCEPTIONAL 10   /* after so many steps without one a shift of another kind is taken, */
-#define OF_BELOW 0.75    /* beside the diagonal by this part of the number below it */
-#define GAIN 0.95        /* a row and its column are scaled where that shrinks their norm so far */
-#define NEXT_TO_0 1e-290 /* squares of numbers below this lose digits; the matrix's largest number is about 1 */
+#define STEPS 30       /* QR steps that an eigenvalue may take, on average */
+#define EXCEPTIONAL 10 /* after so many steps without one a shift of another kind is taken, */
+#define OF_BELOW 0.75  /* beside the diagonal by this part of the number below it */
+#define WIDE 3         /* rotations at a time, */
+#define FEW 60         /* and one at a time where rows and columns are fewer */
+
+/* Numbers of four rows. */
+typedef PetscReal Four __attribute__((vector_size((WIDE + 1) * sizeof(PetscReal))));
 
 static inline PetscReal Size(double complex a)
 {
   return fabs(creal(a)) + fabs(cimag(a));
 }
 
-/* ---- balance ---- */
-
-static void Exchange(PetscInt n, double complex a[], PetscInt i, PetscInt j)
-{
-  for (PetscInt k = 0; k < n && i != j; k++) {
-    const double complex kept = a[n * i + k];
-
-    a[n * i + k] = a[n * j + k];
-    a[n * j + k] = kept;
-  }
-  for (PetscInt k = 0; k < n && i != j; k++) {
-    const double complex kept = a[n * k + i];
-
-    a[n * k + i] = a[n * k + j];
-    a[n * k + j] = kept;
-  }
-}
-
-/* Whether row i has only zeros at columns lo .. hi beside the diagonal; column i where columns. */
-static PetscBool IsAlone(PetscInt n, const double complex a[], PetscInt i, PetscInt lo, PetscInt hi, PetscBool columns)
-{
-  for (PetscInt j = lo; j <= hi; j++)
-    if (j != i && a[columns ? n * i + j : n * j + i] != 0) return PETSC_FALSE;
-  return PETSC_TRUE;
-}
-
-/* Moves eigenvalues that stand alone in their row to the end and those alone in their column to the front. */
-static void Permute(PetscInt n, double complex a[], PetscInt *lo, PetscInt *hi)
-{
-  *lo = 0;
-  *hi = n - 1;
-  for (PetscInt i = *hi; i >= 0; i--) {
-    if (!IsAlone(n, a, i, 0, *hi, PETSC_FALSE)) continue;
-    Exchange(n, a, i, *hi);
-    if (--*hi < 0) return;
-    i = *hi + 1;
-  }
-  for (PetscInt j = *lo; j <= *hi; j++) {
-    if (!IsAlone(n, a, j, *lo, *hi, PETSC_TRUE)) continue;
-    Exchange(n, a, j, *lo);
-    ++*lo;
-    j = *lo - 1;
-  }
-}
-
-/* Multiplies column i by a power of two and divides row i by it, where that makes them shorter. */
-static PetscBool ScaleOne(PetscInt n, double complex a[], PetscInt lo, PetscInt hi, PetscInt i)
-{
-  PetscReal column = 0, row = 0, f;
-  int       power;
-
-  for (PetscInt j = lo; j <= hi; j++) {
-    if (j == i) continue;
-    column += Size(a[n * i + j]);
-    row += Size(a[n * j + i]);
-  }
-  if (column == 0 || row == 0 || (row <= 2 * column && column <= 2 * row)) return PETSC_FALSE;
-  power = (int)lrint(log2(row / column) / 2);
-  f     = scalbn(1, power);
-  if (!(f * column + row / f < GAIN * (column + row))) return PETSC_FALSE;
-  for (PetscInt j = 0; j < n; j++) {
-    a[n * i + j] = MpmScaled(f, a[n * i + j]);
-    a[n * j + i] = MpmScaled(1 / f, a[n * j + i]);
-  }
-  return PETSC_TRUE;
-}
-
-static void Balance(PetscInt n, double complex a[], PetscInt *lo, PetscInt *hi)
-{
-  PetscBool again = PETSC_TRUE;
-
-  Permute(n, a, lo, hi);
-  for (PetscInt round = 0; again && round < STEPS; round++) {
-    again = PETSC_FALSE;
-    for (PetscInt i = *lo; i <= *hi; i++)
-      if (ScaleOne(n, a, *lo, *hi, i)) again = PETSC_TRUE;
-  }
-}
-
-/* ---- Hessenberg form of rows and columns lo .. hi ---- */
-
-/* a -= v (tau v^H a) for one column, rows lo .. hi. */
-static void Reflect(PetscInt lo, PetscInt hi, PetscReal tau, const double complex v[], double complex a[])
-{
-  PetscReal re = 0, im = 0;
-
-  for (PetscInt i = lo; i <= hi; i++) {
-    re += creal(v[i]) * creal(a[i]) + cimag(v[i]) * cimag(a[i]);
-    im += creal(v[i]) * cimag(a[i]) - cimag(v[i]) * creal(a[i]);
-  }
-  re *= tau;
-  im *= tau;
-  for (PetscInt i = lo; i <= hi; i++)
-    a[i] -= CMPLX(re * creal(v[i]) - im * cimag(v[i]), re * cimag(v[i]) + im * creal(v[i]));
-}
-
-static void Hessenberg(PetscInt n, double complex a[], PetscInt lo, PetscInt hi)
-{
-  double complex v[MPM_SMALL_QR_MOST], sum[MPM_SMALL_QR_MOST];
-
-  for (PetscInt k = lo; k < hi - 1; k++) {
-    double complex *column = a + n * k, first = column[k + 1];
-    PetscReal       below = 0, norm, abs = MpmAbs(first), tau;
-
-    for (PetscInt i = k + 2; i <= hi; i++) below += MpmSquare(column[i]);
-    if (below < NEXT_TO_0) {
-      for (PetscInt i = k + 2; i <= hi; i++) column[i] = 0;
-      continue;
-    }
-    norm = sqrt(abs * abs + below);
-    for (PetscInt i = k + 1; i <= hi; i++) v[i] = column[i];
-    /* I - tau v v^H takes the column to a multiple of the first unit vector, on the side away from it */
-    v[k + 1]      = abs == 0 ? norm : MpmScaled(1 + norm / abs, first);
-    column[k + 1] = abs == 0 ? -norm : MpmScaled(-norm / abs, first);
-    tau           = 1 / (norm * (norm + abs));
-    for (PetscInt i = k + 2; i <= hi; i++) column[i] = 0;
-    for (PetscInt j = k + 1; j <= hi; j++) Reflect(k + 1, hi, tau, v, a + n * j);
-    for (PetscInt i = lo; i <= hi; i++) sum[i] = 0;
-    for (PetscInt j = k + 1; j <= hi; j++)
-      for (PetscInt i = lo; i <= hi; i++) sum[i] += MpmTimes(v[j], a[n * j + i]);
-    for (PetscInt j = k + 1; j <= hi; j++) {
-      const double complex w = MpmScaled(-tau, v[j]);
-
-      for (PetscInt i = lo; i <= hi; i++) a[n * j + i] += MpmConjTimes(w, sum[i]);
-    }
-  }
-}
-
-/* ---- QR steps ---- */
-
 /* Whether the number below the diagonal in row k counts as 0. */
-static PetscBool IsSmall(PetscInt n, const double complex h[], PetscInt k)
+static PetscBool IsSmall(PetscInt n, const PetscReal h[], PetscInt k)
 {
-  const double complex here = h[n * k + k], before = h[n * (k - 1) + k - 1];
-  const PetscReal      below = Size(h[n * (k - 1) + k]), above = Size(h[n * k + k - 1]);
-  PetscReal            ab, ba, aa, bb;
+  const double complex here = MpmEntry(n, h, k, k), before = MpmEntry(n, h, k - 1, k - 1);
+  const PetscReal      below = Size(MpmEntry(n, h, k, k - 1));
+  PetscReal            ab, ba, aa, bb, above;
 
-  if (below <= NEXT_TO_0) return PETSC_TRUE;
+  if (below <= MPM_NEXT_TO_0) return PETSC_TRUE;
   if (below > DBL_EPSILON * (Size(here) + Size(before))) return PETSC_FALSE;
-  ab = fmax(below, above);
-  ba = fmin(below, above);
-  aa = fmax(Size(here), Size(before - here));
-  bb = fmin(Size(here), Size(before - here));
-  return ba * (ab / (aa + ab)) <= fmax(NEXT_TO_0, DBL_EPSILON * (bb * (aa / (aa + ab)))) ? PETSC_TRUE : PETSC_FALSE;
+  above = Size(MpmEntry(n, h, k - 1, k));
+  ab    = fmax(below, above);
+  ba    = fmin(below, above);
+  aa    = fmax(Size(here), Size(before - here));
+  bb    = fmin(Size(here), Size(before - here));
+  return ba * (ab / (aa + ab)) <= fmax(MPM_NEXT_TO_0, DBL_EPSILON * (bb * (aa / (aa + ab)))) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Both eigenvalues of [a b; c d]; the first is the one nearer to d. */
@@ -172,95 +55,270 @@ static void Both(double complex a, double complex b, double complex c, double co
   value[0] = half + root == 0 ? d : d - MpmOver(product, half + root);
 }
 
-/* Rotates rows: [c s; -conj(s) c] takes (f, g) to (r, 0). */
-static double complex Rotation(double complex f, double complex g, PetscReal *c, double complex *s)
+/* A rotation: c, and s = re + i im. */
+typedef struct {
+  PetscReal c, re, im;
+} Turn;
+
+/* The rotation of rows [c s; -conj(s) c] that takes (f, g) to (r, 0). Returns r. */
+static inline double complex Rotation(double complex f, double complex g, Turn *t)
 {
   const PetscReal ff = MpmSquare(f), both = ff + MpmSquare(g);
+  double complex  s;
   PetscReal       u;
 
-  if (ff < NEXT_TO_0) {
-    *c = 0;
-    *s = both < NEXT_TO_0 ? 1 : MpmScaled(1 / sqrt(both), conj(g));
+  if (ff < MPM_NEXT_TO_0) {
+    s  = both < MPM_NEXT_TO_0 ? 1 : MpmScaled(1 / sqrt(both), conj(g));
+    *t = (Turn){0, creal(s), cimag(s)};
     return sqrt(both);
   }
   u  = 1 / sqrt(ff * both);
-  *c = ff * u;
-  *s = MpmScaled(u, MpmConjTimes(g, f));
+  s  = MpmScaled(u, MpmConjTimes(g, f));
+  *t = (Turn){ff * u, creal(s), cimag(s)};
   return MpmScaled(both * u, f);
 }
 
-/* A QR step with a shift on rows and columns lo .. hi: a rotation after another chases what the first makes below. */
-static void Step(PetscInt n, double complex h[], PetscInt lo, PetscInt hi, double complex shift)
+/* Rotates two columns in rows from .. to. */
+static inline void TurnColumns(const Turn *t, PetscInt n, PetscReal *restrict left, PetscInt from, PetscInt to)
 {
-  for (PetscInt k = lo; k < hi; k++) {
-    double complex *left = h + n * k, *right = left + n, s, r;
-    const PetscInt  end = PetscMin(k + 2, hi);
-    PetscReal       c;
+  PetscReal *restrict right = left + 2 * n;
 
-    if (k == lo)
-      (void)Rotation(left[lo] - shift, left[lo + 1], &c, &s);
-    else {
-      r                      = Rotation(h[n * (k - 1) + k], h[n * (k - 1) + k + 1], &c, &s);
-      h[n * (k - 1) + k]     = r;
-      h[n * (k - 1) + k + 1] = 0;
-    }
-    for (PetscInt j = k; j <= hi; j++) {
-      double complex *at = h + n * j + k, x = at[0], y = at[1];
+#pragma omp simd
+  for (PetscInt i = from; i <= to; i++) {
+    const PetscReal xr = left[i], xi = left[n + i], yr = right[i], yi = right[n + i];
 
-      at[0] = MpmScaled(c, x) + MpmTimes(s, y);
-      at[1] = MpmScaled(c, y) - MpmConjTimes(s, x);
-    }
-    for (PetscInt i = lo; i <= end; i++) {
-      const double complex x = left[i], y = right[i];
-
-      left[i]  = MpmScaled(c, x) + MpmConjTimes(s, y);
-      right[i] = MpmScaled(c, y) - MpmTimes(s, x);
-    }
+    left[i]      = t->c * xr + t->re * yr + t->im * yi;
+    left[n + i]  = t->c * xi + t->re * yi - t->im * yr;
+    right[i]     = t->c * yr - t->re * xr + t->im * xi;
+    right[n + i] = t->c * yi - t->re * xi - t->im * xr;
   }
 }
 
-static double complex Shift(PetscInt n, const double complex h[], PetscInt lo, PetscInt hi, PetscInt steps)
+/* Rotates four columns three times in rows from .. to. */
+static void TurnFour(const Turn t[WIDE], PetscInt n, PetscReal *restrict h, PetscInt from, PetscInt to)
+{
+#pragma omp simd
+  for (PetscInt i = from; i <= to; i++) {
+    PetscReal xr = h[i], xi = h[n + i];
+
+    for (PetscInt r = 0; r < WIDE; r++) {
+      const PetscReal yr = h[2 * n * (r + 1) + i], yi = h[2 * n * (r + 1) + n + i],
+                      zr = t[r].c * yr - t[r].re * xr + t[r].im * xi, zi = t[r].c * yi - t[r].re * xi - t[r].im * xr;
+
+      h[2 * n * r + i]     = t[r].c * xr + t[r].re * yr + t[r].im * yi;
+      h[2 * n * r + n + i] = t[r].c * xi + t[r].re * yi - t[r].im * yr;
+      xr                   = zr;
+      xi                   = zi;
+    }
+    h[2 * n * WIDE + i]     = xr;
+    h[2 * n * WIDE + n + i] = xi;
+  }
+}
+
+/* The matrix of three rotations of rows, one after another, by columns. */
+typedef struct {
+  Four re[WIDE + 1], im[WIDE + 1];
+} Product;
+
+static void Multiply(const Turn t[WIDE], Product *q)
+{
+  double complex row[WIDE + 1] = {1};
+
+  for (PetscInt r = 0; r < WIDE; r++) {
+    const double complex s = CMPLX(t[r].re, t[r].im);
+
+    for (PetscInt l = r + 2; l <= WIDE; l++) q->re[l][r] = q->im[l][r] = 0;
+    for (PetscInt l = 0; l <= r; l++) {
+      q->re[l][r] = t[r].c * creal(row[l]);
+      q->im[l][r] = t[r].c * cimag(row[l]);
+      row[l]      = -MpmConjTimes(s, row[l]);
+    }
+    q->re[r + 1][r] = t[r].re;
+    q->im[r + 1][r] = t[r].im;
+    row[r + 1]      = t[r].c;
+  }
+  for (PetscInt l = 0; l <= WIDE; l++) {
+    q->re[l][WIDE] = creal(row[l]);
+    q->im[l][WIDE] = cimag(row[l]);
+  }
+}
+
+/* Multiplies four rows, of columns from .. to; h is where the first of them begins in column 0. */
+static void TurnRows(const Product *q, PetscInt n, PetscReal h[], PetscInt from, PetscInt to)
+{
+  for (PetscInt j = from; j <= to; j++) {
+    PetscReal *at = h + 2 * n * j;
+    Four       re = q->re[0] * at[0] - q->im[0] * at[n], im = q->re[0] * at[n] + q->im[0] * at[0];
+
+    for (PetscInt l = 1; l <= WIDE; l++) {
+      re += q->re[l] * at[l];
+      im += q->re[l] * at[n + l];
+      re -= q->im[l] * at[n + l];
+      im += q->im[l] * at[l];
+    }
+    memcpy(at, &re, sizeof re);
+    memcpy(at + n, &im, sizeof im);
+  }
+}
+
+/* Rotates (x, y), two numbers of a column. */
+static inline void TurnDown(const Turn *t, double complex *x, double complex *y)
+{
+  const double complex s = CMPLX(t->re, t->im), z = MpmScaled(t->c, *y) - MpmConjTimes(s, *x);
+
+  *x = MpmScaled(t->c, *x) + MpmTimes(s, *y);
+  *y = z;
+}
+
+/* Rotates (x, y), two numbers of a row. */
+static inline void TurnAcross(const Turn *t, double complex *x, double complex *y)
+{
+  const double complex s = CMPLX(t->re, t->im), z = MpmScaled(t->c, *y) - MpmTimes(s, *x);
+
+  *x = MpmScaled(t->c, *x) + MpmConjTimes(s, *y);
+  *y = z;
+}
+
+/*
+   Finds three rotations of rows and columns k .. k + 3, beginning with (f, g), and applies them to the matrix. First they are
+   applied to rows k .. k + 4 of these columns, whose numbers stay in registers. Returns what f becomes; g becomes 0.
+*/
+static double complex TurnWindow(PetscInt n, PetscReal h[], PetscInt k, PetscInt lo, PetscInt hi, double complex f,
+                                 double complex g)
+{
+  const PetscInt rows = k + WIDE < hi ? WIDE + 2 : WIDE + 1;
+  double complex z[WIDE + 1][WIDE + 2], r = 0;
+  Turn           turn[WIDE];
+  Product        q;
+
+  for (PetscInt j = 0; j <= WIDE; j++)
+    for (PetscInt i = 0; i < WIDE + 2; i++) z[j][i] = i <= j + 1 && i < rows ? MpmEntry(n, h, k + i, k + j) : 0;
+  for (PetscInt t = 0; t < WIDE; t++) {
+    const double complex made = Rotation(t > 0 ? z[t - 1][t] : f, t > 0 ? z[t - 1][t + 1] : g, &turn[t]);
+
+    if (t > 0) {
+      z[t - 1][t]     = made;
+      z[t - 1][t + 1] = 0;
+    } else
+      r = made;
+    for (PetscInt j = t; j <= WIDE; j++) TurnDown(&turn[t], &z[j][t], &z[j][t + 1]);
+    for (PetscInt i = 0; i <= t + 2; i++) TurnAcross(&turn[t], &z[t][i], &z[t + 1][i]);
+  }
+  for (PetscInt j = 0; j <= WIDE; j++)
+    for (PetscInt i = 0; i < WIDE + 2; i++)
+      if (i <= j + 2 && i < rows) MpmSetEntry(n, h, k + i, k + j, z[j][i]);
+  TurnFour(turn, n, MpmRe(n, h, k), lo, k - 1);
+  if (k + WIDE < hi) {
+    Multiply(turn, &q);
+    TurnRows(&q, n, h + k, k + WIDE + 1, hi);
+  }
+  return r;
+}
+
+/* The same for one rotation of rows and columns k and k + 1. */
+static inline double complex TurnNext(PetscInt n, PetscReal h[], PetscInt k, PetscInt lo, PetscInt hi, double complex f,
+                                      double complex g)
+{
+  Turn                 t;
+  const double complex r = Rotation(f, g, &t);
+
+  for (PetscInt j = k; j <= hi; j++) {
+    double complex x = MpmEntry(n, h, k, j), y = MpmEntry(n, h, k + 1, j);
+
+    TurnDown(&t, &x, &y);
+    MpmSetEntry(n, h, k, j, x);
+    MpmSetEntry(n, h, k + 1, j, y);
+  }
+  TurnColumns(&t, n, MpmRe(n, h, k), lo, PetscMin(k + 2, hi));
+  return r;
+}
+
+/* A QR step with a shift on rows and columns lo .. hi: a rotation after another chases what the first makes below. */
+static void Step(PetscInt n, PetscReal h[], PetscInt lo, PetscInt hi, double complex shift)
+{
+  const PetscBool windows = hi - lo >= FEW ? PETSC_TRUE : PETSC_FALSE;
+  double complex  f = MpmEntry(n, h, lo, lo) - shift, g = MpmEntry(n, h, lo + 1, lo);
+
+  for (PetscInt k = lo, wide; k < hi; k += wide) {
+    double complex r;
+
+    if (k > lo) {
+      f = MpmEntry(n, h, k, k - 1);
+      g = MpmEntry(n, h, k + 1, k - 1);
+    }
+    wide = windows && k + WIDE <= hi ? WIDE : 1;
+    r    = wide == WIDE ? TurnWindow(n, h, k, lo, hi, f, g) : TurnNext(n, h, k, lo, hi, f, g);
+    if (k == lo) continue;
+    MpmSetEntry(n, h, k, k - 1, r);
+    MpmSetEntry(n, h, k + 1, k - 1, 0);
+  }
+}
+
+static double complex Shift(PetscInt n, const PetscReal h[], PetscInt lo, PetscInt hi, PetscInt steps)
 {
   double complex both[2];
 
   if (steps % EXCEPTIONAL == EXCEPTIONAL - 1)
-    return steps % (2 * EXCEPTIONAL) < EXCEPTIONAL ? h[n * lo + lo] + OF_BELOW * Size(h[n * lo + lo + 1])
-                                                   : h[n * hi + hi] + OF_BELOW * Size(h[n * (hi - 1) + hi]);
-  Both(h[n * (hi - 1) + hi - 1], h[n * hi + hi - 1], h[n * (hi - 1) + hi], h[n * hi + hi], both);
+    return steps % (2 * EXCEPTIONAL) < EXCEPTIONAL
+               ? MpmEntry(n, h, lo, lo) + OF_BELOW * Size(MpmEntry(n, h, lo + 1, lo))
+               : MpmEntry(n, h, hi, hi) + OF_BELOW * Size(MpmEntry(n, h, hi, hi - 1));
+  Both(MpmEntry(n, h, hi - 1, hi - 1), MpmEntry(n, h, hi - 1, hi), MpmEntry(n, h, hi, hi - 1), MpmEntry(n, h, hi, hi),
+       both);
   return both[0];
 }
 
-/* The power of two that makes the largest number of the matrix about 1. */
-static int PowerOf(PetscInt n, const double complex a[])
+/* ---- the whole ---- */
+
+/* Divides by the power of two that makes the largest number of the matrix about 1. */
+static int TakeOut(PetscInt n, PetscReal a[])
 {
-  PetscReal largest = 0;
+  PetscReal largest = 0, factor, other;
   int       power;
 
-  for (PetscInt i = 0; i < n * n; i++) largest = fmax(largest, fmax(fabs(creal(a[i])), fabs(cimag(a[i]))));
+#pragma omp simd reduction(max : largest)
+  for (PetscInt i = 0; i < n; i++) largest = fabs(a[i]) > largest ? fabs(a[i]) : largest;
   (void)frexp(largest, &power);
+  factor = scalbn(1, -power / 2); /* in two parts, since the whole may be no double */
+  other  = scalbn(1, power / 2 - power);
+  for (PetscInt i = 0; i < n && power; i++) a[i] = a[i] * factor * other;
   return power;
 }
 
-void MpmSmallQr(PetscInt n, double complex a[], double complex value[], PetscBool *ok)
+/* Takes each column's real and imaginary parts apart. */
+static void Split(PetscInt n, PetscReal a[])
 {
-  const int power = PowerOf(n, a);
-  PetscInt  lo, hi, first, steps = 0;
+  PetscReal im[MPM_SMALL_QR_MOST];
 
-  for (PetscInt i = 0; i < n * n && power; i++) a[i] = CMPLX(scalbn(creal(a[i]), -power), scalbn(cimag(a[i]), -power));
-  Balance(n, a, &lo, &hi);
-  Hessenberg(n, a, lo, hi);
+  for (PetscInt j = 0; j < n; j++) {
+    PetscReal *column = MpmRe(n, a, j);
+
+    for (PetscInt i = 0; i < n; i++) im[i] = column[2 * i + 1];
+    for (PetscInt i = 1; i < n; i++) column[i] = column[2 * i];
+    for (PetscInt i = 0; i < n; i++) column[n + i] = im[i];
+  }
+}
+
+void MpmSmallQr(PetscInt n, double complex matrix[], double complex value[], PetscBool *ok)
+{
+  PetscReal *a     = (PetscReal *)matrix;
+  const int  power = TakeOut(2 * n * n, a);
+  PetscInt   lo, hi, first, steps = 0;
+
+  Split(n, a);
+  MpmSmallBalance(n, a, &lo, &hi);
+  MpmSmallHessenberg(n, a, lo, hi);
   first = lo;
   while (hi >= first) {
     lo = hi;
     while (lo > first && !IsSmall(n, a, lo)) lo--;
-    if (lo > first) a[n * (lo - 1) + lo] = 0;
+    if (lo > first) MpmSetEntry(n, a, lo, lo - 1, 0);
     if (lo == hi) {
       hi--;
       steps = 0;
     } else if (lo == hi - 1) {
-      Both(a[n * lo + lo], a[n * hi + lo], a[n * lo + hi], a[n * hi + hi], value);
-      a[n * lo + lo] = value[1];
-      a[n * hi + hi] = value[0];
+      Both(MpmEntry(n, a, lo, lo), MpmEntry(n, a, lo, hi), MpmEntry(n, a, hi, lo), MpmEntry(n, a, hi, hi), value);
+      MpmSetEntry(n, a, lo, lo, value[1]);
+      MpmSetEntry(n, a, hi, hi, value[0]);
       hi -= 2;
       steps = 0;
     } else if (steps++ == STEPS * n) {
@@ -269,7 +327,10 @@ void MpmSmallQr(PetscInt n, double complex a[], double complex value[], PetscBoo
     } else
       Step(n, a, lo, hi, Shift(n, a, lo, hi, steps - 1));
   }
-  for (PetscInt i = 0; i < n; i++)
-    value[i] = CMPLX(scalbn(creal(a[n * i + i]), power), scalbn(cimag(a[n * i + i]), power));
+  for (PetscInt i = 0; i < n; i++) {
+    const double complex z = MpmEntry(n, a, i, i);
+
+    value[i] = CMPLX(scalbn(creal(z), power), scalbn(cimag(z), power));
+  }
   *ok = PETSC_TRUE;
 }
