@@ -10,7 +10,7 @@
 
    Input Parameters:
 +  n, degree   - the order of the matrices, and the degree
--  coefficient - coefficient[j]: n x n by columns; coefficient[0] is overwritten
+-  coefficient - coefficient[j]: n x n by columns
 
    Output Parameter: x - infinite where there is none
 
