@@ -8,6 +8,7 @@
    are symbols of a cell's particles, sum_d row_d e^(i beta d).
 */
 #include "analysis/patch_lattice.h"
+#include "linalg/complex_inline.h"
 #include "linalg/matrix_polynomial.h"
 #include "scheme/maps.h"
 #include <math.h>
@@ -19,12 +20,13 @@
    at    - the place of each node, in cells
    root  - the root of its mass
    row   - row[kind][p x nodes + i]: the weight of a map; NULL for kinds that are not in use
+   product - product[to_nodes][to_particles]: T of two kinds, by columns; NULL until it is asked for
 */
 typedef struct {
   PetscInt        nodes, particles;
   PetscInt       *at;
   PetscReal      *root;
-  double complex *row[MPM_OP_KINDS];
+  double complex *row[MPM_OP_KINDS], *product[MPM_OP_KINDS][MPM_OP_KINDS];
 } Line;
 
 /* The kinds of maps that a plan has along an axis. P2G and G2P are always among them: they weigh the other directions. */
@@ -132,24 +134,35 @@ static PetscErrorCode LineCreate(const MpmPatchLattice *l, const MpmPatchSpot *s
 static PetscErrorCode LineDestroy(Line *line)
 {
   PetscFunctionBegin;
-  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++) PetscCall(PetscFree(line->row[kind]));
+  for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++) {
+    if (!line->row[kind]) continue;
+    for (PetscInt other = 0; other < MPM_OP_KINDS; other++) PetscCall(PetscFree(line->product[kind][other]));
+    PetscCall(PetscFree(line->row[kind]));
+  }
   PetscCall(PetscFree2(line->at, line->root));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* T of two kinds, by columns. */
-static void Product(const Line *line, MpmOpKind to_nodes, MpmOpKind to_particles, double complex T[])
+/* Most maps of a plan have the same kinds along most directions, so each T is computed once. */
+static PetscErrorCode Product(Line *line, MpmOpKind to_nodes, MpmOpKind to_particles, const double complex **T)
 {
   const double complex *P = line->row[to_nodes], *W = line->row[to_particles];
-  const PetscInt        n = line->nodes;
+  const PetscInt        n     = line->nodes;
+  double complex      **known = &line->product[to_nodes][to_particles];
 
+  PetscFunctionBegin;
+  *T = *known;
+  if (*T) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(n * n, known));
   for (PetscInt j = 0; j < n; j++)
     for (PetscInt i = 0; i < n; i++) {
       double complex sum = 0;
 
-      for (PetscInt p = 0; p < line->particles; p++) sum += conj(P[p * n + i]) * W[p * n + j];
-      T[j * n + i] = sum / (line->root[i] * line->root[j]);
+      for (PetscInt p = 0; p < line->particles; p++) sum += MpmConjTimes(P[p * n + i], W[p * n + j]);
+      (*known)[j * n + i] = sum / (line->root[i] * line->root[j]);
     }
+  *T = *known;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The second difference along a direction. */
@@ -171,7 +184,7 @@ static void Laplacian(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscI
 }
 
 /* out += factor (T_2 x T_1 x T_0), Kronecker; direction 0 counts first. */
-static void AddKronecker(PetscInt dim, const Line line[], double complex *const T[], PetscReal factor,
+static void AddKronecker(PetscInt dim, const Line line[], const double complex *const T[], PetscReal factor,
                          double complex out[])
 {
   const PetscInt n0 = line[0].nodes, n1 = dim > 1 ? line[1].nodes : 1, n2 = dim > 2 ? line[2].nodes : 1;
@@ -181,12 +194,13 @@ static void AddKronecker(PetscInt dim, const Line line[], double complex *const 
     for (PetscInt j1 = 0; j1 < n1; j1++)
       for (PetscInt i2 = 0; i2 < n2; i2++)
         for (PetscInt i1 = 0; i1 < n1; i1++) {
-          const double complex scale = factor * (dim > 1 ? T[1][j1 * n1 + i1] : 1) * (dim > 2 ? T[2][j2 * n2 + i2] : 1);
+          const double complex scale =
+              MpmScaled(factor, MpmTimes(dim > 1 ? T[1][j1 * n1 + i1] : 1, dim > 2 ? T[2][j2 * n2 + i2] : 1));
 
           for (PetscInt j0 = 0; j0 < n0; j0++) {
             double complex *column = out + ((j2 * n1 + j1) * n0 + j0) * n + (i2 * n1 + i1) * n0;
 
-            for (PetscInt i0 = 0; i0 < n0; i0++) column[i0] += scale * T[0][j0 * n0 + i0];
+            for (PetscInt i0 = 0; i0 < n0; i0++) column[i0] += MpmTimes(scale, T[0][j0 * n0 + i0]);
           }
         }
 }
@@ -197,27 +211,30 @@ static void Identity(PetscInt n, double complex T[])
     for (PetscInt i = 0; i < n; i++) T[c * n + i] = i == c ? 1 : 0;
 }
 
-/* The matrix of one of the plan's maps. */
-static PetscErrorCode MapOf(const MpmPatchLattice *l, const MpmPatchSpot *spot, const Line line[],
-                            const MpmNodalMap *map, double complex *const T[], double complex out[])
+/* The matrix of one of the plan's maps. room[]: for a matrix of each direction. */
+static PetscErrorCode MapOf(const MpmPatchLattice *l, const MpmPatchSpot *spot, Line line[], const MpmNodalMap *map,
+                            double complex *const room[], double complex out[])
 {
+  const PetscInt        dim            = l->plan->dim;
+  const double complex *T[MPM_MAX_DIM] = {room[0], room[1], room[2]};
+
   PetscFunctionBegin;
   if (map->n == 0) {
     PetscCheck(map->op.kind == MPM_LAP, PETSC_COMM_SELF, PETSC_ERR_SUP, "SOLVE in a patch");
-    for (PetscInt a = 0; a < l->plan->dim; a++)
+    for (PetscInt a = 0; a < dim; a++)
       if (a == map->op.axis)
-        Laplacian(l, spot, a, &map->op, &line[a], T[a]);
+        Laplacian(l, spot, a, &map->op, &line[a], room[a]);
       else
-        Identity(line[a].nodes, T[a]);
-    AddKronecker(l->plan->dim, line, T, 1, out);
+        Identity(line[a].nodes, room[a]);
+    AddKronecker(dim, line, T, 1, out);
   }
   for (PetscInt i = 0; i < map->n; i++) {
     const MpmNodalProduct *p = &map->product[i];
 
-    for (PetscInt a = 0; a < l->plan->dim; a++)
-      Product(&line[a], a == p->axis_nodes ? p->to_nodes : MPM_P2G, a == p->axis_particles ? p->to_particles : MPM_G2P,
-              T[a]);
-    AddKronecker(l->plan->dim, line, T, p->factor, out);
+    for (PetscInt a = 0; a < dim; a++)
+      PetscCall(Product(&line[a], a == p->axis_nodes ? p->to_nodes : MPM_P2G,
+                        a == p->axis_particles ? p->to_particles : MPM_G2P, &T[a]));
+    AddKronecker(dim, line, T, p->factor, out);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
