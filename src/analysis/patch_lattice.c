@@ -13,7 +13,8 @@
 #include "scheme/maps.h"
 #include <math.h>
 
-#define MOST_NODES 64 /* along a direction */
+#define MOST_NODES 64  /* along a direction */
+#define ROUNDING 1e-14 /* what a field has besides others is rounding below this part of it */
 
 /*
    nodes, particles - along the direction
@@ -239,6 +240,102 @@ static PetscErrorCode MapOf(const MpmPatchLattice *l, const MpmPatchSpot *spot, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- a lone particle ---- */
+
+/*
+   What a particle without a neighbour gives to nodes, and what it reads of them, are few fields of the nodes: a product of
+   its weights, and one for each gradient or distance. All other fields of the nodes stay what they are.
+*/
+static PetscBool IsLone(const MpmPatchLattice *l)
+{
+  for (PetscInt a = 0; a < l->plan->dim; a++)
+    if (l->end[a] != MPM_PATCH_SINGLE) return PETSC_FALSE;
+  for (PetscInt m = 0; m < l->plan->nmaps; m++)
+    if (l->plan->map[m].n == 0) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* The weights of a map over the roots of the masses; other: the kind along the other directions than axis. */
+static void FieldOf(PetscInt dim, const Line line[], MpmOpKind kind, PetscInt axis, MpmOpKind other, PetscReal field[])
+{
+  PetscInt n = 1;
+
+  field[0] = 1;
+  for (PetscInt a = 0; a < dim; a++) {
+    const double complex *row = line[a].row[a == axis ? kind : other];
+
+    for (PetscInt i = line[a].nodes - 1; i >= 0; i--)
+      for (PetscInt j = 0; j < n; j++) field[i * n + j] = field[j] * creal(row[i]) / line[a].root[i];
+    n *= line[a].nodes;
+  }
+}
+
+static PetscReal Dot(PetscInt n, const PetscReal a[], const PetscReal b[])
+{
+  PetscReal sum = 0;
+
+  for (PetscInt i = 0; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+/* Adds what a field has besides the orthonormal fields of a basis to the basis. */
+static void Widen(PetscInt n, const PetscReal field[], PetscInt *rank, PetscReal basis[])
+{
+  PetscReal *rest = basis + *rank * n, norm;
+
+  if (*rank == n) return;
+  for (PetscInt i = 0; i < n; i++) rest[i] = field[i];
+  for (PetscInt twice = 0; twice < 2; twice++)
+    for (PetscInt r = 0; r < *rank; r++) {
+      const PetscReal share = Dot(n, basis + r * n, rest);
+
+      for (PetscInt i = 0; i < n; i++) rest[i] -= share * basis[r * n + i];
+    }
+  norm = sqrt(Dot(n, rest, rest));
+  if (norm <= ROUNDING * sqrt(Dot(n, field, field))) return;
+  for (PetscInt i = 0; i < n; i++) rest[i] /= norm;
+  ++*rank;
+}
+
+/* The fields of a product of maps: field[0] is what it gives to nodes and field[1] what it reads of them. */
+static void FieldsOf(PetscInt dim, const Line line[], const MpmNodalProduct *p, PetscReal *const field[])
+{
+  FieldOf(dim, line, p->to_nodes, p->axis_nodes, MPM_P2G, field[0]);
+  FieldOf(dim, line, p->to_particles, p->axis_particles, MPM_G2P, field[1]);
+}
+
+/* The matrices of the maps on these fields alone: rank x rank. */
+static PetscErrorCode LoneMaps(const MpmNodalPlan *plan, const Line line[], PetscInt nodes, double complex *map[],
+                               PetscInt *rank)
+{
+  PetscReal *basis, *field[2], *part[2];
+
+  PetscFunctionBegin;
+  *rank = 0;
+  PetscCall(PetscMalloc5(nodes * nodes, &basis, nodes, &field[0], nodes, &field[1], nodes, &part[0], nodes, &part[1]));
+  for (PetscInt m = 0; m < plan->nmaps; m++)
+    for (PetscInt i = 0; i < plan->map[m].n; i++) {
+      FieldsOf(plan->dim, line, &plan->map[m].product[i], field);
+      for (int s = 0; s < 2; s++) Widen(nodes, field[s], rank, basis);
+    }
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    PetscCall(PetscCalloc1(*rank * *rank, &map[m]));
+    for (PetscInt i = 0; i < plan->map[m].n; i++) {
+      const MpmNodalProduct *p = &plan->map[m].product[i];
+
+      FieldsOf(plan->dim, line, p, field);
+      for (int s = 0; s < 2; s++)
+        for (PetscInt r = 0; r < *rank; r++) part[s][r] = Dot(nodes, basis + r * nodes, field[s]);
+      for (PetscInt c = 0; c < *rank; c++)
+        for (PetscInt r = 0; r < *rank; r++) map[m][c * *rank + r] += p->factor * part[0][r] * part[1][c];
+    }
+  }
+  PetscCall(PetscFree5(basis, field[0], field[1], part[0], part[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the operator ---- */
+
 PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan)
 {
   MpmSpace  space = scheme->space;
@@ -252,34 +349,52 @@ PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The matrices of the plan's maps, and their order, which is nodes but for a lone particle. */
+static PetscErrorCode Maps(const MpmPatchLattice *l, const MpmPatchSpot *spot, Line line[], PetscInt nodes,
+                           double complex *map[], PetscInt *order)
+{
+  const MpmNodalPlan *plan              = l->plan;
+  double complex     *room[MPM_MAX_DIM] = {NULL};
+
+  PetscFunctionBegin;
+  *order = nodes;
+  if (IsLone(l)) {
+    PetscCall(LoneMaps(plan, line, nodes, map, order));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(PetscMalloc1(line[a].nodes * line[a].nodes, &room[a]));
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    PetscCall(PetscCalloc1(nodes * nodes, &map[m]));
+    PetscCall(MapOf(l, spot, line, &plan->map[m], room, map[m]));
+  }
+  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(PetscFree(room[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPatchOperator(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt *n,
-                                double complex *coefficient[])
+                                double complex *coefficient[], PetscReal *unseen)
 {
   const MpmNodalPlan *plan = l->plan;
   Line                line[MPM_MAX_DIM];
-  double complex     *T[MPM_MAX_DIM] = {NULL}, **map;
-  PetscInt            nodes          = 1;
+  double complex    **map;
+  PetscInt            nodes = 1, order;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < plan->dim; a++) {
     PetscCall(LineCreate(l, spot, a, &line[a]));
-    PetscCall(PetscMalloc1(line[a].nodes * line[a].nodes, &T[a]));
     nodes *= line[a].nodes;
   }
-  *n = plan->nimages * nodes;
   PetscCall(PetscMalloc1(plan->nmaps, &map));
-  for (PetscInt m = 0; m < plan->nmaps; m++) {
-    PetscCall(PetscCalloc1(nodes * nodes, &map[m]));
-    PetscCall(MapOf(l, spot, line, &plan->map[m], T, map[m]));
-  }
+  PetscCall(Maps(l, spot, line, nodes, map, &order));
+  *n      = plan->nimages * order;
+  *unseen = 0;
+  for (PetscInt g = 0; g < plan->nimages && order < nodes; g++)
+    *unseen = PetscMax(*unseen, PetscAbsReal(plan->image[g].c));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(*n * *n, &coefficient[j]));
-  PetscCall(MpmNodalRun(plan, nodes, map, coefficient));
+  PetscCall(MpmNodalRun(plan, order, map, coefficient));
   for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
   PetscCall(PetscFree(map));
-  for (PetscInt a = 0; a < plan->dim; a++) {
-    PetscCall(PetscFree(T[a]));
-    PetscCall(LineDestroy(&line[a]));
-  }
+  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(LineDestroy(&line[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,10 +403,10 @@ PetscErrorCode MpmPatchCrossing(MpmPatchLattice *l, const MpmPatchSpot *spot, Pe
   const PetscInt  degree = l->plan->degree;
   double complex *c[64];
   PetscInt        n;
-  PetscReal       x;
+  PetscReal       x, unseen;
 
   PetscFunctionBegin;
-  PetscCall(MpmPatchOperator(l, spot, &n, c));
+  PetscCall(MpmPatchOperator(l, spot, &n, c, &unseen));
   for (PetscInt i = 0; i < n; i++) c[0][i * n + i] += 1;
   PetscCall(MpmPolynomialSingular(n, degree, c, &x));
   *courant = l->plan->stride == 2 ? sqrt(x) : x;
@@ -326,13 +441,14 @@ PetscErrorCode MpmPatchGrowth(MpmPatchLattice *l, const MpmPatchSpot *spot, Pets
   const PetscInt  degree = l->plan->degree;
   double complex *c[64];
   PetscInt        n;
-  PetscReal       norm;
+  PetscReal       norm, unseen;
 
   PetscFunctionBegin;
-  PetscCall(MpmPatchOperator(l, spot, &n, c));
+  PetscCall(MpmPatchOperator(l, spot, &n, c, &unseen));
   norm      = Evaluate(n, degree, l->plan->stride == 2 ? courant * courant : courant, c);
   *rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), 0, 1);
   PetscCall(MpmPolynomialRadius(n, c[0], growth));
+  *growth = PetscMax(*growth, unseen);
   for (PetscInt j = 0; j <= degree; j++) PetscCall(PetscFree(c[j]));
   l->count++;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -40,13 +40,15 @@ PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan);
    multiplied by the root of its mass.
 
    Not collective. coefficient: room for pointers to plan->degree + 1 matrices of order n; free each with PetscFree.
+   unseen: the largest abs of the eigenvalues that are left out, those of nodal fields that a lone particle neither reads
+   nor gives; 0 where there are none. They are not -1.
 
    Behind a surface the nodes beyond depth are held: their values are 0. On them nothing happens that could grow, and
    for apic with equal maps there and back the limit comes from above as depth grows, since the quotient that has it is
    largest over fewer nodal fields. A second surface there would have its own limit.
 */
 PetscErrorCode MpmPatchOperator(const MpmPatchLattice *lattice, const MpmPatchSpot *spot, PetscInt *n,
-                                double complex *coefficient[]);
+                                double complex *coefficient[], PetscReal *unseen);
 
 /*
    MpmPatchCrossing - the least Courant number at which an eigenvalue of a spot is -1; infinite where there is none.

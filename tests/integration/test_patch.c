@@ -103,6 +103,33 @@ static PetscErrorCode CheckHats(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Of 64 nodes a lone particle knows four fields, its weights and their gradients. All others keep their stress. */
+static PetscErrorCode CheckFields(void)
+{
+  const MpmPatchSpot spot    = {.t = {0.2, 0.3, 0.4}};
+  MpmPatchLattice    lattice = {.end = {MPM_PATCH_SINGLE, MPM_PATCH_SINGLE, MPM_PATCH_SINGLE}};
+  MpmScene          *scene;
+  MpmNodalPlan      *plan;
+  MpmCriticalCase    of;
+  double complex    *coefficient[64];
+  PetscReal          unseen;
+  PetscInt           n;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene("-dim 3 -cells 8 -ppc 1 -formulation usl -transfer pic -basis cubic", &scene));
+  PetscCall(MpmPatchPlanCreate(&scene->scheme, &plan));
+  of           = MpmCriticalCaseOf(scene, TOLERANCE);
+  lattice.of   = &of;
+  lattice.plan = plan;
+  PetscCall(MpmPatchOperator(&lattice, &spot, &n, coefficient, &unseen));
+  CHECK(n == 4 * plan->nimages, "%d unknowns of %d images", (int)n, (int)plan->nimages);
+  CHECK(unseen == 1, "other fields are multiplied by %g", unseen);
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscFree(coefficient[j]));
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- surfaces ---- */
 
 /* The limit of the surface of a scene's lattice whose first particle is at (j + t) / ppc in its cell, in each direction. */
@@ -252,6 +279,7 @@ static PetscErrorCode Test(int argc, char **argv)
   if (size > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckFaces());
   PetscCall(CheckHats());
+  PetscCall(CheckFields());
   PetscCall(CheckBlocks());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
