@@ -170,7 +170,7 @@ def planes(file, scene, names):
         for axes in grid[:-1, column]:
             axes.set_xlabel("")
         grid[0, column].set_title(title_of_mode(file, name), fontsize=9.5)
-        arrows = f"; arrows: {vector[0][0]}, up to {sizes[1]:.3g}" if moves else ""
+        arrows = f"\narrows: {vector[0][0]}, up to {sizes[1]:.3g}" if moves else ""
         plane.add_bar(figure, discs, list(grid[:, column]), f"{shown} (norm of the mode 1){arrows}")
     if where:
         figure.suptitle(where.lstrip(", "), fontsize=9.5)

@@ -10,6 +10,7 @@ import sys
 
 import h5py
 import numpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from checks import check, loaded
 import pictures
@@ -156,6 +157,15 @@ def check_mode(file, kept, x, axes):
     return check_arrows(axes, x[kept], velocity, "arrows of a mode")
 
 
+def check_bars(figure, name):
+    """The labels of colour bars that stand side by side must neither meet nor leave the picture."""
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    bars = [axes.xaxis.label.get_window_extent(renderer) for axes in figure.axes if axes.get_label() == "<colorbar>"]
+    check(all(one.x1 < other.x0 for one, other in zip(bars, bars[1:])), f"{name}: labels of colour bars meet")
+    check(0 <= bars[0].x0 and bars[-1].x1 <= figure.bbox.x1, f"{name}: a label of a colour bar is cut off")
+
+
 def check_modes():
     """Particles and arrows of a mode must be at the file's places, with the file's stress and velocity."""
     for name in ("turns", "box"):
@@ -167,6 +177,7 @@ def check_modes():
             check(kept.all() == (name == "turns") and ("z / h" in where) == (name == "box"), f"{name}: {where}")
             moving = [check_mode(file, kept, x, axes) for axes in panels_of(figure) if axes.get_title()]
             check(any(moving), f"{name}: no mode moves, so this tests nothing")
+        check_bars(figure, name)
     check(" (norm of the mode 1)" in modes("fluid.h5", 1).axes[-1].get_xlabel(), "a fluid's pressure")
 
 
