@@ -20,8 +20,7 @@ SCHEMES = [*((formulation, transfer, basis) for formulation in ("usl", "musl", "
              for transfer in ("flip", "pic", "blend", "xpic", "apic") for basis in BASES),
            *(("usl", "apic mls", basis) for basis in BASES)]
 SMALLER = [*((formulation, "flip", basis) for basis in BASES[:3] for formulation in ("usl", "musl", "usf")),
-           *(("usl", "pic", basis) for basis in BASES[:3]),
-           *(("usl", "apic mls", basis) for basis in ("linear", "quadratic"))]  # those whose smaller steps are shown
+           *(("usl", transfer, basis) for transfer in ("pic", "apic mls") for basis in BASES[:3])]  # those whose smaller steps are shown
 MACH = [(1, 1000), (1, 100), (1, 10), (1, 4), (1, 1)]
 COURANT = [(1, 2), (1, 4), (1, 8)]
 CHECKED = [*((scheme, (1, 4), (1, 2)) for scheme in SCHEMES[::3]),

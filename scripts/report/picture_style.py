@@ -43,11 +43,15 @@ def settle(figure):
 
 
 class PlainPowers(LogFormatterSciNotation):
-    """Labels a logarithmic axis: 1.025 as it is, 1e-7 as a power. Which ticks have a label is as usual."""
+    """Labels a logarithmic axis in one way: with plain numbers, or with powers where it leaves 1e-3 to 1e5.
+
+    Which ticks have a label is as usual.
+    """
 
     def __call__(self, value, position=None):
         text = super().__call__(value, position)
-        return f"{value:.6g}" if text and 1e-3 <= abs(value) < 1e5 else text
+        low, high = sorted(self.axis.get_view_interval())
+        return f"{value:.6g}" if text and 1e-3 <= low and high < 1e5 else text
 
 
 def plain_powers(axis):

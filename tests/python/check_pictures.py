@@ -14,8 +14,10 @@ from PIL import Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from checks import check, check_one_line, loaded, run_script, text_of
+import moving
 import pictures
 from picture_files import steps_of
+from picture_moving import TITLES
 from picture_runs import frame, predicted_of, through
 from picture_scenes import attributes
 from picture_spectra import published_factors
@@ -148,14 +150,21 @@ def check_idle():
 
 
 def check_plain_ticks():
-    """A logarithmic axis over less than a decade must have plain numbers, and small ones powers of ten."""
-    for low, high, wanted, other in ((1, 1.03, "1.0", "10^"), (1e-7, 1e-2, "10^{-5}", "0.00001")):
+    """A logarithmic axis over less than a decade must have plain numbers, small ones powers of ten, and none has both."""
+    for low, high, wanted, other in ((1, 1.03, "1.0", "10^"), (1e-7, 1e-2, "10^{-5}", "0.0"),
+                                     (0.2, 2e5, "10^{4}", "10000"), (0.2, 2e4, "10000", "10^")):
         figure = new_figure(3, "")
         axes = figure.add_subplot(yscale="log", ylim=(low, high))
         plain_powers(axes.yaxis)
         figure.draw(FigureCanvasAgg(figure).get_renderer())
         texts = [text.get_text() for which in ("major", "minor") for text in axes.get_yticklabels(which=which)]
         check(any(wanted in text for text in texts) and not any(other in text for text in texts), f"{texts}")
+
+
+def check_moving():
+    """The picture says that a scheme without a point does not grow: each of its schemes must be on all of its panels."""
+    named = {scheme[:2] for scheme in moving.SMALLER}
+    check({(*name, basis) for name in named for basis in TITLES} == set(moving.SMALLER), "a panel lacks a scheme")
 
 
 def check_room():
@@ -272,8 +281,8 @@ def check_command():
 
 def main(program):
     make(program)
-    for one in (check_spectrum, check_symbol, check_modes, check_idle, check_plain_ticks, check_room, check_growth, check_spacetime, check_own_scale,
-                check_frames, check_command):
+    for one in (check_spectrum, check_symbol, check_modes, check_idle, check_plain_ticks, check_moving, check_room, check_growth,
+                check_spacetime, check_own_scale, check_frames, check_command):
         one()
 
 
