@@ -49,9 +49,9 @@ def which_step(entry):
     if limit is None:
         said = "No limit was found."
     elif limit == 0 and worst == "bulk":
-        said = "None: it grows at every Courant number."
+        said = "0: it grows at every Courant number."
     elif worst == "bulk" and not found.get("threshold", True):
-        said = f"None: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}{has}."
+        said = f"0: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}{has}."
     else:
         said = f"Courant number k = c dt / h up to {number(limit, '.6g')}{has}."
         if "critical_dt" in found:
@@ -217,7 +217,7 @@ def scene_section(entry, album):
 
 
 def largest_stable(critical):
-    """Returns the largest stable Courant number, or "none" when growth only fades below the tolerance."""
+    """Returns the largest stable Courant number: 0 when no step is stable, also when growth only fades below the tolerance."""
     if not critical.done:
         return "-"
     found = critical.result["critical"]
@@ -226,8 +226,8 @@ def largest_stable(critical):
         return number(limit, ".6g")
     if limit and not found.get("threshold", True):
         why = f"growth fades as k does and falls below the tolerance only at k = {limit:.3g}"
-        return f'<abbr title="{escaped(why)}">none</abbr>'
-    return "no limit found" if limit is None else number(limit, ".6g") if limit else "none"
+        return f'<abbr title="{escaped(why)}">0</abbr>'
+    return "no limit found" if limit is None else number(limit, ".6g")
 
 
 def overview(entries):

@@ -20,7 +20,7 @@ static PetscErrorCode PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKin
     MpmPrint("  %-14s %-13s %s%s; all steps that were tried, up to 1000 times the code's own, are stable\n", rows[kind],
              "none found", block, texts[kind]);
   else if (limit == 0)
-    MpmPrint("  %-14s %-13s %s%s; all steps that were tried are unstable\n", rows[kind], "none", block, texts[kind]);
+    MpmPrint("  %-14s %-13s %s%s; all steps that were tried are unstable\n", rows[kind], "0", block, texts[kind]);
   else
     MpmPrint("  %-14s %-13.7g %s%s; the code came with %.4g%% of it\n", rows[kind], (double)limit, block, texts[kind],
              (double)(100 * c->given / limit));
