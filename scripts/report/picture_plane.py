@@ -8,6 +8,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
 import picture_scenes as scenes
 
+SIGNED = "RdBu_r"  # the colours of values of both signs
 MOST_ARROWS = 20  # along the longer side
 MOST_LINES = 32  # of the grid
 FAINT = 1e-9  # values below this part of the largest of all fields are rounding errors, and are shown as 0
@@ -25,12 +26,7 @@ def stress_of(names):
 
 
 def unit_of(names):
-    """Returns the unit of the fields. Those of the wave equation are lengths, others are velocities in any scheme.
-
-    At finite strain, where particles carry F, velocities are in units of the wave speed.
-    """
-    if any(name.startswith("f_") for name in names):
-        return "c"
+    """Returns the unit of the fields. Those of the wave equation are lengths, others are velocities in any scheme."""
     return "length / time" if vector_of(names) else "length"
 
 
@@ -134,11 +130,13 @@ def add_bar(figure, discs, axes, label, location="bottom"):
 def colours_of(largest, signed):
     """Returns the norm and the colours of values up to the largest."""
     norm = colors.Normalize(-largest if signed else 0, largest)
-    return {"norm": norm, "cmap": "RdBu_r" if signed else "viridis"}
+    return {"norm": norm, "cmap": SIGNED if signed else "viridis"}
 
 
 def draw_particles(axes, scene, x, values, look, gid):
-    """Draws particles as ellipses that nearly fill their part of a cell."""
+    """Draws particles as ellipses that nearly fill their part of a cell, on grey where white is a value."""
+    if look["cmap"] == SIGNED:
+        axes.set_facecolor("#d9d9d9")
     width, height = (0.9 / int(count) for count in scenes.each(scene, "ppc")[:2])
     discs = EllipseCollection(numpy.full(len(x), width), numpy.full(len(x), height), numpy.zeros(len(x)), units="xy",
                               offsets=x[:, :2], offset_transform=axes.transData, array=values, linewidths=0, gid=gid,

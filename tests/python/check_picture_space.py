@@ -11,6 +11,7 @@ import sys
 import h5py
 import numpy
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
 
 from checks import check, loaded
 import pictures
@@ -28,7 +29,8 @@ SCENES.update(oblique="-dim 2 -formulation gas2 -basis quadratic -courant 0.5 -d
               turns="-dim 2 -formulation usl -courant 0.9 -drift 1/4,0 -ppc 1",
               box="-dim 3 -formulation usl -ppc 1 -courant 1.5",
               shear="-dim 2 -formulation usl -courant 0.5 -length 2,1", gas="-dim 3 -formulation gas2 -drift 0,0,1/2",
-              fluid="-dim 2 -formulation usl -poisson 0.5", poisson="-dim 2 -formulation usl -drift 1/8,0")
+              fluid="-dim 2 -formulation usl -poisson 0.5", poisson="-dim 2 -formulation usl -drift 1/8,0",
+              soft="-dim 2 -formulation usl -kinematics finite -material neo -sound_speed 10 -cell_width 0.5 -initial random")
 
 
 def make():
@@ -181,6 +183,15 @@ def check_modes():
     check(" (norm of the mode 1)" in modes("fluid.h5", 1).axes[-1].get_xlabel(), "a fluid's pressure")
 
 
+def check_large_strain():
+    """At large strain too the velocities of the file are in the scene's units."""
+    mpmstab(MPMSTAB, "run", "soft", "-cells", "4", "-steps", "2", "-amplitude", "1e-3", "-output", "soft.h5",
+            "-output_every", "2")
+    labels = [axes.get_xlabel() for axes in last_frame("soft.h5").axes if axes.get_label() == "<colorbar>"]
+    check(labels == ["size of v (length / time)", "change of volume, det F - 1",
+                     "shear, half the difference of the stretches"], f"{labels}")
+
+
 def check_frames():
     """A shear wave: size of v, mean stress and shear by their formulas, arrows across it, one scale for all steps."""
     with h5py.File("shear-run.h5") as file:
@@ -193,6 +204,8 @@ def check_frames():
             at = {name: group[f"particles/{name}"][:] for name in group["particles"]}
             size = numpy.hypot(at["v_x"], at["v_y"])
             shear = numpy.hypot((at["s_xx"] - at["s_yy"]) / 2, at["s_xy"])
+            grounds = [to_hex(axes.get_facecolor()) for axes in panels]
+            check(grounds == ["#ffffff", "#d9d9d9", "#ffffff"], f"where the mean stress is 0 no particle is seen: {grounds}")
             for axes, values in zip(panels, (size, (at["s_xx"] + at["s_yy"]) / 2, shear)):
                 close(axes.collections[0].get_array(), values, f"step {step}: {axes.collections[0].get_gid()}", 1e-12)
                 close(axes.collections[0].get_offsets(), at["coordinates"][:, :2] * 6, f"step {step}: places", 1e-12)
@@ -294,8 +307,8 @@ def check_refusals():
 
 def main():
     make()
-    for one in (check_zone, check_damped, check_planes, check_eigenvalues, check_modes, check_frames, check_layer,
-                check_map, check_words, check_refusals):
+    for one in (check_zone, check_damped, check_planes, check_eigenvalues, check_modes, check_large_strain, check_frames,
+                check_layer, check_map, check_words, check_refusals):
         one()
 
 
