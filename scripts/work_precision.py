@@ -278,10 +278,10 @@ def report(arguments, rows, base, end):
     save(precision_picture.draw(shown, title(arguments, rows, end), not arguments.courant), arguments.output)
     print(f"error against run time: {arguments.scene} to time {end:g}"
           + ("" if arguments.time else f" (where the scene's {base['run']['steps']} steps end)"))
-    print("error: largest l2 over fields (but apic's affine part) at the end / exact amplitude;\n"
-          "times: the loop alone; growth per step: of this run, and of all waves (symbol)")
+    print("error: the largest l2 error of all fields at the end, over the exact amplitude (apic's affine part does not count)\n"
+          "best, median: times of the time loop alone; growth: per step of this run; all waves: growth by the symbol")
     if base["dim"] > 1:
-        print(f"{base['dim']} dimensions: cells are those along x, the others in proportion to "
+        print(f"{base['dim']} dimensions: cells are counted along x, and the other directions are in proportion to "
               f"{' x '.join(map(str, base['cells']))}; ppc is that of each direction;\n"
               f"the symbol has at most {MOST_PHASES[base['dim']]} phases in each direction")
     print()

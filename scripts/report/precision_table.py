@@ -186,7 +186,7 @@ def answer(rows, wanted):
     first = found[0]
     said = [f"for error {wanted:g} the cheapest here is {at(first, names)}"]
     if first["best_s"] < SHORT:
-        said[0] += "; a loop under 1 ms: its time is rough"
+        said[0] += "; its loop takes less than 1 ms, so the time is rough"
     for before, point in zip(found, found[1:4]):
         said.append(f"  next {at(point, names)}, {point['best_s'] / first['best_s']:.3g} times as long"
                     + ("" if slower(point, before) else "; no difference to the one before beyond the scatter of "
@@ -206,7 +206,7 @@ def remarks(rows):
                     "longer time help)")
     wide = [row for row in timed if row["median_s"] > 1.25 * row["best_s"]]
     if wide:
-        said.append(f"median more than a quarter above best in {len(wide)} of {len(timed)}: the machine was not quiet")
+        said.append(f"the median is more than a quarter above the best in {len(wide)} of {len(timed)} rows, so the machine was not quiet")
     alone = [row for row in timed if row["growth_all_waves"] is None]
     if alone:
         said.append(f"{len(alone)} of {len(timed)} have no symbol (walls, particles that differ) and are judged by "

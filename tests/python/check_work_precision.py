@@ -301,7 +301,7 @@ def check_remarks():
         records += synthetic("falls", cells, cells**-0.55, [1e-2, 1.2e-2, 1.2e-2])
     said = "\n".join(remarks(make_rows(records, [record for record in records if record["round"] == 1])))
     check("slow: the error falls slowly" in said and "(order 0.45 at 32 cells)" in said and "falls:" not in said, said)
-    check("above best in 2 of 4: the machine was not quiet" in said, said)
+    check("above the best in 2 of 4 rows, so the machine was not quiet" in said, said)
 
 
 def check_crosses():
@@ -344,7 +344,7 @@ def check_plane():
     check(float(rows["apic", 32]["order"]) > 1, f"order {rows['apic', 32]['order']}")
     _, symbol, _ = launch("symbol", "plane.yaml", {"cells": "32,16"})
     check(float(rows["flip", 32]["growth_all_waves"]) == symbol["growth"], f"{rows['flip', 32]}, not {symbol}")
-    for words in ("cells are those along x, the others in proportion to 8 x 4", "cells along x"):
+    for words in ("cells are counted along x, and the other directions are in proportion to 8 x 4", "cells along x"):
         check(words in done.stdout, f"no '{words}' in {done.stdout}")
     one_line(start("plane.yaml", "--cells", "8,9", "-o", "odd"), 2,
              "--cells 9: no grid in the proportion of 8 x 4 cells; allowed: multiples of 2")
