@@ -138,7 +138,7 @@ def show(model):
         along = " x ".join(map(str, SHAPES[model["dim"]][shape]))
         print(f"  {shape} ({along} ranks, {COUNTED_CELLS[model['dim']]} cells in each direction): a step sends "
               f"{counts['messages']:.3g} messages of {counts['bytes'] / counts['messages']:.4g} bytes, which is all ghosts "
-              f"{counts['sums']:.3g} times, {counts['reductions']:.3g} reductions")
+              f"{counts['sums']:.3g} times, and makes {counts['reductions']:.3g} reductions")
 
 
 def show_check(found):
@@ -181,7 +181,7 @@ def main():
     for dim in SHAPES:
         model = make_model(dim, args)
         show(model)
-        print("  strong and weak scaling here, and the model with latency and bandwidth of here:")
+        print("  measured on this machine, and the model with its latency and bandwidth:")
         model["check"] = check(model, args, here)
         show_check(model["check"])
         print("  on the assumed network:")

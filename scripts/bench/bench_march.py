@@ -203,10 +203,10 @@ def main():
         print(f"no numba: {why}")
     result |= {"triad_gb_per_s": [max(bench_runs.triad(n) for _ in range(3)) for n in (1, 2)], "rows": []}
     print("triad: {:.1f} GB/s for one process, {:.1f} for two together".format(*result["triad_gb_per_s"]))
-    print(f"ns per particle and step, best (median) of {args.repeats}; ratio to plain C of best (of pairs, median)\n"
-          "speed-up of 2 ranks, and of a pair of programs of 1 rank, each with half the particles, side by side: what\n"
-          "two cores here do without a message; bytes that a step moves per particle, their rate on 1 rank over triad's"
-          "\n")
+    print(f"The times are ns per particle and step: the best of {args.repeats}, and in brackets the median.\n"
+          "1/plain is the time on 1 rank over that of plain C: of the best, and in brackets the median of pairs.\n"
+          "speed-up is that of 2 ranks. pair is that of two programs side by side, each with half the particles: they\n"
+          "send no messages. A step moves so many bytes per particle, on 1 rank at this rate; share is the rate over triad's.\n")
     print(COLUMNS)
     lines = () if args.only_boxes else itertools.product(args.particles, args.schemes, args.bases, args.drifts)
     for particles, scheme, basis, drift in lines:

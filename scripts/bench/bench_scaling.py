@@ -184,10 +184,10 @@ def show(model):
           f"t0 {1e6 * model['t0']:.2f} us; cells that a rank needs: {model['cells_needed']}")
     for ranks, counts in model["counts"].items():
         moved = counts["migration"]
-        print(f"  on {ranks} ranks a step sends {counts['messages']:.3g} messages of {counts['bytes']:.4g} bytes, "
+        print(f"  on {ranks} ranks a step sends {counts['messages']:.3g} messages of {counts['bytes']:.4g} bytes and makes "
               f"{counts['reductions']:.3g} reductions" +
-              (f"; every {1 / counts['migrations']:.3g} steps a migration, {moved['messages']:.3g} messages of "
-               f"{moved['bytes']:.4g} bytes, {moved['reductions']:.3g} reductions" if counts["migrations"] else ""))
+              (f"; every {1 / counts['migrations']:.3g} steps particles migrate, with {moved['messages']:.3g} messages of "
+               f"{moved['bytes']:.4g} bytes and {moved['reductions']:.3g} reductions" if counts["migrations"] else ""))
 
 
 def extrapolate(model, network):
@@ -221,7 +221,7 @@ def show_row(row):
     if row["kind"] == "strong":
         half, least = (f"at {row[name]:,} ranks" if row[name] else "at no number of ranks"
                        for name in ("half_messages", "half_efficient"))
-        print(f"    half of the time is messages {half}; efficiency 1/2 {least}; cells for {row['most_ranks']:,} ranks")
+        print(f"    messages take half of the time {half}; the efficiency is 1/2 {least}; {row['most_ranks']:,} ranks have enough cells")
 
 
 def main():
@@ -232,7 +232,7 @@ def main():
     for scheme, basis, drift in ((s, b, d) for s in args.schemes for b in args.bases for d in args.drifts):
         model = make_model(scheme, basis, drift, args)
         show(model)
-        print("  checked, with latency and bandwidth of here:")
+        print("  measured on this machine, and the model with its latency and bandwidth:")
         model["check"] = check(model, args, here)
         print("  on the assumed network:")
         model["rows"] = extrapolate(model, network)
