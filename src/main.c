@@ -28,6 +28,7 @@ static PetscErrorCode CheckTrap(void)
 static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *status)
 {
   const char *names[16], *near;
+  char        known[128];
   PetscInt    n = 0;
 
   PetscFunctionBegin;
@@ -53,8 +54,9 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   near = MpmSuggest(argv[1], n, names);
-  MpmRefuse("unknown task '%s'%s%s%s; 'mpmstab' alone shows what there is", argv[1], near ? "; did you mean '" : "",
-            near ? near : "", near ? "'?" : "");
+  PetscCall(MpmTaskNames(sizeof known, known));
+  MpmRefuse("unknown task '%s'%s%s%s; allowed: %s", argv[1], near ? "; did you mean '" : "", near ? near : "",
+            near ? "'?" : "", known);
 }
 
 int main(int argc, char **argv)

@@ -31,11 +31,13 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
-   it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version.
+   it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version. MpmTaskNames gives
+   the names of all tasks as a text for people.
 */
 PetscErrorCode MpmPrintUsage(void);
 PetscErrorCode MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
+PetscErrorCode MpmTaskNames(size_t room, char text[]);
 
 PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);
 PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status);

@@ -91,8 +91,20 @@ static void PrintOptions(const char task[], PetscBool own)
       MpmPrint("  -%-17s %-11s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
 }
 
+PetscErrorCode MpmTaskNames(size_t room, char text[])
+{
+  PetscFunctionBegin;
+  text[0] = '\0';
+  for (const MpmTask *task = MpmTasks; task->name; task++) {
+    if (task > MpmTasks) PetscCall(PetscStrlcat(text, task[1].name ? ", " : " or ", room));
+    PetscCall(PetscStrlcat(text, task->name, room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPrintHelp(const char name[])
 {
+  char           known[128];
   const char    *names[16], *near;
   const MpmTask *task = MpmTasks;
   PetscInt       n    = 0;
@@ -101,8 +113,9 @@ PetscErrorCode MpmPrintHelp(const char name[])
   for (; MpmTasks[n].name; n++) names[n] = MpmTasks[n].name;
   near = MpmSuggest(name, n, names);
   while (task->name && strcasecmp(task->name, name)) task++;
-  MpmCheckInput(task->name, "help %.200s: allowed: a task that 'mpmstab' alone shows%s%s%s", name,
-                near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  PetscCall(MpmTaskNames(sizeof known, known));
+  MpmCheckInput(task->name, "help %.200s: allowed: %s%s%s%s", name, known, near ? "; did you mean " : "",
+                near ? near : "", near ? "?" : "");
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
   if (!strcmp(task->name, "list")) {
     MpmPrint(
