@@ -102,26 +102,40 @@ PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
 
 /* ---- norms ---- */
 
-/* The way of each particle along axis a from the uniform motion, in cells: the shortest one in a periodic direction. */
-static PetscErrorCode Ways(const MpmMarch *march, PetscInt a, const PetscInt64 id[], PetscReal way[])
+/* The rest of way over a period, in [-period / 2, period / 2]. Most ways are there already, and remainder is slow. */
+static PetscReal Shortest(PetscReal way, PetscInt period)
 {
-  const MpmDirection *direction = &march->layout->grid[a];
-  const PetscReal     went      = march->velocity[a] * MpmMarchElapsed(march);
-  const PetscInt     *cell;
-  const PetscReal    *xi;
+  return fabs(way) > period / 2.0 ? remainder(way, period) : way;
+}
+
+/* The ways of the particles from the uniform motion along each axis, in cells: the shortest ones in periodic directions. */
+static PetscErrorCode Ways(const MpmMarch *march, const PetscInt64 id[], PetscReal *const way[])
+{
+  const MpmGrid   *grid = march->grid;
+  const PetscInt  *cell[MPM_MAX_DIM];
+  const PetscReal *xi[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell[a]));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi[a]));
+  }
   for (PetscInt p = 0; p < march->particles->count; p++) {
     PetscReal X[MPM_MAX_DIM];
 
     MpmLayoutRest(march->layout, id[p], X);
-    way[p] = (march->grid->axis[a].first + cell[p] - X[a]) + xi[p] - went;
-    if (direction->ends[0] == MPM_PERIODIC) way[p] = remainder(way[p], direction->cells);
+    for (PetscInt a = 0; a < grid->dim; a++) {
+      const MpmDirection *direction = &march->layout->grid[a];
+      const PetscReal     went      = march->velocity[a] * MpmMarchElapsed(march);
+      const PetscReal     from_rest = (grid->axis[a].first + cell[a][p] - X[a]) + xi[a][p] - went;
+
+      way[a][p] = direction->ends[0] == MPM_PERIODIC ? Shortest(from_rest, direction->cells) : from_rest;
+    }
   }
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi[a]));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell[a]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -254,23 +268,23 @@ static PetscReal VolumeAtRest(const MpmMarch *march)
 
 PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
 {
+  const PetscInt  count   = march->particles->count;
   const PetscReal speed   = march->scene ? march->scene->wave_speed : 1;
-  PetscReal       sums[3] = {0, 0, 0}, *one;
+  PetscReal       sums[3] = {0, 0, 0}, *way[MPM_MAX_DIM];
   PetscInt64     *id;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(march->particles->count, &one));
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscMalloc1(count, &way[a]));
   PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
-  for (PetscInt a = 0; a < march->grid->dim; a++) {
-    PetscCall(Ways(march, a, id, one));
-    PetscCall(Squares(march, march->particles->count, one, PETSC_TRUE, &sums[0]));
-  }
+  PetscCall(Ways(march, id, way));
   PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
-  for (PetscInt r = 0; r < march->scheme->table->nstate; r++) PetscCall(FieldSquares(march, r, one, &sums[0]));
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(Squares(march, count, way[a], PETSC_TRUE, &sums[0]));
+  /* the memory of the first way then serves for one number of each particle */
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++) PetscCall(FieldSquares(march, r, way[0], &sums[0]));
   PetscCall(SeenSquares(march, &sums[2]));
   PetscCall(KineticEnergy(march, &sums[1]));
-  PetscCall(StrainEnergy(march, one, &sums[1]));
-  PetscCall(PetscFree(one));
+  PetscCall(StrainEnergy(march, way[0], &sums[1]));
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscFree(way[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
   norms->state  = sqrt(sums[0] / (PetscReal)march->particles->total);
   norms->grid   = sqrt(sums[2] / (PetscReal)MpmLayoutNodes(march->layout));
