@@ -13,7 +13,7 @@ import subprocess
 import jsonschema
 import yaml
 
-from checks import ROOT, check
+from checks import ROOT, check, text_of
 
 MPMSTAB = os.environ["MPMSTAB"]
 
@@ -37,6 +37,15 @@ def check_filled():
                            "from cell 3 to 4 along x, from cell 3 to 4 along y: 1 particle"),
                           ("usl -dim 2 -cells 20 -kinematics finite -shape discs", "in the shape discs: 416 particles")):
         check(f"\nfilled {filled}\n" in told(f"run {words} -steps 1"), words)
+
+
+def check_scripts():
+    """A script that a page calls by its name must be executable. install.sh is sourced."""
+    pages = glob.glob(f"{ROOT}/*.md") + glob.glob(f"{ROOT}/examples/*/*.md")
+    called = {name for page in pages for name in re.findall(r"(?m)(?:^ *|`)(?:\./)?scripts/([\w-]+\.(?:py|sh))\b", text_of(page))}
+    check({"report.py", "their_code.py", "setup.sh"} <= called, f"{called}")
+    for name in called - {"install.sh"}:
+        check(os.access(os.path.join(ROOT, "scripts", name), os.X_OK), f"scripts/{name} cannot be run by its name")
 
 
 def check_ways_to_write():
@@ -115,6 +124,7 @@ def check_manual():
 
 
 check_filled()
+check_scripts()
 check_ways_to_write()
 check_help()
 check_refusals()
