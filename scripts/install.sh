@@ -16,9 +16,12 @@ install_missing() {
     esac
   done
   [ -n "$missing" ] || return 0
-  echo "installing:$missing"
   as_root=
-  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "there is no sudo; as root, install:$missing" >&2; exit 1; }
+    as_root=sudo
+  fi
+  echo "installing:$missing"
   $as_root apt-get update -qq
   # shellcheck disable=SC2086 # a list of packages
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
