@@ -7,7 +7,7 @@ Open atlas/index.html in a browser; it needs no network. For each formulation, t
 has the largest stable Courant number inside a body, at its edge and of a lone particle; growth of moving particles over
 their velocity; damping of waves over their length; a map over velocity and Courant number; and the command of each
 number. --only chooses schemes: each WORD is a name, or several with commas of which one must fit, as in '--only musl,usl
-linear'. The script says first how long it takes, for all about 50 minutes on two cores; --estimate says it and ends. Each
+linear'. The script says first how long it takes, for all about 40 minutes on two cores; --estimate says it and ends. Each
 answer is kept in the folder atlas/answers: give the same command again to go on after an interruption. The environment
 variable MPMSTAB names the program (by default build/mpmstab).
 """
@@ -27,9 +27,9 @@ from report_html import escaped
 
 EVERY = 10  # seconds between lines of progress in a log; a terminal has one line, which changes
 # Seconds of one core for a question, by dimension, and for affine transfers, which have larger matrices.
-COST = {"limits": ((0.08, 0.5, 4), (0.1, 1.2, 5)), "lone": ((0.06, 0.06, 0.2), (0.06, 0.5, 18)),
-        "damping": ((0.07, 0.07, 0.12), (0.07, 0.08, 0.45)), "moving": ((0.08, 0.3, 0.15), (0.09, 1.6, 0.6)),
-        "map": ((0.25, 0.4, 0), (0.35, 3, 0))}
+COST = {"limits": ((0.24, 0.5, 1), (0.11, 1.1, 3.5)), "lone": ((0.1, 0.4, 0.7), (0.1, 0.15, 0.3)),
+        "damping": ((0.09, 0.1, 0.13), (0.1, 0.11, 0.6)), "moving": ((0.12, 0.6, 0.18), (0.13, 0.85, 0.55)),
+        "map": ((0.8, 0.85, 0), (0.75, 1.9, 0))}
 AFFINE = ("apic", "tpic", "aflip")
 
 

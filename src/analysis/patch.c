@@ -79,6 +79,7 @@ static PetscErrorCode LimitOfSpot(void *context, const MpmPatchSpot *spot, Petsc
   PetscFunctionBegin;
   if (!p->slow) {
     PetscCall(MpmPatchCrossing(&p->lattice, spot, limit));
+    if (*limit > MPM_CRITICAL_TO) *limit = INFINITY; /* where there is none, rounding makes one of 1e7 and more */
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmCriticalCross(GrowthOfSpot, &one, p->tolerance, &steps, PRECISION, bracket));

@@ -69,6 +69,8 @@ static PetscErrorCode CheckFaces(void)
   PetscFunctionBegin;
   PetscCall(CheckLone("-cells 8 -formulation gas1", 0, PETSC_FALSE));
   PetscCall(CheckLone("-cells 8 -formulation gas2", 0, PETSC_FALSE));
+  PetscCall(CheckLone("-dim 2 -cells 8 -formulation gas2 -transfer pic -basis quadratic -gradient mls", INFINITY,
+                      PETSC_FALSE));
   PetscCall(CheckLone("-cells 8 -formulation elastic", M_SQRT2, PETSC_FALSE));
   PetscCall(CheckLone("-cells 8 -formulation elastic -basis quadratic", 2, PETSC_FALSE));
   PetscCall(CheckLone("-cells 8 -formulation musl", 2, PETSC_FALSE));
