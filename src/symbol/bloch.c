@@ -15,7 +15,9 @@
 #include "base/hash.h"
 #include "base/power_of_two.h"
 #include "linalg/complex_inline.h"
+#include "symbol/bloch_gained.h"
 #include "symbol/bloch_nodal.h"
+#include "symbol/bloch_steps.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
 
@@ -134,6 +136,7 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
     b->beta[a] = NAN;
   }
   PetscCall(MpmBlochNodalCreate(b, &b->nodal));
+  if (!b->nodal && !b->taken && b->most == 1) PetscCall(MpmBlochGainedCreate(b, &b->gained));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -141,6 +144,7 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
 {
   PetscFunctionBegin;
   PetscCall(MpmBlochNodalDestroy(&b->nodal));
+  PetscCall(MpmBlochGainedDestroy(&b->gained));
   for (PetscInt a = 0; a < b->layout->dim; a++) {
     PetscCall(MpmTiesDestroy(&b->ties[a]));
     PetscCall(PetscFree(b->tie[a]));
@@ -171,8 +175,7 @@ static void SetPhase(MpmBloch *b, PetscInt a, PetscReal beta, PetscInt steps)
     }
 }
 
-/* Sets what the maps of a step are, and the nodal mass. */
-static void SetStep(MpmBloch *b, PetscInt step)
+void MpmBlochSetStep(MpmBloch *b, PetscInt step)
 {
   b->mass = 1;
   for (PetscInt a = 0; a < b->layout->dim; a++) {
@@ -273,21 +276,10 @@ double complex MpmBlochOfNodes(const MpmBloch *b, const MpmOp *op, const PetscRe
 void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
 {
   for (PetscInt a = 0; a < b->layout->dim; a++) SetPhase(b, a, beta[a], 1);
-  SetStep(b, 0);
+  MpmBlochSetStep(b, 0);
 }
 
-/* The rows of a register of particles, and the row of one of nodes. */
-static inline PetscReal *Rows(const MpmBloch *b, PetscInt field)
-{
-  return b->particle + field * b->ppc * 2 * b->width;
-}
-
-static inline PetscReal *Row(const MpmBloch *b, PetscInt field)
-{
-  return b->nodes + field * 2 * b->width;
-}
-
-static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
+void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
 {
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
@@ -299,22 +291,22 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
   if (traits.dst == MPM_NOWHERE) return;
   if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {
     for (PetscInt i = 0; i < BLOCK; i++) share[i] = op->kind == MPM_ADD ? 1 + a[i] : a[i];
-    ScaleRows(ppc * n, share, Rows(b, op->dst));
+    ScaleRows(ppc * n, share, MpmBlochRows(b, op->dst));
     return;
   }
   if (op->kind == MPM_ADD) {
     f = Times(a, 1);
-    AddRow(ppc * n, &f, Rows(b, op->src), PETSC_FALSE, Rows(b, op->dst));
+    AddRow(ppc * n, &f, MpmBlochRows(b, op->src), PETSC_FALSE, MpmBlochRows(b, op->dst));
     return;
   }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++) {
       f = Times(a, Tie(b, op->kind, op->axis, j));
-      AddRow(n, &f, Row(b, op->src), PETSC_FALSE, Rows(b, op->dst) + j * 2 * n);
+      AddRow(n, &f, MpmBlochRow(b, op->src), PETSC_FALSE, MpmBlochRows(b, op->dst) + j * 2 * n);
     }
     return;
   }
-  dst = Row(b, op->dst);
+  dst = MpmBlochRow(b, op->dst);
   if (traits.dst == traits.src && op->dst == op->src) {
     ScaleRows(n, a, dst);
     return;
@@ -324,13 +316,13 @@ static void ApplyOp(MpmBloch *b, PetscInt o, const PetscReal beta[])
     for (PetscInt j = 0; j < ppc; j++) {
       f = Times(share, conj(Tie(b, op->kind, op->axis, j)));
       if (j == 0 && !op->accumulates)
-        AddRow(n, &f, Rows(b, op->src), PETSC_TRUE, dst);
+        AddRow(n, &f, MpmBlochRows(b, op->src), PETSC_TRUE, dst);
       else
-        AddRow(n, &f, Rows(b, op->src) + j * 2 * n, PETSC_FALSE, dst);
+        AddRow(n, &f, MpmBlochRows(b, op->src) + j * 2 * n, PETSC_FALSE, dst);
     }
   } else {
     f = Times(a, MpmBlochOfNodes(b, op, beta));
-    AddRow(n, &f, Row(b, op->src), op->accumulates ? PETSC_FALSE : PETSC_TRUE, dst);
+    AddRow(n, &f, MpmBlochRow(b, op->src), op->accumulates ? PETSC_FALSE : PETSC_TRUE, dst);
   }
 }
 
@@ -393,12 +385,8 @@ static void Disturb(MpmBloch *b, PetscInt step)
     }
 }
 
-/*
-   Makes ready for the first steps of a period, of so many columns for each of n Courant numbers. All registers are 0.
-   Lanes without a Courant number have the last one's.
-*/
-static PetscErrorCode Begin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
-                            PetscInt columns)
+PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
+                             PetscInt columns)
 {
   const MpmTable *t = b->scheme->table;
 
@@ -415,24 +403,25 @@ static PetscErrorCode Begin(MpmBloch *b, PetscInt n, const PetscReal courant[], 
 
 static void Step(MpmBloch *b, PetscInt step, const PetscReal beta[])
 {
-  SetStep(b, step);
-  for (PetscInt o = 0; o < b->scheme->table->nops; o++) ApplyOp(b, o, beta);
+  MpmBlochSetStep(b, step);
+  for (PetscInt o = 0; o < b->scheme->table->nops; o++) MpmBlochApply(b, o, beta);
 }
 
 PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt step,
                             double complex state[])
 {
   PetscFunctionBegin;
-  PetscCall(Begin(b, 1, &courant, beta, step + 1, 1));
+  PetscCall(MpmBlochBegin(b, 1, &courant, beta, step + 1, 1));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < b->ppc; j++) {
-      Rows(b, field)[2 * j * b->width]       = creal(state[b->fields * j + field]);
-      Rows(b, field)[(2 * j + 1) * b->width] = cimag(state[b->fields * j + field]);
+      MpmBlochRows(b, field)[2 * j * b->width]       = creal(state[b->fields * j + field]);
+      MpmBlochRows(b, field)[(2 * j + 1) * b->width] = cimag(state[b->fields * j + field]);
     }
   Step(b, step, beta);
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < b->ppc; j++)
-      state[b->fields * j + field] = CMPLX(Rows(b, field)[2 * j * b->width], Rows(b, field)[(2 * j + 1) * b->width]);
+      state[b->fields * j + field] =
+          CMPLX(MpmBlochRows(b, field)[2 * j * b->width], MpmBlochRows(b, field)[(2 * j + 1) * b->width]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -455,9 +444,10 @@ static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], 
   const PetscInt every = Every(n, courant);
 
   PetscFunctionBegin;
-  PetscCall(Begin(b, n, courant, beta, steps, b->size));
+  PetscCall(MpmBlochBegin(b, n, courant, beta, steps, b->size));
   for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < b->ppc; j++) SetAll(b, Rows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
+    for (PetscInt j = 0; j < b->ppc; j++)
+      SetAll(b, MpmBlochRows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
   for (PetscInt step = 0; step < steps; step++) {
     const PetscBool all = step % SELDOM == SELDOM - 1 || step == steps - 1 ? PETSC_TRUE : PETSC_FALSE;
 
@@ -480,7 +470,8 @@ static PetscErrorCode Period(MpmBloch *b, PetscInt n, const PetscReal courant[],
     for (PetscInt j = 0; j < b->ppc; j++)
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + b->fields * j + field] = At(b, Rows(b, field) + 2 * j * b->width, c, lane);
+          G[(lane * size + c) * size + b->fields * j + field] =
+              At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -506,8 +497,7 @@ PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal be
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The phase factor of what goes from particle j to the one whose place it has taken, for the cells in between. */
-static double complex PhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
+double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
 {
   PetscReal angle = 0;
 
@@ -523,13 +513,13 @@ static PetscErrorCode WholeTurn(MpmBloch *b, PetscInt n, const PetscReal courant
   PetscFunctionBegin;
   PetscCall(Steps(b, n, courant, beta, b->turn, PETSC_FALSE, exponent));
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = PhaseBeyond(b, beta, j);
+    const double complex wave = MpmBlochPhaseBeyond(b, beta, j);
 
     for (PetscInt field = 0; field < b->fields; field++)
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
           G[(lane * size + c) * size + b->fields * b->place[j] + field] =
-              MpmTimes(wave, At(b, Rows(b, field) + 2 * j * b->width, c, lane));
+              MpmTimes(wave, At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -545,16 +535,16 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
   const MpmTaken *t   = b->taken;
   PetscInt        col = t->numbers;
 
-  SetStep(b, b->turn - 1);
+  MpmBlochSetStep(b, b->turn - 1);
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = PhaseBeyond(b, beta, j);
+    const double complex wave = MpmBlochPhaseBeyond(b, beta, j);
 
     for (PetscInt y = 0; y < t->numbers; y++) {
       const MpmTakenGift *gift = &t->gift[t->first[y]];
 
       for (PetscInt i = 0; i < gift->parts; i++) {
         const MpmTakenPart  *part = &gift->part[i];
-        PetscReal           *row  = Rows(b, part->dst) + 2 * b->place[j] * b->width + y * b->lanes;
+        PetscReal           *row  = MpmBlochRows(b, part->dst) + 2 * b->place[j] * b->width + y * b->lanes;
         const double complex tie  = MpmTimes(wave, MpmBlochTie(b, part->kind, part->axis, j));
 
         for (PetscInt lane = 0; lane < n; lane++) {
@@ -568,7 +558,7 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
   }
   for (PetscInt j = 0; j < b->ppc; j++)
     for (PetscInt r = 0; r < b->fields; r++)
-      if (!t->taken[r]) SetAll(b, Rows(b, r) + 2 * j * b->width, col++, 1);
+      if (!t->taken[r]) SetAll(b, MpmBlochRows(b, r) + 2 * j * b->width, col++, 1);
 }
 
 /* The last step of a turn: the nodes' numbers, rows of 2 x width, are noted before they are given to particles. */
@@ -579,15 +569,16 @@ static void LastStep(MpmBloch *b, const PetscReal beta[], PetscReal numbers[])
 
   for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
   for (PetscInt i = 0; i < t->numbers * 2 * b->width; i++) numbers[i] = 0;
-  SetStep(b, b->turn - 1);
+  MpmBlochSetStep(b, b->turn - 1);
   for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
     for (PetscInt g = 0; g < t->ngifts; g++) {
       const MpmTakenGift *gift = &t->gift[g];
       const Factor        f    = Times(one, gift->times);
 
-      if (gift->at == o) AddRow(b->width, &f, Row(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
+      if (gift->at == o)
+        AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
     }
-    ApplyOp(b, o, beta);
+    MpmBlochApply(b, o, beta);
   }
 }
 
@@ -599,7 +590,7 @@ static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal coura
   PetscReal      *numbers;
 
   PetscFunctionBegin;
-  PetscCall(Begin(b, n, courant, beta, b->turn, size));
+  PetscCall(MpmBlochBegin(b, n, courant, beta, b->turn, size));
   PetscCall(PetscMalloc1(t->numbers * 2 * b->width, &numbers));
   SpreadTaken(b, beta, n, courant);
   for (PetscInt step = 0; step < b->turn - 1; step++) {
@@ -613,14 +604,14 @@ static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal coura
     for (PetscInt lane = 0; lane < n; lane++)
       for (PetscInt c = 0; c < size; c++) G[(lane * size + c) * size + y] = At(b, numbers + 2 * y * b->width, c, lane);
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = PhaseBeyond(b, beta, j);
+    const double complex wave = MpmBlochPhaseBeyond(b, beta, j);
     PetscInt             to   = t->numbers + t->left * b->place[j];
 
     for (PetscInt r = 0; r < b->fields; r++) {
       if (t->taken[r]) continue;
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + to] = MpmTimes(wave, At(b, Rows(b, r) + 2 * j * b->width, c, lane));
+          G[(lane * size + c) * size + to] = MpmTimes(wave, At(b, MpmBlochRows(b, r) + 2 * j * b->width, c, lane));
       to++;
     }
   }

@@ -3,7 +3,8 @@
 #include "symbol/bloch_taken.h"
 #include "symbol/ties.h"
 
-typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
+typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_nodal.h */
+typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
 
 #define MPM_BLOCH_LANES 8 /* Courant numbers that go through the steps of a period side by side */
 
@@ -38,6 +39,7 @@ typedef struct MpmBlochNodal_ MpmBlochNodal; /* symbol/bloch_nodal.h */
                   present step on
    mass         - of a node, at the present step
    nodal        - the nodal operator; NULL where it does not apply
+   gained       - what particles gain from nodes; NULL where it does not apply, or the turn's matrix is no larger
    traits, values - of the table's operations; values are the factors in each lane
 S*/
 typedef struct {
@@ -52,6 +54,7 @@ typedef struct {
   PetscReal       *particle, *nodes, beta[MPM_MAX_DIM], mass;
   double complex  *turns;
   MpmBlochNodal   *nodal;
+  MpmBlochGained  *gained;
   MpmOpTraits     *traits;
   PetscReal       *values;
 } MpmBloch;

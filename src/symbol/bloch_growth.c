@@ -1,5 +1,6 @@
 /* The growth of one Bloch mode. */
 #include "symbol/bloch_growth.h"
+#include "symbol/bloch_gained.h"
 #include "symbol/bloch_nodal.h"
 #include <mpmstab/verdict.h>
 
@@ -45,6 +46,8 @@ PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n
     some = bloch->nodal ? 1 : PetscMin(bloch->most, n - i);
     if (bloch->nodal)
       PetscCall(MpmBlochNodalGrowths(bloch->nodal, bloch, courant[i], beta, &growth[i], &without_null[i], &ok));
+    if (bloch->gained) PetscCall(MpmBlochGainedGrowth(bloch->gained, bloch, courant[i], beta, &growth[i], &ok));
+    if (bloch->gained) without_null[i] = NAN;
     if (!ok) PetscCall(OfTurns(bloch, eigen, some, courant + i, beta, growth + i, without_null + i));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
