@@ -19,8 +19,14 @@
 #define WIDE 3         /* rotations at a time, */
 #define FEW 60         /* and one at a time where rows and columns are fewer */
 
-/* Numbers of four rows. */
-typedef PetscReal Four __attribute__((vector_size((WIDE + 1) * sizeof(PetscReal))));
+/* Numbers of 4 rows, or of 2 where vector registers hold no more: GCC splits a longer product at a high price. */
+#ifdef __AVX__
+#define PART 4
+#else
+#define PART 2
+#endif
+#define PARTS ((WIDE + 1) / PART)
+typedef PetscReal Part __attribute__((vector_size(PART * sizeof(PetscReal))));
 
 static inline PetscReal Size(double complex a)
 {
@@ -117,8 +123,14 @@ static void TurnFour(const Turn t[WIDE], PetscInt n, PetscReal *restrict h, Pets
 
 /* The matrix of three rotations of rows, one after another, by columns. */
 typedef struct {
-  Four re[WIDE + 1], im[WIDE + 1];
+  Part re[WIDE + 1][PARTS], im[WIDE + 1][PARTS];
 } Product;
+
+static void Set(Product *q, PetscInt row, PetscInt column, double complex z)
+{
+  q->re[column][row / PART][row % PART] = creal(z);
+  q->im[column][row / PART][row % PART] = cimag(z);
+}
 
 static void Multiply(const Turn t[WIDE], Product *q)
 {
@@ -127,20 +139,15 @@ static void Multiply(const Turn t[WIDE], Product *q)
   for (PetscInt r = 0; r < WIDE; r++) {
     const double complex s = CMPLX(t[r].re, t[r].im);
 
-    for (PetscInt l = r + 2; l <= WIDE; l++) q->re[l][r] = q->im[l][r] = 0;
     for (PetscInt l = 0; l <= r; l++) {
-      q->re[l][r] = t[r].c * creal(row[l]);
-      q->im[l][r] = t[r].c * cimag(row[l]);
-      row[l]      = -MpmConjTimes(s, row[l]);
+      Set(q, r, l, MpmScaled(t[r].c, row[l]));
+      row[l] = -MpmConjTimes(s, row[l]);
     }
-    q->re[r + 1][r] = t[r].re;
-    q->im[r + 1][r] = t[r].im;
-    row[r + 1]      = t[r].c;
+    Set(q, r, r + 1, s);
+    for (PetscInt l = r + 2; l <= WIDE; l++) Set(q, r, l, 0);
+    row[r + 1] = t[r].c;
   }
-  for (PetscInt l = 0; l <= WIDE; l++) {
-    q->re[l][WIDE] = creal(row[l]);
-    q->im[l][WIDE] = cimag(row[l]);
-  }
+  for (PetscInt l = 0; l <= WIDE; l++) Set(q, WIDE, l, row[l]);
 }
 
 /* Multiplies four rows, of columns from .. to; h is where the first of them begins in column 0. */
@@ -148,16 +155,20 @@ static void TurnRows(const Product *q, PetscInt n, PetscReal h[], PetscInt from,
 {
   for (PetscInt j = from; j <= to; j++) {
     PetscReal *at = h + 2 * n * j;
-    Four       re = q->re[0] * at[0] - q->im[0] * at[n], im = q->re[0] * at[n] + q->im[0] * at[0];
+    Part       re[PARTS], im[PARTS];
 
-    for (PetscInt l = 1; l <= WIDE; l++) {
-      re += q->re[l] * at[l];
-      im += q->re[l] * at[n + l];
-      re -= q->im[l] * at[n + l];
-      im += q->im[l] * at[l];
+    for (PetscInt p = 0; p < PARTS; p++) {
+      re[p] = q->re[0][p] * at[0] - q->im[0][p] * at[n];
+      im[p] = q->re[0][p] * at[n] + q->im[0][p] * at[0];
+      for (PetscInt l = 1; l <= WIDE; l++) {
+        re[p] += q->re[l][p] * at[l];
+        im[p] += q->re[l][p] * at[n + l];
+        re[p] -= q->im[l][p] * at[n + l];
+        im[p] += q->im[l][p] * at[l];
+      }
     }
-    memcpy(at, &re, sizeof re);
-    memcpy(at + n, &im, sizeof im);
+    memcpy(at, re, sizeof re);
+    memcpy(at + n, im, sizeof im);
   }
 }
 
