@@ -11,10 +11,11 @@ of 16 cells keeps after 10 periods at rest ('symbol -damping'), and the largest 
 price. The environment variable MPMSTAB names the program.
 """
 import math
+import os
 import sys
 
 import moving
-from program import Parser, end_in_one_line, launch, refuse, require_input, require_program
+from program import Parser, end_in_one_line, launch, refuse, require_input, require_program, side_by_side
 
 CELLS, PERIODS = 16, 10
 SPEEDS = [mach for mach in moving.MACH if mach != (1, 1)]
@@ -61,7 +62,7 @@ def price_of(cure):
 def rows(speeds):
     """Returns the cells of each row: its options, growth at these speeds, what is kept, and the limit."""
     cases = [(cure, mach) for cure in CURES for mach in speeds]
-    with moving.pool() as workers:
+    with side_by_side(os.cpu_count()) as workers:
         growth = dict(zip(cases, workers.map(growth_of, cases)))
         prices = dict(zip(CURES, workers.map(price_of, CURES)))
 

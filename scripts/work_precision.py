@@ -66,9 +66,9 @@ def parse():
     arguments = parser.parse_args()
     for name in ("cells", "courant", "ppc", "ranks", "error"):
         if any(not 0 < value < float("inf") for value in getattr(arguments, name) or []):
-            parser.error(f"--{name}: allowed: above 0")
+            refuse(f"--{name} {','.join(map(str, getattr(arguments, name)))}: allowed: numbers above 0")
     if arguments.repeats < 1 or arguments.most < 1 or (arguments.time is not None and not 0 < arguments.time < float("inf")):
-        parser.error("--repeats, --most, --time: allowed: above 0")
+        refuse("--repeats, --most, --time: allowed: numbers above 0")
     return arguments
 
 
@@ -316,13 +316,13 @@ def main():
         except KeyboardInterrupt:
             interrupted = True
         rows = make_rows(records, combinations)
-        if rows:
+        if any(row["status"] not in ("refused", "failed") for row in rows):
             report(arguments, rows, base, end)
+        elif not interrupted:
+            refuse(f"no combination runs: {rows[0]['note']}")
     if interrupted:
         say("interrupted; the same command goes on")
         sys.exit(130)
-    if all(row["status"] in ("refused", "failed") for row in rows):
-        refuse("no combination runs; the notes say why")
 
 
 if __name__ == "__main__":

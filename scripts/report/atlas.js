@@ -84,7 +84,12 @@
     button.type = "button";
     button.className = "copy";
     button.textContent = "Copy";
-    code.textContent = task + " " + row.dataset.scheme + " " + options;
+    for (const text of (task + " " + row.dataset.scheme + " " + options).split(" ")) {
+      const word = document.createElement("span");
+      word.className = "word";
+      word.textContent = text;
+      code.append(...(code.hasChildNodes() ? [" ", word] : [word]));
+    }
     pre.append(code);
     box.append(button, pre);
     asked.replaceChildren(box);

@@ -2,6 +2,7 @@
 import base64
 import html
 import os
+import re
 import urllib.parse
 
 from picture_style import encoded
@@ -46,9 +47,10 @@ def preformatted(text):
 
 
 def command(text):
-    """Returns a command that wraps, with a button that copies it."""
+    """Returns a command that wraps between its words, with a button that copies it."""
+    words = re.sub(r"\S+", r'<span class="word">\g<0></span>', escaped(text))
     return (f'<div class="command"><button type="button" class="copy">Copy</button>'
-            f'<pre><code>{escaped(text)}</code></pre></div>')
+            f'<pre><code>{words}</code></pre></div>')
 
 
 class Album:

@@ -41,15 +41,26 @@ def text(x, y, words, anchor="middle", more=""):
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{more}>{html.escape(words)}</text>'
 
 
+def tick(x, y, axis, value, anchor="middle"):
+    """Returns a tick's number. On a logarithmic axis that leaves 1e-3 to 1e5 all are powers of ten, else all are plain."""
+    words, raised = f"{value:.6g}", ""
+    if axis.logarithmic and not -3 <= axis.low <= axis.high < 5:
+        power = math.floor(math.log10(value) + 1e-9)
+        part = round(value / 10.0**power)
+        words = "10" if part == 1 else f"{part} × 10"
+        raised = f'<tspan dy="-5" font-size="80%">{str(power).replace("-", "−")}</tspan>'
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{words}{raised}</text>'
+
+
 def frame(title, x, y, labels):
     """Returns the title, the axes with ticks and grid lines, and the labels of both."""
     pieces = [text((x.begin + x.end) / 2, TOP - 14, title, more=' font-weight="600"')]
     for value in x.ticks():
         at = x.at(value)
-        pieces += [f'<path d="M{at:.1f} {y.begin}V{y.end}" class="grid"/>', text(at, y.begin + 18, f"{value:.6g}")]
+        pieces += [f'<path d="M{at:.1f} {y.begin}V{y.end}" class="grid"/>', tick(at, y.begin + 18, x, value)]
     for value in y.ticks():
         at = y.at(value)
-        pieces += [f'<path d="M{x.begin} {at:.1f}H{x.end}" class="grid"/>', text(x.begin - 7, at + 4, f"{value:.6g}", "end")]
+        pieces += [f'<path d="M{x.begin} {at:.1f}H{x.end}" class="grid"/>', tick(x.begin - 7, at + 4, y, value, "end")]
     pieces.append(f'<rect x="{x.begin}" y="{y.end}" width="{x.end - x.begin}" height="{y.begin - y.end}" class="box"/>')
     middle = (y.begin + y.end) / 2
     return pieces + [text((x.begin + x.end) / 2, y.begin + 40, labels[0]),
@@ -71,7 +82,9 @@ def legend(entries, top):
 
 
 def lines(title, labels, series):
-    """Draws series, each a label and points (x, y) with y > 0, over logarithmic axes. Without points: words say so."""
+    """Draws series, each a label and points (x, y), over logarithmic axes. A point with y = 0 is left out, and ends the line
+    before it. Without points words say so.
+    """
     points = [point for _, some in series for point in some if point[1] > 0]
     if not points:
         return f'<p class="quiet">{html.escape(title)}: nothing above rounding.</p>'
@@ -80,10 +93,11 @@ def lines(title, labels, series):
     y = Axis(min(p[1] for p in points), max(p[1] for p in points), HEIGHT - BOTTOM, TOP, True)
     pieces = frame(title, x, y, labels)
     for number, (_, some) in enumerate(series):
-        drawn = [(x.at(p[0]), y.at(p[1])) for p in some if p[1] > 0]
-        path = "L".join(f"{a:.1f} {b:.1f}" for a, b in drawn)
-        pieces.append(f'<path d="M{path}" fill="none" stroke="{COLOURS[number]}" stroke-width="1.5"/>' if path else "")
-        pieces += [f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" fill="{COLOURS[number]}"/>' for a, b in drawn]
+        drawn = [(x.at(p[0]), y.at(p[1])) if p[1] > 0 else None for p in some]
+        path = "".join(f"{'L' if before else 'M'}{here[0]:.1f} {here[1]:.1f}"
+                       for before, here in zip([None, *drawn], drawn) if here)
+        pieces.append(f'<path d="{path}" fill="none" stroke="{COLOURS[number]}" stroke-width="1.5"/>' if path else "")
+        pieces += [f'<circle cx="{here[0]:.1f}" cy="{here[1]:.1f}" r="3.5" fill="{COLOURS[number]}"/>' for here in drawn if here]
     below, end = legend([(label, COLOURS[number]) for number, (label, _) in enumerate(series)], HEIGHT + 6)
     return picture(pieces + below, title, end)
 

@@ -131,7 +131,7 @@ static void Launch(MpmChild *c, char *words[])
   CloseBoth(report);
   if (error) {
     for (int i = 0; i < 3; i++) CloseBoth(pipes[i]);
-    Fail(c, "cannot be started: %s", strerror(error));
+    Fail(c, "cannot be started: %s; allowed: a program that can be run from this folder", strerror(error));
     return;
   }
   c->in  = pipes[0][1];

@@ -104,7 +104,7 @@ static PetscErrorCode Open(MpmStepper *s, const char path[])
   PetscCall(PetscSNPrintf(here, sizeof here, "%s%s", strchr(path, '/') ? "" : "./", path));
   p->library = dlopen(here, RTLD_NOW | RTLD_LOCAL);
   if (!p->library) {
-    PetscCall(MpmStepperFail(s, "cannot be loaded: %.400s", dlerror()));
+    PetscCall(MpmStepperFail(s, "cannot be loaded: %.400s; allowed: a shared library", dlerror()));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(Find(s, "mpmstab_describe", &p->describe));

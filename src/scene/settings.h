@@ -70,7 +70,8 @@ PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[
                               refuses keys and names that are neither options nor parameters.
    MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
    MpmSettingsRefuseParameter - ends with a message that names it, its value, where it stands, and why it cannot be
-   MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and one
+   MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and one.
+                              near: the parameter that a misspelt name may mean, empty where there is none
 
    Collective.
 */
@@ -83,7 +84,7 @@ const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings
                                                      const char name[]);
 PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
                                                        const char why[]);
-PetscErrorCode              MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has);
+PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has, size_t room, char near[]);
 
 /* Not collective. Whether PETSc or SLEPc takes an option of this name, as far as is known beforehand. */
 PetscBool MpmSettingsIsLibrary(const char name[]);

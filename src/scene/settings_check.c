@@ -71,12 +71,15 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
 */
 static PetscErrorCode CheckParameter(const char scene[], const char name[], const char place[])
 {
-  PetscBool is = PETSC_FALSE, file;
+  PetscBool is       = PETSC_FALSE, file;
+  char      near[64] = "";
 
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-scheme", &file));
-  if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is));
+  if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is, sizeof near, near));
   if (!is) PetscCall(MpmSettingsIsSpanOfProgram(name, &is));
+  MpmCheckInput(is || !near[0], "unknown option -%.200s%s; did you mean -%s, a parameter of the scheme?", name, place,
+                near);
   if (!is) PetscCall(RefuseUnknown(name, place, ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

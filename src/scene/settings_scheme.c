@@ -233,17 +233,23 @@ PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has)
+PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has, size_t room, char near[])
 {
   MpmSettings   *settings;
   PetscErrorCode ierr = PETSC_SUCCESS;
 
   PetscFunctionBegin;
+  near[0] = '\0';
   PetscCall(MpmSettingsCreate(&settings));
   if (scene) ierr = MpmSettingsReadScene(settings, scene);
   if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
   if (!ierr) ierr = Load(settings);
   *has = IsParameter(settings->scheme, name);
+  for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters && !near[0]; i++) {
+    const char *const one = settings->scheme->parameters[i].name.text;
+
+    if (MpmSuggest(name, 1, &one)) PetscCall(PetscStrncpy(near, one, room));
+  }
   PetscCall(MpmSettingsDestroy(&settings));
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -81,7 +81,7 @@ def check_numbers(page):
         check(row["worst"] == max(row[f"grows{n}"] for n in range(4)), f"{name}: worst {row}")
     check(abs(rows["musl flip linear 1-D"]["kept"] - 1) < 1e-9, "musl with flip does not damp")
     scheme = text_of("atlas/schemes/musl-flip-linear-basis-1d.html")
-    commands = [html.unescape(text) for text in re.findall("<code>(.*?)</code>", scheme)]
+    commands = [html.unescape(re.sub("<.*?>", "", text)) for text in re.findall("<code>(.*?)</code>", scheme)]
     check(len(commands) == 10 and scheme.count("<svg") >= 2, f"{len(commands)} commands, {scheme.count('<svg')} charts")
     moving = next(text for text in commands if "-mach 1/4" in text)
     subprocess.run([os.environ["MPMSTAB"], *shlex.split(moving)[1:], "-json", "moving.json"], check=True,

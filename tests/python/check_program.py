@@ -173,8 +173,8 @@ def check_failures():
             said = run("spectrum", "-program", program("program_fails.py", how, how), "-program_timeout", "1", ranks=ranks, status=2)
             check(words in said and said.count("mpmstab:") == 1, f"{how}, {ranks} ranks: {said}")
             check_ended(how)
-    for words, said in ((["-program", "/nonexistent/code"], "No such file or directory"), (["-program", "'open"], "quotation mark"),
-                        (["-plugin", "/nonexistent.so"], "cannot be loaded"),
+    for words, said in ((["-program", "/nonexistent/code"], "No such file or directory; allowed: a program that can be run"), (["-program", "'open"], "quotation mark"),
+                        (["-plugin", "/nonexistent.so"], "No such file or directory; allowed: a shared library"),
                         (["-program", program("program_fails.py", "ok", "set"), "-program_set", "dt=2"], "dt is too large"),
                         (["-program", program("program_fails.py", "ok", "set"), "-program_set", "E=2"], "no parameter E; allowed: dt\n"),
                         (["-program", "a", "-courant", "0.5"], "takes the place of a scene"), (["-at", "3"], "only with program")):

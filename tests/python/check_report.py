@@ -114,13 +114,14 @@ def check_text(page):
     check("<b>map</b>" not in article(page, "rings"), "a map has nothing to expect")
     said, again = text.split("The same again")
     check("mpirun" not in said, "what is not the program's")
-    words = shlex.split(html.unescape(re.search("<code>(.*?)</code>", again)[1]))
+    words = shlex.split(html.unescape(re.sub("<.*?>", "", re.search("<code>(.*?)</code>", again)[1])))
     check(words[:4] == ["mpirun", "-q", "-n", "2"] and os.path.abspath("wrong one's.yaml") in
           [os.path.join(report_runs.ROOT, word) for word in words], f"not to be typed: {words}")
     check("not examined" in text and "cells" in text and "minus one" in text, "a scene that cannot be read")
     for name in ("PETSc", "SLEPc", "MPI", "Python", "processor", "git revision", "date"):
         check(re.search(rf"<td>{name}</td><td>[^<]+</td>", page), f"no {name}")
-    check(re.search(r"<td>command</td><td>.*<code>scripts/report.py [^< ]*rings.yaml [^<]+</code>", page), "no command")
+    made = re.sub("<.*?>", "", re.search(r"<td>command</td><td>.*<code>(.*?)</code>", page)[1])
+    check(re.match(r"scripts/report.py \S*rings.yaml .+", made), f"no command: {made}")
     check_album(page)
     network = re.search(r"""(src|href)\s*=\s*["']?\s*(https?:)?//|@import|url\(""", page)
     check(not network, f"the network is named: {network}")
@@ -227,6 +228,9 @@ def look(driver, width):
     beyond = driver.execute_script("return [...document.querySelectorAll('.command pre')].filter(p => p.scrollWidth > "
                                    "p.clientWidth).map(p => p.textContent)")
     check(not beyond, f"at {width}: commands that do not wrap: {beyond}")
+    broken = driver.execute_script("return [...document.querySelectorAll('.word')].filter(w => w.textContent.length < 20 && "
+                                   "w.offsetHeight > 30).map(w => w.textContent)")
+    check(not broken, f"at {width}: words of commands that are broken: {broken}")
 
 
 def use(driver, width):

@@ -153,6 +153,7 @@ def check_failed():
     open("kill", "w", encoding="ascii").close()
     done = start(*command, env=environment)
     check(done.returncode == 2 and "no combination runs" in done.stderr, f"all are killed: {done.stdout} {done.stderr}")
+    check(not glob.glob("failed.csv") and not glob.glob("failed.png"), "a table and a picture of no run are written")
     os.remove("kill")
     done = start(*command, env=environment)
     check(done.returncode == 0, f"not killed any more: {done.stdout} {done.stderr}")
