@@ -168,7 +168,7 @@ def check_dimensions(page):
     drift = re.findall(r'value="([^"]+)"', cells_of(line)[4])
     check(list(map(float, drift)) == result("plane", "symbol")["drift"] == [0.125, 0], f"drift {drift}")
     check(result("plane", "map")["map"]["shape"] == [12, 9] and "12 x 9 points and 16 phases" in text, "a map of plane")
-    check("2 dimensions: cells are those along x" in text, "plane: error against run time")
+    check("2 dimensions: cells are counted along x" in text, "plane: error against run time")
     for words in ("phases of all directions", "Particles at the end of the run, usl", "eigenmodes over the plane"):
         check(f"{words}" in text, f"plane: no picture of {words}")
     check("over place and time, usl" not in text, "a picture over place and time in the plane")
