@@ -2,6 +2,12 @@
 #pragma once
 #include "symbol/bloch.h"
 
+/* The numbers of a row with so many columns, which is filled up with zeros to a multiple of the lanes. */
+static inline PetscInt MpmBlochFullWidth(PetscInt columns)
+{
+  return (columns + MPM_BLOCH_LANES - 1) / MPM_BLOCH_LANES * MPM_BLOCH_LANES;
+}
+
 /* The rows of a register of particles. */
 static inline PetscReal *MpmBlochRows(const MpmBloch *b, PetscInt field)
 {
