@@ -1,14 +1,11 @@
 /*
    The symbol in two and three dimensions is compared with the oracle, with the closed forms at random phases of random
-   schemes, with the symbol of one dimension at waves along an axis, and with itself without symmetries. In any dimension
-   many Courant numbers side by side are compared with each of them alone.
+   schemes, with the symbol of one dimension at waves along an axis, and with itself without symmetries.
 */
 #include "oracle.h"
 #include "symbols.h"
+#include "waves.h"
 #include "base/hash.h"
-#include "linalg/small_eigen.h"
-#include "symbol/bloch_gained.h"
-#include "symbol/bloch_growth.h"
 #include "symbol/bloch_nodal.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
@@ -19,42 +16,6 @@ static PetscInt Choice(int row, int column, PetscInt n)
   return (PetscInt)(n * MpmHash(row + 1000, column));
 }
 
-/* A scene, and what makes amplification factors of any phase of it. */
-typedef struct {
-  MpmScene     *scene;
-  MpmBloch      bloch;
-  MpmSmallEigen eigen;
-} Wave;
-
-static PetscErrorCode WaveCreate(const char options[], Wave *w)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckScene(options, &w->scene));
-  PetscCall(MpmBlochCreate(&w->scene->layout, &w->scene->scheme, w->scene->step.drift, &w->bloch));
-  PetscCall(MpmSmallEigenCreate(w->bloch.size, &w->eigen));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WaveDestroy(Wave *w)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSmallEigenDestroy(&w->eigen));
-  PetscCall(MpmBlochDestroy(&w->bloch));
-  PetscCall(MpmSceneDestroy(&w->scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode FactorsAt(Wave *w, PetscReal courant, const PetscReal beta[], PetscBool vectors)
-{
-  PetscInt exponent;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&w->bloch, courant, beta, PETSC_FALSE, w->eigen.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&w->eigen, vectors));
-  for (PetscInt i = 0; i < w->eigen.n; i++) w->eigen.value[i] *= scalbn(1, (int)exponent);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The distance of a number from the nearest amplification factor, or from the nearest abs of one. */
 static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
 {
@@ -63,208 +24,6 @@ static PetscReal Distance(const Wave *w, double complex value, PetscBool of_abs)
   for (PetscInt i = 0; i < w->eigen.n; i++)
     nearest = fmin(nearest, of_abs ? fabs(cabs(w->eigen.value[i]) - creal(value)) : cabs(w->eigen.value[i] - value));
   return nearest;
-}
-
-/* ---- turns ---- */
-
-/*
-   The amplification factors of a period are powers of those of a turn, times the phase of the cells that particles move.
-   Sorted out one by one, since a defective pair splits by rounding. The turn is of a smaller matrix where particles take
-   values from nodes; those of its factors that are missing are 0. unknowns: the order of the matrix of a turn.
-*/
-static PetscErrorCode CheckTurn(const char options[], PetscInt turn, PetscInt unknowns)
-{
-  const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
-  double complex  value[64]         = {0};
-  PetscReal       angle             = 0;
-  PetscInt        exponent;
-  MpmSmallEigen   smaller;
-  Wave            w;
-
-  PetscFunctionBegin;
-  PetscCall(WaveCreate(options, &w));
-  CHECK(w.bloch.turn == turn && w.bloch.size <= 64, "%s: a turn of %d steps", options, (int)w.bloch.turn);
-  CHECK(w.bloch.turn_size == unknowns, "%s: %d unknowns of %d", options, (int)w.bloch.turn_size, (int)w.bloch.size);
-  PetscCall(MpmSmallEigenCreate(w.bloch.turn_size, &smaller));
-  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, smaller.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&smaller, PETSC_FALSE));
-  for (PetscInt a = 0; a < w.scene->layout.dim; a++)
-    angle += beta[a] * w.scene->step.drift[a].value * (PetscReal)w.bloch.period;
-  for (PetscInt i = 0; i < smaller.n; i++)
-    value[i] =
-        cpow(smaller.value[i] * scalbn(1, (int)exponent), (double)(w.bloch.period / w.bloch.turn)) * cexp(I * angle);
-  PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
-  for (PetscInt i = 0; i < w.eigen.n; i++) {
-    PetscInt nearest = i;
-
-    for (PetscInt j = i; j < w.eigen.n; j++)
-      if (cabs(value[j] - w.eigen.value[i]) < cabs(value[nearest] - w.eigen.value[i])) nearest = j;
-    CHECK(cabs(value[nearest] - w.eigen.value[i]) <= 1e-11 * fmax(1, cabs(value[nearest])), "%s: %.3g apart", options,
-          cabs(value[nearest] - w.eigen.value[i]));
-    value[nearest] = value[i];
-  }
-  PetscCall(MpmSmallEigenDestroy(&smaller));
-  PetscCall(WaveDestroy(&w));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode CheckTurns(void)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 0.9", 4, 4));
-  PetscCall(CheckTurn("-formulation gas2 -basis quadratic -ppc 6 -drift -7/4 -offset 0.3 -courant 0.4", 2, 12));
-  PetscCall(CheckTurn("-formulation musl -basis gimp -ppc 3 -drift 5/6 -courant 0.7 -transfer apic", 2, 1 + 3));
-  PetscCall(CheckTurn("-formulation usl -ppc 1 -drift 1/8 -courant 0.9", 8, 2));
-  PetscCall(CheckTurn("-dim 2 -formulation usl -basis quadratic -ppc 2,3 -drift 1/4,-2/3 -courant 0.5", 2, 30));
-  PetscCall(
-      CheckTurn("-dim 2 -formulation usf -basis cubic -ppc 2,2 -drift 1/4,1/3 -courant 0.5 -transfer apic", 6, 2 + 12));
-  PetscCall(CheckTurn("-dim 3 -formulation gas1 -basis linear -ppc 2,1,2 -drift 1/2,1/2,3/4 -courant 0.2", 2, 16));
-  PetscCall(CheckTurn("-formulation usl -ppc 3 -drift 1/8 -courant 1.3 -transfer pic", 8, 1 + 3));
-  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 3/8 -courant 1.2 -transfer xpic -xpic_order 3", 4, 1 + 2));
-  PetscCall(CheckTurn("-formulation gas2 -ppc 2 -drift 1/8 -courant 0.5 -transfer pic", 4, 2));
-  PetscCall(CheckTurn("-formulation usavg -ppc 2 -drift 1/8 -courant 0.5 -transfer blend", 4, 4)); /* not set to 0 */
-  PetscCall(CheckTurn("-formulation usl -ppc 2 -drift 1/8 -courant 1.2 -transfer aflip", 4, 2 * 2 + 1));
-  PetscCall(CheckTurn("-dim 3 -formulation usl -basis quadratic -ppc 1,1,2 -drift 1/2 -courant 0.4 -transfer tpic "
-                      "-gradient mls",
-                      2, 3 + 12));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- what particles gain ---- */
-
-/*
-   Growth by the numbers that particles gain is that of the matrix of a turn. order: of the smaller matrix; 0 where there is
-   none. Growth 1 may be a defective factor, which splits by rounding.
-*/
-static PetscErrorCode CheckGained(const char options[], PetscInt order)
-{
-  static const PetscReal beta[][MPM_MAX_DIM] = {{0.7, -1.9, 2.6},   {0.46, 0, 0}, {1.2, 1.2, 1.2},
-                                                {PETSC_PI, 0, 0.3}, {2, 2, 0},    {1e-2, 2e-2, 1e-2},
-                                                {3, -3, 3},         {2e-3, 0, 0}};
-  Wave                   w;
-  MpmSmallEigen          turned;
-
-  PetscFunctionBegin;
-  PetscCall(WaveCreate(options, &w));
-  CHECK((w.bloch.gained ? w.bloch.gained->order : 0) == order, "%s: %d unknowns", options,
-        w.bloch.gained ? (int)w.bloch.gained->order : 0);
-  PetscCall(MpmSmallEigenCreate(w.bloch.turn_size, &turned));
-  for (size_t i = 0; w.bloch.gained && i < sizeof beta / sizeof *beta; i++) {
-    MpmBlochGained *gained = w.bloch.gained;
-    PetscReal       growth, whole;
-
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, w.scene->step.courant, beta[i], &growth));
-    w.bloch.gained = NULL;
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, w.scene->step.courant, beta[i], &whole));
-    w.bloch.gained = gained;
-    CHECK(fabs(growth - whole) <= 1e-9 * whole, "%s: growth %.17g, %.17g of a turn", options, growth, whole);
-  }
-  PetscCall(MpmSmallEigenDestroy(&turned));
-  PetscCall(WaveDestroy(&w));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode CheckGains(void)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckGained("-dim 3 -formulation usl -basis quadratic -drift 1/8,0,0 -courant 0.5", 48));
-  PetscCall(CheckGained("-dim 3 -formulation usl -basis quadratic -drift 1/8 -courant 1.9", 48));
-  PetscCall(CheckGained("-dim 3 -formulation usf -basis linear -drift 1/8 -courant 0.5", 48));
-  PetscCall(CheckGained("-dim 3 -formulation musl -basis cubic -drift 1/4,1/8,-1/8 -courant 0.9", 48));
-  PetscCall(CheckGained("-dim 3 -formulation usl -basis gimp -ppc 3 -drift 1/8,1/8,0 -courant 0.8", 48));
-  PetscCall(
-      CheckGained("-dim 3 -formulation usl -gradient mls -ppc 3,3,2 -offset 0.2 -drift 0,-5/4,0 -courant 0.8", 24));
-  PetscCall(CheckGained("-dim 2 -formulation gas2 -basis quadratic -ppc 5 -drift 1/5,2/5 -courant 0.4", 15));
-  PetscCall(CheckGained("-dim 3 -formulation usavg -basis linear -drift 1/8 -courant 0.8", 0)); /* 9 numbers a step */
-  PetscCall(CheckGained("-dim 3 -formulation usl -basis linear -drift 1/8 -transfer blend", 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- lanes ---- */
-
-#define MANY 11 /* Courant numbers, so that some lanes are left over */
-
-/* Whether a matrix is another one to the last bit. They may be divided by different powers of two. */
-static PetscBool Same(PetscInt n, const double complex a[], PetscInt a_exponent, const double complex b[],
-                      PetscInt b_exponent)
-{
-  for (PetscInt i = 0; i < n * n; i++)
-    if (a[i] != b[i] || a_exponent != b_exponent) return PETSC_FALSE;
-  return PETSC_TRUE;
-}
-
-/* Many Courant numbers side by side have the matrices and growths of each of them alone, to the last bit. */
-static PetscErrorCode CheckLanes(const char options[])
-{
-  const PetscReal beta[MPM_MAX_DIM] = {0.7, -1.9, 2.6};
-  double complex *G, *alone;
-  PetscReal       courant[MANY], growth[MANY], without[MANY];
-  PetscInt        exponent[MANY], size, turn;
-  MpmSmallEigen   turned;
-  Wave            w;
-
-  PetscFunctionBegin;
-  PetscCall(WaveCreate(options, &w));
-  size = w.bloch.size;
-  turn = w.bloch.turn_size;
-  for (int i = 0; i < MANY; i++) courant[i] = w.scene->step.courant * (1 + 0.37 * (i * 7 % MANY));
-  courant[4] = 1e9; /* its matrices are divided on the way */
-  PetscCall(PetscMalloc2(MANY * size * size, &G, size * size, &alone));
-  PetscCall(MpmSmallEigenCreate(turn, &turned));
-  for (int noisy = 0; noisy < 2; noisy++) {
-    PetscCall(MpmBlochMatrices(&w.bloch, MANY, courant, beta, noisy ? PETSC_TRUE : PETSC_FALSE, G, exponent));
-    for (int i = 0; i < MANY; i++) {
-      PetscInt own;
-
-      PetscCall(MpmBlochMatrix(&w.bloch, courant[i], beta, noisy ? PETSC_TRUE : PETSC_FALSE, alone, &own));
-      CHECK(Same(size, G + i * size * size, exponent[i], alone, own), "%s: matrix %d%s", options, i,
-            noisy ? " with noise" : "");
-    }
-  }
-  PetscCall(MpmBlochTurns(&w.bloch, MANY, courant, beta, G, exponent));
-  for (int i = 0; i < MANY; i++) {
-    PetscInt own;
-
-    PetscCall(MpmBlochTurn(&w.bloch, courant[i], beta, alone, &own));
-    CHECK(Same(turn, G + i * turn * turn, exponent[i], alone, own), "%s: turn %d", options, i);
-  }
-  PetscCall(MpmBlochGrowths(&w.bloch, &turned, MANY, courant, beta, growth, without));
-  for (int i = 0; i < MANY; i++) {
-    PetscReal own;
-
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, courant[i], beta, &own));
-    CHECK(growth[i] == own, "%s: growth %d is %.17g, alone %.17g", options, i, growth[i], own);
-  }
-  PetscCall(PetscFree2(G, alone));
-  PetscCall(MpmSmallEigenDestroy(&turned));
-  PetscCall(WaveDestroy(&w));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Schemes and transfers of all kinds: with and without a turn, with registers that are taken, and wide matrices. */
-static PetscErrorCode CheckManyCourantNumbers(void)
-{
-  static const char *const formulations[] = {"gas1", "gas2", "elastic", "usl", "usf", "musl", "usavg"};
-  static const char *const transfers[]    = {
-         "flip", "pic", "blend", "xpic -xpic_order 3", "nullspace", "fmpm -xpic_order 3", "apic", "tpic", "aflip"};
-  static const size_t      with_momentum = 3, affine = 6; /* from these on; an affine part is one of momentum */
-  static const char *const places[] = {"-ppc 2", "-ppc 2 -drift 1/8", "-ppc 3 -drift -2/7 -offset 0.3",
-                                       "-dim 2 -ppc 1,2 -drift 1/4,-2/3", "-dim 2 -ppc 2"};
-  char                     options[256];
-
-  PetscFunctionBegin;
-  for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(formulations); f++)
-    for (size_t t = 0; t < PETSC_STATIC_ARRAY_LENGTH(transfers); t++)
-      for (size_t p = 0; p < PETSC_STATIC_ARRAY_LENGTH(places); p++) {
-        if (f < with_momentum && t >= affine) continue;
-        PetscCall(PetscSNPrintf(options, sizeof options,
-                                "-formulation %s -transfer %s %s -courant 0.3 -basis quadratic", formulations[f],
-                                transfers[t], places[p]));
-        PetscCall(CheckLanes(options));
-      }
-  PetscCall(CheckLanes("-dim 3 -formulation usl -transfer apic -ppc 2,1,1 -drift 1/2 -courant 0.4"));
-  PetscCall(CheckLanes("-dim 3 -formulation usl -basis quadratic -drift 1/2 -courant 0.4")); /* of order 72: one lane */
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- closed forms ---- */
@@ -673,9 +432,6 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscFunctionBegin;
   (void)argc;
   PetscCall(OracleGrowthNd(argv[1], 60, CheckSymbolRow));
-  PetscCall(CheckTurns());
-  PetscCall(CheckGains());
-  PetscCall(CheckManyCourantNumbers());
   PetscCall(
       CheckSymbolRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
   for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));
