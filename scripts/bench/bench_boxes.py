@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """Messages and bytes of a step in two and three dimensions, in slabs, pencils and blocks, and the step time on many ranks.
 
-  T(P) = t0 + tp N / P + messages latency + sums 8 ghosts / bandwidth + reductions log2(P) latency
+  T(P) = t0 + tp N / P + messages latency + 8 fields shared / bandwidth + reductions log2(P) latency
 
-A rank has ghosts = product of (cells + 2 width) - product of cells nodes of its neighbours. A step sends all of them so
-many times (sums: each node field is summed and spread), all fields in one message to each neighbour and one back. Neighbours
-are 2 in slabs, 8 in pencils and in the blocks of a plane, 26 in blocks of a space. These counts are PETSc's (-log_view); that they follow this
-rule is checked: sums is a whole number. Particles are at rest. scaling is the same in one dimension.
+A rank sends its sums at each node to every other rank that has the node too, as its own or as a ghost: all node fields that
+the step sums in one message to each neighbour. Neighbours are 2 in slabs, 8 in pencils and in the blocks of a plane, 26 in
+blocks of a space. So shared is the product of (cells + 6 width) less that of (cells + 2 width) over the directions that ranks
+share, times the cells of the others. These counts are PETSc's (-log_view); that they follow this rule is checked: fields is a
+whole number. Particles are at rest. scaling is the same in one dimension.
 """
 import json
 import math
@@ -51,22 +52,14 @@ def counts_of(dim, ranks_along):
     return {"messages": messages / 2, "bytes": length / 2, "reductions": reductions}
 
 
-def ghosts(cells, width):
-    """Returns the nodes of its neighbours that a rank has, in directions of so many cells each that are shared."""
-    inside, all_of_them = 1.0, 1.0
-    for n in cells:
-        inside *= n
-        all_of_them *= n + 2 * width
-    return all_of_them - inside
-
-
-def ghosts_of_part(cells, width):
-    """The same of a rank's part of a periodic grid, where a direction that is not shared has ghosts of the rank itself.
-
-    These are sent to nobody, and neither are those of corners that stand for them.
+def shared_nodes(part, width):
+    """Returns how many sums of a field a rank of a periodic grid sends. part: the cells along each direction, and whether
+    ranks share it. Along a shared direction a rank has width ghosts on either side. So it has 2 width nodes together with each
+    of the two ranks beside it, and all its nodes and ghosts with those that differ in other directions alone.
     """
-    return ghosts([n for n, shared in cells if shared], width) * \
-        product(n + 2 * width for n, shared in cells if not shared)
+    shared = [n for n, is_shared in part if is_shared]
+    alone = product(n for n, is_shared in part if not is_shared)
+    return alone * (product(n + 6 * width for n in shared) - product(n + 2 * width for n in shared))
 
 
 def product(numbers):
@@ -86,7 +79,7 @@ def part_of(dim, shape, cells_in_all, ranks):
 def step_time(model, shape, particles, ranks, network):
     counts, ppc = model["shapes"][shape], bench_runs.PPC ** model["dim"]
     part = part_of(model["dim"], shape, particles / ppc, ranks)
-    sent = 8 * counts["sums"] * ghosts_of_part(part, model["width"])
+    sent = 8 * counts["fields"] * shared_nodes(part, model["width"])
     return (model["t0"] + model["tp"] * particles / ranks + counts["messages"] * network["latency"]
             + sent / network["bandwidth"] + counts["reductions"] * math.log2(ranks) * network["latency"])
 
@@ -108,7 +101,7 @@ def make_model(dim, args):
     for shape, along in SHAPES[dim].items():
         counts = counts_of(dim, along)
         part = [(COUNTED_CELLS[dim] / n, n > 1) for n in along]
-        counts["sums"] = counts["bytes"] / 8 / ghosts_of_part(part, model["width"])
+        counts["fields"] = counts["bytes"] / 8 / shared_nodes(part, model["width"])
         model["shapes"][shape] = counts
     cells = bench_runs.BOXES[dim]["1e6"]
     few = min(run_box(dim, 8, 2000, 1)["loop_s"] for _ in range(args.repeats)) / 2000
@@ -137,8 +130,8 @@ def show(model):
     for shape, counts in model["shapes"].items():
         along = " x ".join(map(str, SHAPES[model["dim"]][shape]))
         print(f"  {shape} ({along} ranks, {COUNTED_CELLS[model['dim']]} cells in each direction): a step sends "
-              f"{counts['messages']:.3g} messages of {counts['bytes'] / counts['messages']:.4g} bytes, which is all ghosts "
-              f"{counts['sums']:.3g} times, and makes {counts['reductions']:.3g} reductions")
+              f"{counts['messages']:.3g} messages of {counts['bytes'] / counts['messages']:.4g} bytes, the sums of "
+              f"{counts['fields']:.3g} fields at the nodes that ranks share, and makes {counts['reductions']:.3g} reductions")
 
 
 def show_check(found):

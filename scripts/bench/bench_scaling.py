@@ -10,7 +10,7 @@ a migration is part of tp. PETSc (-log_view) counts the messages of a step, thei
 and on 2, where both neighbours are the same rank and the messages fewer. The model takes the rank that sends most, as
 if it sent one message after the other. Latency and bandwidth are assumptions about a network, so they are options. For
 the check they are those of this machine between two ranks. Two things differ in long runs: they look at the size of the
-state (a reduction) in fewer of their steps, and under drift a rank with fewer cells than its ghost layer (bytes / 8)
+state (a reduction) in fewer of their steps, and under drift a rank with fewer cells than its ghost layer
 migrates more often than counted.
 """
 import csv

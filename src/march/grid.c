@@ -1,5 +1,6 @@
 /* Node fields in DMDA vectors. */
 #include "march/grid.h"
+#include <stdlib.h>
 
 /* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
 static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *rank, PetscInt *index)
@@ -20,55 +21,125 @@ static PetscInt NodesOf(const MpmGridAxis *axis, PetscInt r)
   return axis->starts[r + 1] - axis->starts[r] + (r == axis->ranks - 1 ? axis->all - axis->cells : 0);
 }
 
-/* The owner of a local node, and its index in the owner's local array. Returns false for a node beyond a wall. */
-static PetscBool FindRoot(const MpmGrid *grid, const PetscInt node[], PetscSFNode *root)
+/*
+   All copies of a node along one axis, three at most: that of its owner and those that are ghosts of the ranks beside
+   it. Returns their number, 0 for a node beyond a wall.
+*/
+#define MOST_ALONG 3
+static PetscInt CopiesAlong(const MpmGridAxis *axis, PetscInt ghost, PetscInt local, PetscSFNode copy[])
 {
-  PetscInt rank = 0, ranks = 1, index = 0, stride = 1;
+  PetscInt owner, index, n = 0;
 
+  if (!FindAlong(axis, local, &owner, &index)) return 0;
+  copy[n++] = (PetscSFNode){owner, index};
+  if (index < ghost && (axis->periodic || owner > 0)) {
+    const PetscInt left = (owner + axis->ranks - 1) % axis->ranks;
+
+    copy[n++] = (PetscSFNode){left, NodesOf(axis, left) + index};
+  }
+  if (index >= NodesOf(axis, owner) - ghost && (axis->periodic || owner < axis->ranks - 1))
+    copy[n++] = (PetscSFNode){(owner + 1) % axis->ranks, index - NodesOf(axis, owner)};
+  return n;
+}
+
+static int CompareCopies(const void *a, const void *b)
+{
+  const PetscSFNode *x = a, *y = b;
+
+  if (x->rank != y->rank) return x->rank < y->rank ? -1 : 1;
+  return (x->index > y->index) - (x->index < y->index);
+}
+
+#define MOST_COPIES 27
+
+/* All copies of a local node, sorted, with their indices in local arrays. Returns their number. */
+static PetscInt CopiesOf(const MpmGrid *grid, const PetscInt node[], PetscSFNode copy[])
+{
+  PetscInt n = 1, ranks = 1, stride[MOST_COPIES];
+
+  copy[0]   = (PetscSFNode){0, 0};
+  stride[0] = 1;
   for (PetscInt a = 0; a < grid->dim; a++) {
     const MpmGridAxis *axis = &grid->axis[a];
-    PetscInt           r, i;
+    PetscSFNode        along[MOST_ALONG];
+    const PetscInt     nalong = CopiesAlong(axis, grid->ghost, node[a], along);
 
-    if (!FindAlong(axis, node[a], &r, &i)) return PETSC_FALSE;
-    rank += ranks * r;
-    index += stride * (i + grid->ghost);
+    for (PetscInt k = nalong - 1; k >= 0; k--) { /* the first n are read until they are written last */
+      for (PetscInt c = 0; c < n; c++) {
+        copy[k * n + c].rank  = copy[c].rank + ranks * along[k].rank;
+        copy[k * n + c].index = copy[c].index + stride[c] * (along[k].index + grid->ghost);
+        stride[k * n + c]     = stride[c] * (NodesOf(axis, along[k].rank) + 2 * grid->ghost);
+      }
+    }
+    n *= nalong;
     ranks *= axis->ranks;
-    stride *= NodesOf(axis, r) + 2 * grid->ghost;
   }
-  root->rank  = rank;
-  root->index = index;
-  return PETSC_TRUE;
+  qsort(copy, n, sizeof *copy, CompareCopies);
+  return n;
+}
+
+/* Whether a node may have several copies: in the middle of a rank's part it has one. */
+static PetscBool NearEnd(const MpmGrid *grid, const PetscInt node[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (node[a] < grid->ghost || node[a] >= grid->axis[a].nodes - grid->ghost) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Whether a local index is that of the first copy on a rank. */
+static PetscBool IsFirst(PetscMPIInt rank, PetscInt local, PetscInt n, const PetscSFNode copy[])
+{
+  PetscInt c = 0;
+
+  while (c < n && copy[c].rank != rank) c++;
+  return c < n && copy[c].index == local ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Lists the nodes of this rank that have several copies. With all NULL it only counts them, and their copies. */
+static void ListCopies(const MpmGrid *grid, PetscMPIInt rank, PetscInt count[2], PetscInt start[], PetscSFNode all[])
+{
+  const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
+  PetscInt         node[MPM_MAX_DIM];
+  PetscSFNode      copy[MOST_COPIES];
+
+  count[0] = count[1] = 0;
+  for (node[2] = box.lo[2]; node[2] < box.hi[2]; node[2]++) {
+    for (node[1] = box.lo[1]; node[1] < box.hi[1]; node[1]++) {
+      for (node[0] = box.lo[0]; node[0] < box.hi[0]; node[0]++) {
+        PetscInt local = grid->origin, n;
+
+        if (!NearEnd(grid, node)) continue;
+        for (PetscInt a = 0; a < grid->dim; a++) local += grid->axis[a].stride * node[a];
+        n = CopiesOf(grid, node, copy);
+        if (n < 2 || !IsFirst(rank, local, n, copy)) continue;
+        if (all) {
+          start[count[0]] = count[1];
+          for (PetscInt c = 0; c < n; c++) all[count[1] + c] = copy[c];
+        }
+        count[0]++;
+        count[1] += n;
+      }
+    }
+  }
+  if (all) start[count[0]] = count[1];
 }
 
 static PetscErrorCode CreateHalo(MpmGrid *grid)
 {
-  const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
-  const PetscInt   all = grid->axis[grid->dim - 1].stride * (grid->axis[grid->dim - 1].nodes + 2 * grid->ghost);
-  PetscInt         n   = 0, node[MPM_MAX_DIM];
-  PetscInt        *leaves;
-  PetscSFNode     *roots;
+  const MPI_Comm     comm = PetscObjectComm((PetscObject)grid->da);
+  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
+  PetscMPIInt        rank;
+  PetscInt           count[2], *start;
+  PetscSFNode       *all;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(all - MpmGridNodes(grid), &leaves));
-  PetscCall(PetscMalloc1(all - MpmGridNodes(grid), &roots));
-  for (node[2] = box.lo[2]; node[2] < box.hi[2]; node[2]++) {
-    for (node[1] = box.lo[1]; node[1] < box.hi[1]; node[1]++) {
-      for (node[0] = box.lo[0]; node[0] < box.hi[0]; node[0]++) {
-        PetscInt  local = grid->origin;
-        PetscBool own   = PETSC_TRUE;
-
-        for (PetscInt a = 0; a < grid->dim; a++) {
-          local += grid->axis[a].stride * node[a];
-          if (node[a] < 0 || node[a] >= grid->axis[a].nodes) own = PETSC_FALSE;
-        }
-        if (own || !FindRoot(grid, node, &roots[n])) continue;
-        leaves[n++] = local;
-      }
-    }
-  }
-  PetscCall(MpmHaloCreate(PetscObjectComm((PetscObject)grid->da), all, n, leaves, roots, &grid->halo));
-  PetscCall(PetscFree(leaves));
-  PetscCall(PetscFree(roots));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  ListCopies(grid, rank, count, NULL, NULL);
+  PetscCall(PetscMalloc2(count[0] + 1, &start, count[1], &all));
+  start[0] = 0;
+  ListCopies(grid, rank, count, start, all);
+  PetscCall(MpmHaloCreate(comm, last->stride * (last->nodes + 2 * grid->ghost), count[0], start, all, &grid->halo));
+  PetscCall(PetscFree2(start, all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -173,29 +244,46 @@ PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **a
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[])
+{
+  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(array - grid->origin, last->stride * (last->nodes + 2 * grid->ghost)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The arrays from their beginnings. */
 static void Bases(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[], PetscReal *base[])
 {
   for (PetscInt f = 0; f < n; f++) base[f] = arrays[f] - grid->origin;
 }
 
-PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
+PetscErrorCode MpmGridSumBegin(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
   PetscReal *base[MPM_HALO_FIELDS];
 
   PetscFunctionBegin;
   Bases(grid, n, arrays, base);
-  PetscCall(MpmHaloSum(grid->halo, n, base));
+  PetscCall(MpmHaloSumBegin(grid->halo, n, base));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
+PetscErrorCode MpmGridSumEnd(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
   PetscReal *base[MPM_HALO_FIELDS];
 
   PetscFunctionBegin;
   Bases(grid, n, arrays, base);
-  PetscCall(MpmHaloSpread(grid->halo, n, base));
+  PetscCall(MpmHaloSumEnd(grid->halo, n, base));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
+{
+  PetscFunctionBegin;
+  PetscCall(MpmGridSumBegin(grid, n, arrays));
+  PetscCall(MpmGridSumEnd(grid, n, arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -61,12 +61,17 @@ static inline PetscInt MpmGridNodes(const MpmGrid *grid)
 PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array);
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array);
 
+/* Not collective. Sets a local array to 0, with its ghosts. */
+PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
+
 /*
-   Collective. For n local arrays, MpmGridSum adds ghosts to their owners, and MpmGridSpread copies owners to their
-   ghosts. Both touch only shared nodes, and send one message to a neighbour for all arrays.
+   Collective. For n local arrays, MpmGridSum sets each node, with its ghosts on all ranks, to the sum of what it and
+   these ghosts have. It sends one message to a neighbour for all arrays. MpmGridSumBegin and MpmGridSumEnd do the same
+   in two parts. Between them only nodes may change that are neither ghosts nor have ghosts.
 */
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
-PetscErrorCode MpmGridSpread(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
+PetscErrorCode MpmGridSumBegin(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
+PetscErrorCode MpmGridSumEnd(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
    Not collective. Nodes beyond a wall are mirror images, sign[end] times those inside. MpmGridFold adds the sums at

@@ -1,65 +1,81 @@
 /*
-   Halo sums by a star forest over the nodes that ranks share. DMLocalToGlobal with ADD_VALUES and back would copy every node
-   twice, for a few that are shared, and send a message for each field.
+   Halo sums by a star forest over the nodes that ranks share. Each rank sends the sums of its copies to all ranks that
+   have the node too, and each of them adds up. So there is one message to a neighbour, where a sum at the owner and its
+   way back to the ghosts would take two, one after the other. DMLocalToGlobal with ADD_VALUES and back would also copy
+   every node twice, for a few that are shared, and send a message for each field.
 */
 #include "march/halo.h"
 
-/* Numbers the owned nodes that are ghosts of other ranks, and tells each such ghost, leaf[], the number of its node. */
-static PetscErrorCode Number(MPI_Comm comm, PetscInt all, PetscSFNode owner[], MpmHalo *h)
+/* Lists this rank's copies of the nodes, or the first copy on each lower or each higher rank. */
+static void ListCopies(PetscMPIInt rank, PetscInt n, const PetscInt start[], const PetscSFNode all[], MpmHalo *h)
 {
-  const PetscInt *degree;
-  PetscInt       *number;
-  PetscSF         every; /* with all nodes of a local array as roots */
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (all[c].rank != rank) continue;
+      h->copy[h->ncopies]        = all[c].index;
+      h->copy_node[h->ncopies++] = i;
+    }
+  }
+}
+
+static void ListOthers(PetscMPIInt rank, PetscBool lower, PetscInt n, const PetscInt start[], const PetscSFNode all[],
+                       MpmHalo *h, PetscSFNode others[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (lower ? all[c].rank >= rank : all[c].rank <= rank) continue;
+      if (c > start[i] && all[c].rank == all[c - 1].rank) continue;
+      others[h->nothers]          = all[c];
+      h->other_node[h->nothers++] = i;
+    }
+  }
+}
+
+/* Connects the nodes of this rank with those of others, which are given by their first copy there. */
+static PetscErrorCode Connect(MPI_Comm comm, PetscInt size, MpmHalo *h, PetscSFNode others[])
+{
+  const PetscInt nothers = h->nothers;
+  PetscInt      *number, *found;
+  PetscSF        every; /* with all nodes of a local array as roots */
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc2(size, &number, nothers, &found));
+  for (PetscInt c = 0; c < h->ncopies; c++) number[h->copy[c]] = h->copy_node[c];
   PetscCall(PetscSFCreate(comm, &every));
-  PetscCall(PetscSFSetGraph(every, all, h->nleaves, h->leaf, PETSC_COPY_VALUES, owner, PETSC_COPY_VALUES));
-  PetscCall(PetscSFComputeDegreeBegin(every, &degree));
-  PetscCall(PetscSFComputeDegreeEnd(every, &degree));
-  for (PetscInt i = 0; i < all; i++) h->nroots += degree[i] > 0;
-  PetscCall(PetscMalloc1(h->nroots, &h->root));
-  PetscCall(PetscMalloc1(all, &number));
-  for (PetscInt i = 0, r = 0; i < all; i++) {
-    number[i] = r;
-    if (degree[i]) h->root[r++] = i;
-  }
-  PetscCall(PetscSFBcastBegin(every, MPIU_INT, number, number, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(every, MPIU_INT, number, number, MPI_REPLACE));
-  for (PetscInt l = 0; l < h->nleaves; l++) owner[l].index = number[h->leaf[l]];
-  PetscCall(PetscSFCreate(comm, &h->sf));
-  PetscCall(PetscSFSetGraph(h->sf, h->nroots, h->nleaves, NULL, PETSC_COPY_VALUES, owner, PETSC_COPY_VALUES));
-  PetscCall(PetscSFSetUp(h->sf));
-  PetscCall(PetscFree(number));
+  PetscCall(PetscSFSetGraph(every, size, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFBcastBegin(every, MPIU_INT, number, found, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(every, MPIU_INT, number, found, MPI_REPLACE));
   PetscCall(PetscSFDestroy(&every));
+  for (PetscInt l = 0; l < nothers; l++) others[l].index = found[l];
+  PetscCall(PetscFree2(number, found));
+  PetscCall(PetscSFCreate(comm, &h->sf));
+  PetscCall(PetscSFSetGraph(h->sf, h->nnodes, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetUp(h->sf));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHaloCreate(MPI_Comm comm, PetscInt all, PetscInt n, const PetscInt ghost[], const PetscSFNode owner[],
+PetscErrorCode MpmHaloCreate(MPI_Comm comm, PetscInt size, PetscInt n, const PetscInt start[], const PetscSFNode all[],
                              MpmHalo **halo)
 {
-  PetscMPIInt  rank, size;
-  PetscSFNode *far;
+  PetscMPIInt  rank, ranks;
+  PetscSFNode *others;
   MpmHalo     *h;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(PetscNew(halo));
-  h = *halo;
+  h         = *halo;
+  h->nnodes = n;
   for (PetscInt f = 0; f <= MPM_HALO_FIELDS; f++) h->unit[f] = MPI_DATATYPE_NULL;
-  PetscCall(PetscMalloc3(n, &h->near[0], n, &h->near[1], n, &h->leaf));
-  PetscCall(PetscMalloc1(n, &far));
-  for (PetscInt i = 0; i < n; i++) {
-    if (owner[i].rank == rank) {
-      h->near[0][h->nnear]   = ghost[i];
-      h->near[1][h->nnear++] = owner[i].index;
-    } else {
-      h->leaf[h->nleaves] = ghost[i];
-      far[h->nleaves++]   = owner[i];
-    }
-  }
-  if (size > 1) PetscCall(Number(comm, all, far, h));
-  PetscCall(PetscFree(far));
+  PetscCall(PetscMalloc3(start[n], &h->copy, start[n], &h->copy_node, start[n], &h->other_node));
+  PetscCall(PetscMalloc1(start[n], &others));
+  ListCopies(rank, n, start, all, h);
+  ListOthers(rank, PETSC_TRUE, n, start, all, h, others);
+  h->nlower = h->nothers;
+  ListOthers(rank, PETSC_FALSE, n, start, all, h, others);
+  if (ranks > 1) PetscCall(Connect(comm, size, h, others));
+  PetscCall(PetscFree(others));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,74 +87,88 @@ PetscErrorCode MpmHaloDestroy(MpmHalo **halo)
   PetscCall(PetscSFDestroy(&h->sf));
   for (PetscInt f = 0; f <= MPM_HALO_FIELDS; f++)
     if (h->unit[f] != MPI_DATATYPE_NULL) PetscCallMPI(MPI_Type_free(&h->unit[f]));
-  PetscCall(PetscFree2(h->roots, h->leaves));
-  PetscCall(PetscFree(h->root));
-  PetscCall(PetscFree3(h->near[0], h->near[1], h->leaf));
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscFree3(h->copy, h->copy_node, h->other_node));
   PetscCall(PetscFree(*halo));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes room for n fields, and the type of a node's values. The sums of a star forest take one number only as itself. */
-static PetscErrorCode Begin(MpmHalo *h, PetscInt n, MPI_Datatype *unit)
+/* Makes room for n fields. */
+static PetscErrorCode MakeRoom(MpmHalo *h, PetscInt n)
 {
   PetscFunctionBegin;
   PetscCheck(n <= MPM_HALO_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "more fields than the halo has room for");
-  if (n > h->room) {
-    PetscCall(PetscFree2(h->roots, h->leaves));
-    PetscCall(PetscMalloc2(n * h->nroots, &h->roots, n * h->nleaves, &h->leaves));
-    h->room = n;
-  }
-  if (n > 1 && h->unit[n] == MPI_DATATYPE_NULL) {
+  if (n <= h->room) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscMalloc3(n * h->nnodes, &h->own, n * h->nothers, &h->others, h->sf ? n * h->nnodes : 0, &h->total));
+  h->room = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The type of a node's values. */
+static PetscErrorCode GetUnit(MpmHalo *h, PetscInt n, MPI_Datatype *unit)
+{
+  PetscFunctionBegin;
+  if (h->unit[n] == MPI_DATATYPE_NULL) {
     PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)n, MPIU_REAL, &h->unit[n]));
     PetscCallMPI(MPI_Type_commit(&h->unit[n]));
   }
-  *unit = n == 1 ? MPIU_REAL : h->unit[n];
+  *unit = h->unit[n];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Pack(PetscInt count, const PetscInt index[], PetscInt n, PetscReal *const arrays[],
-                 PetscReal *restrict values)
-{
-  for (PetscInt f = 0; f < n; f++)
-    for (PetscInt i = 0; i < count; i++) values[n * i + f] = arrays[f][index[i]];
-}
-
-static void Unpack(PetscInt count, const PetscInt index[], PetscInt n, const PetscReal *restrict values,
-                   PetscReal *const arrays[])
-{
-  for (PetscInt f = 0; f < n; f++)
-    for (PetscInt i = 0; i < count; i++) arrays[f][index[i]] = values[n * i + f];
-}
-
-PetscErrorCode MpmHaloSum(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
+PetscErrorCode MpmHaloSumBegin(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
 {
   MPI_Datatype unit;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++)
-    for (PetscInt i = 0; i < h->nnear; i++) arrays[f][h->near[1][i]] += arrays[f][h->near[0][i]];
-  if (n == 0 || !h->sf) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Begin(h, n, &unit));
-  Pack(h->nroots, h->root, n, arrays, h->roots);
-  Pack(h->nleaves, h->leaf, n, arrays, h->leaves);
-  PetscCall(PetscSFReduceBegin(h->sf, unit, h->leaves, h->roots, MPI_SUM));
-  PetscCall(PetscSFReduceEnd(h->sf, unit, h->leaves, h->roots, MPI_SUM));
-  Unpack(h->nroots, h->root, n, h->roots, arrays);
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MakeRoom(h, n));
+  PetscCall(PetscArrayzero(h->own, n * h->nnodes));
+  for (PetscInt f = 0; f < n; f++) {
+    PetscReal *restrict own         = h->own + f;
+    const PetscReal *restrict array = arrays[f];
+
+    for (PetscInt c = 0; c < h->ncopies; c++) own[n * h->copy_node[c]] += array[h->copy[c]];
+  }
+  if (!h->sf) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GetUnit(h, n, &unit));
+  PetscCall(PetscSFBcastBegin(h->sf, unit, h->own, h->others, MPI_REPLACE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHaloSpread(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
+/* Adds the sums of other ranks, n numbers each. */
+static void AddOthers(const MpmHalo *h, PetscInt n, PetscInt begin, PetscInt end)
+{
+  for (PetscInt l = begin; l < end; l++)
+    for (PetscInt f = 0; f < n; f++) h->total[n * h->other_node[l] + f] += h->others[n * l + f];
+}
+
+/* Waits for the sums of other ranks, and adds all in the order of ranks. */
+static PetscErrorCode AddUp(MpmHalo *h, PetscInt n)
 {
   MPI_Datatype unit;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++)
-    for (PetscInt i = 0; i < h->nnear; i++) arrays[f][h->near[0][i]] = arrays[f][h->near[1][i]];
-  if (n == 0 || !h->sf) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Begin(h, n, &unit));
-  Pack(h->nroots, h->root, n, arrays, h->roots);
-  PetscCall(PetscSFBcastBegin(h->sf, unit, h->roots, h->leaves, MPI_REPLACE));
-  PetscCall(PetscSFBcastEnd(h->sf, unit, h->roots, h->leaves, MPI_REPLACE));
-  Unpack(h->nleaves, h->leaf, n, h->leaves, arrays);
+  PetscCall(GetUnit(h, n, &unit));
+  PetscCall(PetscSFBcastEnd(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscArrayzero(h->total, n * h->nnodes));
+  AddOthers(h, n, 0, h->nlower);
+  for (PetscInt i = 0; i < n * h->nnodes; i++) h->total[i] += h->own[i];
+  AddOthers(h, n, h->nlower, h->nothers);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHaloSumEnd(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
+{
+  PetscFunctionBegin;
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (h->sf) PetscCall(AddUp(h, n));
+  for (PetscInt f = 0; f < n; f++) {
+    const PetscReal *restrict sum = (h->sf ? h->total : h->own) + f;
+    PetscReal *restrict array     = arrays[f];
+
+    for (PetscInt c = 0; c < h->ncopies; c++) array[h->copy[c]] = sum[n * h->copy_node[c]];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

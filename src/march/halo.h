@@ -1,4 +1,4 @@
-/* The nodes that ranks share, and the sums and copies of node fields between them: one message for all fields. */
+/* The nodes that ranks share, and the sums of node fields over their copies: one message to a neighbour for all fields. */
 #pragma once
 #include <mpmstab/table.h>
 #include <petscsf.h>
@@ -6,32 +6,40 @@
 #define MPM_HALO_FIELDS (MPM_MAX_FIELDS + 1) /* the most fields at once: those of a table, and the masses */
 
 /*S
-   MpmHalo - the shared nodes of a rank.
+   MpmHalo - the nodes of a rank that have several copies, as own nodes and ghosts of this and other ranks.
 
-   near[0], near[1] - indices in a local array of ghosts that stand for own nodes, as in a periodic direction with one
-                      rank, and of these nodes; nnear of them
-   sf               - of the others: roots are owned nodes that are ghosts on another rank, leaves ghosts; both are
-                      numbered from 0. On one rank there is none
-   root, leaf       - their indices in a local array, nroots and nleaves of them
-   unit             - unit[n]: n numbers side by side, made when it is first needed, or MPI_DATATYPE_NULL
-   roots, leaves    - the values of all fields at a node side by side; there is room for so many fields (room)
+   nnodes             - the number of these nodes
+   copy, copy_node    - indices in a local array of this rank's copies of them, and the nodes' numbers; ncopies of them
+   other_node         - of the nodes of other ranks that are the same, nothers in all: the number here. The first nlower
+                        are those of lower ranks. Those of a node are in the order of ranks
+   sf                 - roots are a rank's nodes, leaves the same nodes of other ranks. On one rank there is none
+   unit               - unit[n]: n numbers side by side, made when it is first needed, or MPI_DATATYPE_NULL
+   own, others, total - sums over a rank's copies, here and on other ranks, and over all copies: all fields at a node side
+                        by side; there is room for so many fields (room)
 S*/
 typedef struct {
   PetscSF      sf;
-  PetscInt     nnear, nroots, nleaves, *near[2], *root, *leaf, room;
+  PetscInt     nnodes, ncopies, nlower, nothers, *copy, *copy_node, *other_node, room;
   MPI_Datatype unit[MPM_HALO_FIELDS + 1];
-  PetscReal   *roots, *leaves;
+  PetscReal   *own, *others, *total;
 } MpmHalo;
 
 /*
-   MpmHaloCreate - finds the shared nodes from this rank's ghosts and their owners. all: the size of a local array.
+   MpmHaloCreate - finds what ranks share. Node i of n has the copies start[i] to start[i + 1] of all, sorted by rank and
+   index, at least one of them on this rank. size: that of a local array.
 
    Collective.
 */
-PetscErrorCode MpmHaloCreate(MPI_Comm comm, PetscInt all, PetscInt n, const PetscInt ghost[], const PetscSFNode owner[],
+PetscErrorCode MpmHaloCreate(MPI_Comm comm, PetscInt size, PetscInt n, const PetscInt start[], const PetscSFNode all[],
                              MpmHalo **halo);
 PetscErrorCode MpmHaloDestroy(MpmHalo **halo);
 
-/* Collective. For n local arrays: MpmHaloSum adds ghosts to their owners, and MpmHaloSpread copies owners to ghosts. */
-PetscErrorCode MpmHaloSum(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);
-PetscErrorCode MpmHaloSpread(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);
+/*
+   MpmHaloSumBegin, MpmHaloSumEnd - set all copies of a node to their sum, in n local arrays. The sums of a rank's copies
+   are added in the order of ranks, so all ranks get the same numbers. Between the two calls other nodes may be summed;
+   a rank waits only in the second, and there until its neighbours have made the first.
+
+   Collective.
+*/
+PetscErrorCode MpmHaloSumBegin(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);
+PetscErrorCode MpmHaloSumEnd(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);

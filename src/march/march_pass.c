@@ -4,7 +4,8 @@
    Particles are in the order of their places. So nodes come into reach in order, and leave it in order. They are set to
    0 just ahead of the blocks and divided by their mass just behind. A joined pass follows as soon as the nodes of a
    block are complete, while its particles are in the second-level cache. Only the blocks at the ends of a rank's part
-   wait for the halo sum, because other ranks share their nodes.
+   wait for the halo sum, because other ranks share their nodes. The first pass of a group takes these blocks before all
+   others, so that their sums are under way while the others are run.
 */
 #include "march/march_stage.h"
 #include "march/rows.h"
@@ -89,20 +90,29 @@ static PetscErrorCode BeginStage(const MpmMarchArrays *a, const MpmStage *before
   }
   for (PetscInt f = 0; f < a->nodes->n; f++) s->after[f] = s->sum[f] ? s->sum[f] : s->node[f];
   s->zeroed[0] = s->zeroed[1] = -march->grid->ghost;
+  s->zeroed[2]                = march->grid->axis[0].nodes + march->grid->ghost;
+  s->last                     = march->particles->count;
   s->lo = s->hi = PetscMin(march->grid->ghost, march->grid->axis[0].nodes);
   MpmStagePlace(s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Zero(const MpmStage *s, PetscInt lo, PetscInt hi)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + lo, hi - lo));
+  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + lo, hi - lo));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ZeroTo(MpmStage *s, PetscInt end)
 {
-  const PetscInt n = end - s->zeroed[1];
+  const PetscInt hi = PetscMin(end, s->zeroed[2]);
 
   PetscFunctionBegin;
-  if (n <= 0) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < s->pass->nsums; i++) PetscCall(PetscArrayzero(s->sum[s->pass->sum[i]] + s->zeroed[1], n));
-  if (s->pass->sums_mass) PetscCall(PetscArrayzero(s->arrays->mass + s->zeroed[1], n));
-  s->zeroed[1] = end;
+  if (hi <= s->zeroed[1]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Zero(s, s->zeroed[1], hi));
+  s->zeroed[1] = hi;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,7 +132,7 @@ static void Complete(const MpmStage *s, PetscInt lo, PetscInt hi)
 static PetscErrorCode Advance(MpmStage *s)
 {
   const MpmGrid *grid = s->arrays->march->grid;
-  const PetscInt n = PetscMin(s->arrays->block, s->arrays->march->particles->count - s->next), last = s->next + n - 1;
+  const PetscInt n = PetscMin(s->arrays->block, s->last - s->next), last = s->next + n - 1;
   const PetscInt left = PetscMin(MpmStageLeastNode(s, last), grid->axis[0].nodes - grid->ghost);
 
   PetscFunctionBegin;
@@ -160,13 +170,79 @@ static PetscErrorCode Follow(const MpmStage *before, MpmStage *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The number of arrays that a stage sums to, and these arrays. */
+static PetscInt GetSums(const MpmStage *s, PetscReal *sums[])
+{
+  for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
+  sums[s->pass->nsums] = s->arrays->mass;
+  return s->pass->nsums + (s->pass->sums_mass ? 1 : 0);
+}
+
+/* Begins to sum the shared nodes over ranks, when all blocks that reach them have been run. */
+static PetscErrorCode BeginSum(MpmStage *s)
+{
+  PetscReal     *sums[MPM_MAX_FIELDS + 1];
+  const PetscInt n = GetSums(s, sums);
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
+  MpmMarchFold(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum, s->arrays->mass);
+  PetscCall(MpmGridSumBegin(s->arrays->march->grid, n, sums));
+  PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
+  s->sent = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Ends the sum of the shared nodes, and completes all nodes and ghosts that are not complete. */
+static PetscErrorCode EndSum(MpmStage *s)
+{
+  const MpmGrid *grid = s->arrays->march->grid;
+  PetscReal     *sums[MPM_MAX_FIELDS + 1];
+  const PetscInt n = GetSums(s, sums);
+
+  PetscFunctionBegin;
+  PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
+  PetscCall(MpmGridSumEnd(grid, n, sums));
+  Complete(s, -grid->ghost, PetscMin(s->lo, grid->axis[0].nodes + grid->ghost));
+  Complete(s, s->hi, grid->axis[0].nodes + grid->ghost);
+  MpmMarchReflect(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum);
+  PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Runs the blocks at both ends of a rank's part, and sends their sums before the blocks between them are run. So a rank
+   waits for a neighbour only if it is almost a step ahead of it. Where the two ends reach the same nodes, nothing is sent
+   early.
+*/
+static PetscErrorCode RunEnds(MpmStage *s)
+{
+  const MpmGrid *grid  = s->arrays->march->grid;
+  const PetscInt count = s->arrays->march->particles->count, block = s->arrays->block;
+  const PetscInt edge = grid->axis[0].nodes - grid->ghost;
+  PetscInt       left = 0, right = count - count % block, from;
+
+  PetscFunctionBegin;
+  while (left < count && MpmStageLeastNode(s, left) < grid->ghost) left += block;
+  while (right > left && MpmStageLargestNode(s, right - 1) >= edge) right -= block;
+  if (right <= left) PetscFunctionReturn(PETSC_SUCCESS);
+  while (s->next < left) PetscCall(Advance(s));
+  from = right < count ? PetscMin(MpmStageLeastNode(s, right), edge) : edge;
+  if (from < s->zeroed[1]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Zero(s, from, s->zeroed[2]));
+  s->zeroed[2] = from;
+  s->last      = right;
+  for (PetscInt begin = right; begin < count; begin += block)
+    MpmStageRunBlock(s, begin, PetscMin(block, count - begin));
+  PetscCall(BeginSum(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Runs the blocks that could not follow early. Then sums the shared nodes over ranks, and completes them. */
 static PetscErrorCode FinishStage(MpmStage *s)
 {
-  const MpmGrid *grid  = s->arrays->march->grid;
-  const PetscInt count = s->arrays->march->particles->count, hi = s->hi;
+  const MpmGrid *grid = s->arrays->march->grid;
   PetscInt       end;
-  PetscReal     *sums[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
   PetscCall(ZeroTo(s, grid->axis[0].nodes + grid->ghost));
@@ -175,25 +251,16 @@ static PetscErrorCode FinishStage(MpmStage *s)
   PetscCall(ZeroTo(s, end));
   for (PetscInt begin = 0; begin < s->first; begin += s->arrays->block)
     MpmStageRunBlock(s, begin, PetscMin(s->arrays->block, s->first - begin));
-  for (; s->next < count; s->next += s->arrays->block)
-    MpmStageRunBlock(s, s->next, PetscMin(s->arrays->block, count - s->next));
-  PetscCall(PetscLogEventBegin(s->arrays->march->sum_event, 0, 0, 0, 0));
-  for (PetscInt f = 0; f < s->pass->nsums; f++) sums[f] = s->sum[s->pass->sum[f]];
-  sums[s->pass->nsums] = s->arrays->mass;
-  MpmMarchFold(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum, s->arrays->mass);
-  PetscCall(MpmGridSum(grid, s->pass->nsums + (s->pass->sums_mass ? 1 : 0), sums));
-  Complete(s, 0, PetscMin(s->lo, grid->axis[0].nodes));
-  Complete(s, PetscMin(hi, grid->axis[0].nodes), grid->axis[0].nodes);
-  PetscCall(MpmGridSpread(grid, s->pass->nsums, sums));
-  MpmMarchReflect(s->arrays->march, s->arrays->nodes->parity, s->pass, s->sum);
-  PetscCall(PetscLogEventEnd(s->arrays->march->sum_event, 0, 0, 0, 0));
+  for (; s->next < s->last; s->next += s->arrays->block)
+    MpmStageRunBlock(s, s->next, PetscMin(s->arrays->block, s->last - s->next));
+  if (!s->sent) PetscCall(BeginSum(s));
+  PetscCall(EndSum(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
                                 const MpmPass passes[], PetscBool sample)
 {
-  const PetscInt count  = march->particles->count;
   MpmMarchArrays arrays = {0};
   MpmStage       stage[MPM_MAX_JOINED + 1];
   MpmPlaced      placed[MPM_MAX_JOINED + 1][2];
@@ -210,7 +277,8 @@ static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, Pe
     if (passes[g].drifts) ++*step;
   }
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
-  while (stage[0].next < count && !march->particles->own) { /* those are in no order, and all come at the end */
+  if (!march->particles->own && passes[0].nsums > 0) PetscCall(RunEnds(&stage[0]));
+  while (stage[0].next < stage[0].last && !march->particles->own) { /* those are in no order, and all come at the end */
     PetscCall(Advance(&stage[0]));
     for (PetscInt g = 1; g < n; g++) PetscCall(Follow(&stage[g - 1], &stage[g]));
   }

@@ -28,21 +28,23 @@ typedef struct {
    whole, part   - the drift since rest, before DRIFT (index 0) and after it (index 1)
    node, sum     - node[f]: the array of node field f that the pass reads; sum[f]: the one that it sums to
    after         - after[f]: the array that holds node field f when the pass is done
-   first, next   - particles [first, next) have been through the pass
+   first, next   - particles [first, next) have been through the pass, and so have
+   last          - particles from last on, which are at the right end of a rank's part
+   sent          - the sums at shared nodes are on their way
    lo, hi        - nodes [lo, hi) are complete
-   zeroed        - nodes [zeroed[0], zeroed[1]) are 0 or have sums
+   zeroed        - nodes [zeroed[0], zeroed[1]) and from zeroed[2] on are 0 or have sums
    placed        - the places of the first block, before and after DRIFT, where cells are alike
    done          - how far each node operation has been done
 S*/
 typedef struct {
   const MpmPass        *pass;
   const MpmMarchArrays *arrays;
-  PetscBool             moving, sample;
+  PetscBool             moving, sample, sent;
   PetscInt64            step;
   PetscInt              whole[2];
   PetscReal             part[2];
   PetscReal            *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS], *after[MPM_MAX_FIELDS], *squares;
-  PetscInt              first, next, lo, hi, zeroed[2];
+  PetscInt              first, next, last, lo, hi, zeroed[3];
   MpmPlaced            *placed;
   MpmNodesDone          done[MPM_MAX_PASS_OPS];
 } MpmStage;

@@ -184,11 +184,12 @@ static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
   const PetscReal *a;
 
   PetscFunctionBegin;
+  PetscCall(MpmGridZero(s->grid, y)); /* so that the sum with the ghosts is the owner's number */
   PetscCall(VecGetArrayRead(s->solution, &a));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++)
     PetscCall(PetscArraycpy(y + MpmGridRow(s->grid, &box, r), a + r * box.hi[0], box.hi[0]));
   PetscCall(VecRestoreArrayRead(s->solution, &a));
-  PetscCall(MpmGridSpread(s->grid, 1, &y));
+  PetscCall(MpmGridSum(s->grid, 1, &y));
   for (PetscInt axis = 0; axis < s->layout->dim; axis++) {
     PetscReal mirror[2];
 

@@ -58,16 +58,6 @@ static PetscErrorCode RestoreArrays(const MpmMarch *march, const MpmNodeVectors 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets a local array to 0, with its ghosts. */
-static PetscErrorCode Zero(const MpmGrid *grid, PetscReal array[])
-{
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-
-  PetscFunctionBegin;
-  PetscCall(PetscArrayzero(array - grid->origin, last->stride * (last->nodes + 2 * grid->ghost)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Folds the sums of a field at images beyond walls, or sets the images. One axis comes after the other. */
 static void Images(const MpmMarch *march, const MpmParity parity[], PetscBool fold, PetscReal array[])
 {
@@ -82,26 +72,27 @@ static void Images(const MpmMarch *march, const MpmParity parity[], PetscBool fo
   }
 }
 
-/* Divides the sums at this rank's nodes by the masses; they become 0 where there is no mass. */
+/* Divides the sums at this rank's nodes and ghosts by the masses; they become 0 where there is no mass. */
 static void Complete(const MpmGrid *grid, const MpmPass *pass, PetscReal *const sum[])
 {
-  const MpmGridBox box = MpmGridBoxOf(grid, 0);
+  const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
+  const PetscInt   n   = box.hi[0] - box.lo[0];
 
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-    const PetscInt row = MpmGridRow(grid, &box, r);
+    const PetscInt row = MpmGridRow(grid, &box, r) + box.lo[0];
     PetscReal     *m   = sum[MPM_MASSES] + row;
 
     if (pass->sums_mass)
-      for (PetscInt i = 0; i < box.hi[0]; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
+      for (PetscInt i = 0; i < n; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
     for (PetscInt s = 0; s < pass->nsums; s++) {
       PetscReal *restrict q = sum[pass->sum[s]] + row;
 
-      for (PetscInt i = 0; i < box.hi[0]; i++) q[i] *= m[i];
+      for (PetscInt i = 0; i < n; i++) q[i] *= m[i];
     }
   }
 }
 
-/* Sums over ranks what particles gave to shared nodes, and completes all nodes. */
+/* Sums over ranks what particles gave to shared nodes, and completes all nodes and ghosts. */
 static PetscErrorCode SumNodes(const MpmMarch *march, const MpmNodeVectors *nodes, const MpmPass *pass,
                                PetscReal *const sum[])
 {
@@ -117,7 +108,6 @@ static PetscErrorCode SumNodes(const MpmMarch *march, const MpmNodeVectors *node
   if (pass->sums_mass) Images(march, even, PETSC_TRUE, sum[MPM_MASSES]);
   PetscCall(MpmGridSum(march->grid, pass->nsums + (pass->sums_mass ? 1 : 0), sums));
   Complete(march->grid, pass, sum);
-  PetscCall(MpmGridSpread(march->grid, pass->nsums, sums));
   for (PetscInt s = 0; s < pass->nsums; s++) Images(march, nodes->parity[pass->sum[s]], PETSC_FALSE, sums[s]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -149,8 +139,8 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const M
     PetscCall(PetscFree(bundles));
     PetscCall(PetscFree(clouds));
   } else {
-    for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(Zero(march->grid, arrays->sum[pass->sum[s]]));
-    if (pass->sums_mass) PetscCall(Zero(march->grid, arrays->sum[MPM_MASSES]));
+    for (PetscInt s = 0; s < pass->nsums; s++) PetscCall(MpmGridZero(march->grid, arrays->sum[pass->sum[s]]));
+    if (pass->sums_mass) PetscCall(MpmGridZero(march->grid, arrays->sum[MPM_MASSES]));
     MpmRowsRun(arrays);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -175,13 +175,13 @@ def check_scaling():
 
 
 def check_boxes():
-    """Checks the model on made-up numbers, and that the counted bytes of slabs and blocks are those of their ghosts."""
+    """Checks the model on made-up numbers, and that the counted bytes are those of the nodes that ranks share."""
     network = {"latency": 1e-6, "bandwidth": 1e9}
-    shapes = {"slabs": {"messages": 16, "sums": 8, "reductions": 0}, "blocks": {"messages": 64, "sums": 8, "reductions": 0.5}}
+    shapes = {"slabs": {"messages": 2, "fields": 4, "reductions": 0}, "blocks": {"messages": 8, "fields": 4, "reductions": 0.5}}
     model = {"dim": 2, "width": 2, "tp": 1e-9, "t0": 1e-6, "shapes": shapes}
     cells = 512  # 4e6 / 4 particles on 16 ranks: slabs of 512 x 32, blocks of 128 x 128
-    time = {"slabs": 16e-6 + 8 * 8 * (cells + 4) * 4 / 1e9,
-            "blocks": 64e-6 + 8 * 8 * (132 ** 2 - 128 ** 2) / 1e9 + 0.5 * 4e-6}
+    sides, corners = 4 * 4 * (128 + 4), 4 * 4 * 4
+    time = {"slabs": 2e-6 + 8 * 4 * 2 * 4 * cells / 1e9, "blocks": 8e-6 + 8 * 4 * (sides + corners) / 1e9 + 0.5 * 4e-6}
     for shape, sent in time.items():
         expected = 1e-6 + 1e-9 * 4 * cells ** 2 / 16 + sent
         found = bench_boxes.step_time(model, shape, 4 * cells ** 2, 16, network)
@@ -192,8 +192,8 @@ def check_boxes():
     for along, neighbours in (((1, 3), 2), ((3, 1), 2), ((3, 3), 8)):
         counts = bench_boxes.counts_of(2, along)
         part = [(bench_boxes.COUNTED_CELLS[2] / n, n > 1) for n in along]
-        sums = counts["bytes"] / 8 / bench_boxes.ghosts_of_part(part, 2)
-        check(near(sums, 8) and counts["messages"] == 2 * neighbours, f"boxes: {along}: {counts}, {sums} times the ghosts")
+        fields = counts["bytes"] / 8 / bench_boxes.shared_nodes(part, 2)
+        check(near(fields, 4) and counts["messages"] == neighbours, f"boxes: {along}: {counts}, {fields} fields")
     bench_boxes.bench_runs.BOXES[2]["1e6"] = 24
     once = argparse.Namespace(repeats=1)
     small = bench_boxes.make_model(2, once)
