@@ -23,7 +23,7 @@ FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
 BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
               f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
-          f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
+          f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4} {'waits':>5}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
 
 
 def arguments():
@@ -54,10 +54,10 @@ def steps_for(particles):
 def measure(row, repeats, python):
     """Fills a row with best and median times, ratios and bytes."""
     programs = {"plain": bench_runs.run_plain, "1": lambda r: bench_runs.run_mpmstab(r, 1),
-                "2": lambda r: bench_runs.run_mpmstab(r, 2)}
+                "2": bench_runs.run_two_ranks}
     if python and row["scheme"] == "gas2":
         programs["numba"] = lambda r: bench_runs.run_numba(python, r)
-    times = {name: [] for name in programs}
+    times, waits = {name: [] for name in programs}, []
     for _ in range(repeats):
         for name, run in programs.items():
             ns, energy, *more = run(row)
@@ -68,6 +68,7 @@ def measure(row, repeats, python):
                 sys.exit(f"bench: {name} does not do what plain C does: {row}: energy {energy} and {expected}")
             if more:
                 row["bytes"] = more[0]
+            waits += more[1:]
         times.setdefault("pair", []).append(bench_runs.run_pair(row))
     row["best"] = {name: min(values) for name, values in times.items()}
     row["median"] = {name: statistics.median(values) for name, values in times.items()}
@@ -75,6 +76,7 @@ def measure(row, repeats, python):
     row["ratio_median"] = statistics.median(a / b for a, b in zip(times["1"], times["plain"]))
     row["speed_up"] = row["best"]["1"] / row["best"]["2"]
     row["speed_up_pair"] = row["best"]["1"] / row["best"]["pair"]
+    row["waits"] = statistics.median(waits)
 
 
 def show(row, triad):
@@ -85,8 +87,8 @@ def show(row, triad):
     share = f"{rate / triad:5.2f}" if row["particles"] >= 8_000_000 else f"{'-':>5}"
     numba = f"{best['numba']:6.1f}" if "numba" in best else f"{'-':>6}"
     print(f"{row['scheme']:8} {row['basis']:9} {row['particles']:9} {row['drift']:>5}  {cells} {numba}  "
-          f"{row['ratio']:6.2f} ({row['ratio_median']:4.2f}) {row['speed_up']:8.2f} {row['speed_up_pair']:4.2f}  "
-          f"{row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
+          f"{row['ratio']:6.2f} ({row['ratio_median']:4.2f}) {row['speed_up']:8.2f} {row['speed_up_pair']:4.2f} "
+          f"{row['waits']:5.2f}  {row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
 
 
 def box_target(row):
@@ -206,7 +208,8 @@ def main():
     print(f"The times are ns per particle and step: the best of {args.repeats}, and in brackets the median.\n"
           "1/plain is the time on 1 rank over that of plain C: of the best, and in brackets the median of pairs.\n"
           "speed-up is that of 2 ranks. pair is that of two programs side by side, each with half the particles: they\n"
-          "send no messages. A step moves so many bytes per particle, on 1 rank at this rate; share is the rate over triad's.\n")
+          "send no messages. waits is the part of its steps that a rank of two waits for the other, the median. A step moves\n"
+          "so many bytes per particle, on 1 rank at this rate; share is the rate over triad's.\n")
     print(COLUMNS)
     lines = () if args.only_boxes else itertools.product(args.particles, args.schemes, args.bases, args.drifts)
     for particles, scheme, basis, drift in lines:

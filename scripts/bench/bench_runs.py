@@ -1,6 +1,7 @@
 """The parts of the benchmark share this: programs that they run, options, the machine, the history."""
 import argparse
 import concurrent.futures
+import csv
 import datetime
 import json
 import os
@@ -209,6 +210,20 @@ def run_mpmstab(row, ranks):
     """Returns ns per particle and step, the energy at the end, and bytes moved per particle and step."""
     run = result_of_run("run", options(row), ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"], run["bytes_per_particle_step"]
+
+
+def run_two_ranks(row):
+    """Returns the same on 2 ranks, and which part of its steps a rank spent in sums over ranks, in the mean.
+
+    Messages take microseconds of it. In the rest one rank waits for the other.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "log.csv")
+        run = result_of_run("run", options(row) | {"log_view": f":{path}:ascii_csv"}, 2)["run"]
+        with open(path, encoding="utf-8", newline="") as file:
+            sums = [float(line["Time"]) for line in csv.DictReader(file) if line["Event Name"] == "MpmGridSum"]
+    return (run["ns_per_particle_step"], run["energy"]["final"], run["bytes_per_particle_step"],
+            sum(sums) / len(sums) / run["loop_s"])
 
 
 def run_pair(row):
