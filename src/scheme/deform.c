@@ -1,8 +1,7 @@
 /* Stretches particles, and moves them. */
 #include "scheme/deform.h"
+#include "scheme/material/tensors.h"
 #include <math.h>
-
-#define INLINE static inline __attribute__((always_inline))
 
 INLINE PetscReal Determinant(const int dim, const PetscReal f[])
 {
@@ -16,37 +15,35 @@ PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[])
   return dim == 1 ? Determinant(1, F) : dim == 2 ? Determinant(2, F) : Determinant(3, F);
 }
 
-/* Returns the number of particles whose determinant is not positive and finite. */
-INLINE PetscInt Stretch(const int dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
+/* Returns the number of particles whose determinant is not positive and finite, in an integer as wide as the numbers. */
+INLINE PetscInt64 Stretch(const int dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
 {
-  PetscReal *restrict f[9];
-  const PetscReal *restrict l[9];
-  PetscInt bad = 0;
+  PetscReal       *f[9];
+  const PetscReal *l[9];
+  PetscInt64       bad = 0;
 
-  for (int c = 0; c < dim * dim; c++) {
+  EACH (c, dim * dim) {
     f[c] = F[c];
     l[c] = L[c];
   }
-#pragma omp simd reduction(+ : bad)
-  for (PetscInt p = 0; p < n; p++) {
+  INDEPENDENT for (PetscInt p = 0; p < n; p++)
+  {
     PetscReal old[9], now[9], det;
 
-    for (int c = 0; c < dim * dim; c++) old[c] = f[c][p];
-    for (int a = 0; a < dim; a++)
-      for (int b = 0; b < dim; b++) {
-        now[dim * a + b] = old[dim * a + b];
-        for (int c = 0; c < dim; c++) now[dim * a + b] += l[dim * a + c][p] * old[dim * c + b];
-      }
-    for (int c = 0; c < dim * dim; c++) f[c][p] = now[c];
+    EACH (c, dim * dim) now[c] = old[c] = f[c][p];
+    EACH (a, dim)
+      EACH (b, dim)
+        EACH (c, dim) now[dim * a + b] += l[dim * a + c][p] * old[dim * c + b];
+    EACH (c, dim * dim) f[c][p] = now[c];
     det = Determinant(dim, now);
-    bad += !(det > 0 && det <= PETSC_MAX_REAL);
+    bad += det > 0 && det <= PETSC_MAX_REAL ? 0 : 1;
   }
   return bad;
 }
 
 PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
 {
-  const PetscInt bad = dim == 1 ? Stretch(1, n, F, L) : dim == 2 ? Stretch(2, n, F, L) : Stretch(3, n, F, L);
+  const PetscInt64 bad = dim == 1 ? Stretch(1, n, F, L) : dim == 2 ? Stretch(2, n, F, L) : Stretch(3, n, F, L);
 
   for (PetscInt p = 0; p < n && bad; p++) {
     PetscReal f[9], det;

@@ -7,18 +7,18 @@
    J. Bonet and R. D. Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed. (2008), section 6.4.3.
 */
 #include "scheme/material/laws.h"
-#include <math.h>
+#include "scheme/material/logarithm.h"
 
 static void Logarithm(const MpmMaterialNumbers *m, PetscInt n, PetscReal g[])
 {
   (void)m;
-  for (PetscInt p = 0; p < n; p++) g[p] = log1p(g[p]);
+  LogarithmOfOnePlus(n, g);
 }
 
-/* Without lambda there is no logarithm to take. */
 static void Pressure(const MpmMaterialNumbers *m, PetscInt n, PetscReal g[])
 {
-  for (PetscInt p = 0; p < n; p++) g[p] = m->lambda == 0 ? 0 : m->lambda * log1p(g[p]);
+  LogarithmOfOnePlus(n, g);
+  for (PetscInt p = 0; p < n; p++) g[p] *= m->lambda;
 }
 
 INLINE void NeoStress(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[], PetscReal pressure,
