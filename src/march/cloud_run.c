@@ -33,19 +33,23 @@ static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt af
   const MpmMarch *march = a->march;
   const MpmBasis *basis = march->scheme->basis;
   MpmBlock        block;
-  PetscInt        cell[MPM_CLOUD];
+  PetscInt        moved[MPM_CLOUD];
   PetscReal       xi[MPM_CLOUD];
 
   placed->cloud.n = block.n = n;
-  block.xi                  = xi;
   for (PetscInt p = 0; p < n; p++) placed->cloud.first[p] = 0;
   for (PetscInt d = 0; d < march->grid->dim; d++) {
-    const PetscInt stride = march->grid->axis[d].stride;
+    const PetscInt stride = march->grid->axis[d].stride, *cell = a->cell[d] + begin;
 
-    MpmRowsMove(a, d, n, a->cell[d] + begin, a->xi[d] + begin, after, cell, xi);
+    block.xi = a->xi[d] + begin;
+    if (march->particles->drift[d].value != 0) {
+      MpmRowsMove(a, d, n, cell, block.xi, after, moved, xi);
+      cell     = moved;
+      block.xi = xi;
+    }
     block.half_width = march->layout->half_width[d];
     MpmDirectionWalls(&march->layout->grid[d], march->grid->axis[d].first, block.wall);
-    basis->first_nodes(n, cell, xi, block.first);
+    basis->first_nodes(n, cell, block.xi, block.first);
     for (PetscInt p = 0; p < n; p++) placed->cloud.first[p] += stride * block.first[p];
     for (PetscInt k = 0; k < a->plan->nkinds; k++)
       basis->weights[a->plan->kind[k]](&block, MPM_CLOUD, placed->weight[d][k]);
