@@ -144,13 +144,17 @@ static PetscErrorCode Squares(const MpmMarch *march, PetscInt64 n, const PetscRe
                               PetscReal *sum)
 {
   const MPI_Comm comm    = PetscObjectComm((PetscObject)march->grid->da);
-  PetscReal      both[2] = {0, n}, mean;
+  PetscReal      both[2] = {0, n}, all = 0, squares = 0, mean;
 
   PetscFunctionBegin;
-  for (PetscInt64 p = 0; p < n; p++) both[0] += q[p];
+#pragma omp simd reduction(+ : all)
+  for (PetscInt64 p = 0; p < n; p++) all += q[p];
+  both[0] = all;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, both, 2, MPIU_REAL, MPI_SUM, comm));
   mean = about_mean && both[1] > 0 ? both[0] / both[1] : 0;
-  for (PetscInt64 p = 0; p < n; p++) *sum += PetscSqr(q[p] - mean);
+#pragma omp simd reduction(+ : squares)
+  for (PetscInt64 p = 0; p < n; p++) squares += PetscSqr(q[p] - mean);
+  *sum += squares;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,11 +164,12 @@ static PetscErrorCode FieldSquares(const MpmMarch *march, PetscInt r, PetscReal 
   const MpmTable  *t       = march->scheme->table;
   const PetscBool  stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
   const PetscReal  unit    = stretch ? march->scheme->space.stretch[t->component[r] % t->dim] : 1;
+  const PetscReal  start   = Start(march, NULL, r, NULL);
   const PetscReal *q;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
-  for (PetscInt p = 0; p < march->particles->count; p++) left[p] = (q[p] - Start(march, NULL, r, NULL)) / unit;
+  for (PetscInt p = 0; p < march->particles->count; p++) left[p] = (q[p] - start) / unit;
   PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
   PetscCall(Squares(march, march->particles->count, left, stretch ? PETSC_FALSE : PETSC_TRUE, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -211,15 +216,18 @@ static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
   const MpmTable  *t = march->scheme->table;
   const PetscReal *q, *mass;
   const PetscInt  *cell;
+  PetscReal        kinetic = 0;
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetProperty(march, MPM_MASS, &mass));
   for (PetscInt r = 0; r < t->nstate; r++) {
     if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
     PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
-    for (PetscInt p = 0; p < march->particles->count; p++) *sum += (mass ? mass[p] : 1) * q[p] * q[p] / 2;
+#pragma omp simd reduction(+ : kinetic)
+    for (PetscInt p = 0; p < march->particles->count; p++) kinetic += (mass ? mass[p] : 1) * q[p] * q[p] / 2;
     PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
   }
+  *sum += kinetic;
   for (PetscInt a = 0; a < t->dim && march->scene; a++) {
     const PetscReal gravity = march->scene->gravity[a] * march->cell_width / PetscSqr(march->scene->wave_speed);
 
@@ -241,15 +249,17 @@ static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], Petsc
   const MpmTable  *t  = march->scheme->table;
   const PetscInt   dd = t->dim * t->dim;
   const PetscReal *stiffness, *volume;
-  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM], energy = 0;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
   PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &volume));
   MpmMaterialEnergy(&t->material, t->dim, march->particles->count, (const PetscReal *const *)F, psi);
+#pragma omp simd reduction(+ : energy)
   for (PetscInt p = 0; p < march->particles->count; p++)
-    *sum += march->scheme->space.stiffness * (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
+    energy += (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
+  *sum += march->scheme->space.stiffness * energy;
   PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &volume));
   PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
