@@ -33,8 +33,7 @@ static PetscInt RowLength(const Band *b)
 /* Returns the place of the matrix' row i in the band. */
 static PetscInt PlaceOf(const Band *b, PetscInt i)
 {
-  if (!b->folded) return i;
-  return i < (b->n + 1) / 2 ? 2 * i : 2 * (b->n - 1 - i) + 1;
+  return b->folded ? MpmFoldedPlace(b->n, i) : i;
 }
 
 /*

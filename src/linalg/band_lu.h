@@ -18,3 +18,9 @@ PetscErrorCode MpmBandLURegister(void);
    Collective.
 */
 PetscErrorCode MpmBandLUBytes(Mat matrix, PetscReal *bytes);
+
+/* Not collective. Returns the place of i in the folded order 0, n-1, 1, n-2, ... of a ring. */
+static inline PetscInt MpmFoldedPlace(PetscInt n, PetscInt i)
+{
+  return i < (n + 1) / 2 ? 2 * i : 2 * (n - 1 - i) + 1;
+}

@@ -1,8 +1,9 @@
 /*
    All eigenvalues and vectors by LAPACK's dgeev, which balances. SLEPc's solver lapack takes twice the time: it also
    sorts the Schur form by swapping rows one after the other, although Sort() sorts again, and it computes vectors one
-   by one.
+   by one. Vectors take dgeev nearly as long as eigenvalues, so those of a band are found by inverse iteration.
 */
+#include "linalg/band_vectors.h"
 #include "linalg/dense.h"
 #include "linalg/eigen_dense.h"
 
@@ -31,12 +32,33 @@ PetscErrorCode MpmEigenDenseIsPlain(EPS eps, PetscBool *plain)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Solves on one rank. The vectors take the place of the matrix. */
+static PetscErrorCode SolveAlone(PetscInt n, PetscReal re[], PetscReal im[], PetscReal **matrix, int *bad)
+{
+  PetscReal      *vectors;
+  MpmBandVectors *band;
+
+  PetscFunctionBegin;
+  PetscCall(MpmBandVectorsCreate(n, *matrix, &band));
+  if (band) {
+    PetscCall(MpmDenseEigen(n, *matrix, re, im, NULL, bad));
+    if (!*bad) PetscCall(MpmBandVectorsFind(band, re, im, *matrix));
+    PetscCall(MpmBandVectorsDestroy(&band));
+  } else {
+    PetscCall(PetscMalloc1((size_t)n * n, &vectors));
+    PetscCall(MpmDenseEigen(n, *matrix, re, im, vectors, bad));
+    PetscCall(PetscFree(*matrix));
+    *matrix = vectors;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEigenDenseSolve(Mat A, PetscReal re[], PetscReal im[], PetscReal *rows[], PetscBool *failed)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)A);
   PetscMPIInt    rank, count;
   PetscInt       n, begin, end;
-  PetscReal     *whole, *column, *vectors = NULL;
+  PetscReal     *whole, *column;
   int            bad = 0;
 
   PetscFunctionBegin;
@@ -47,22 +69,21 @@ PetscErrorCode MpmEigenDenseSolve(Mat A, PetscReal re[], PetscReal im[], PetscRe
   PetscCall(PetscMalloc1((size_t)n * n, &whole));
   PetscCall(PetscMalloc1(n, &column));
   PetscCall(MpmDenseCopy(A, whole));
-  if (rank == 0) {
-    PetscCall(PetscMalloc1((size_t)n * n, &vectors));
-    PetscCall(MpmDenseEigen(n, whole, re, im, vectors, &bad));
-  }
-  PetscCall(PetscFree(whole));
+  if (rank == 0)
+    PetscCall(SolveAlone(n, re, im, &whole, &bad));
+  else
+    PetscCall(PetscFree(whole));
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, comm));
   PetscCallMPI(MPI_Bcast(re, count, MPIU_REAL, 0, comm));
   PetscCallMPI(MPI_Bcast(im, count, MPIU_REAL, 0, comm));
   PetscCall(PetscMalloc1((size_t)n * (end - begin), rows));
   for (PetscInt j = 0; j < n; j++) {
-    if (rank == 0) PetscCall(PetscArraycpy(column, vectors + (size_t)n * j, n));
+    if (rank == 0) PetscCall(PetscArraycpy(column, whole + (size_t)n * j, n));
     PetscCallMPI(MPI_Bcast(column, count, MPIU_REAL, 0, comm));
     PetscCall(PetscArraycpy(*rows + (size_t)(end - begin) * j, column + begin, end - begin));
   }
   PetscCall(PetscFree(column));
-  PetscCall(PetscFree(vectors));
+  PetscCall(PetscFree(whole));
   *failed = bad ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
