@@ -22,6 +22,8 @@ void MpmLaunchAlone(void)
   (void)setenv("OMPI_MCA_pml", "ob1", 0);
   /* All such processes would share one session folder, and the first one that ends would remove it under the others. */
   (void)setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+  /* hwloc would look for devices. In a virtual machine each takes a millisecond, and gl asks for the displays of X. */
+  (void)setenv("HWLOC_COMPONENTS", "-linuxio,-pci,-gl,-opencl", 0);
 }
 
 void MpmLaunchStandardFiles(void)

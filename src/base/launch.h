@@ -4,10 +4,10 @@
 
 /*
    MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open MPI
-   then neither starts a daemon nor looks for a network. A small task takes 0.06 s instead of 0.36 s.
+   then neither starts a daemon nor looks for a network or for devices. A small task takes 0.05 s instead of 0.36 s.
 
    Not collective. Call it before MPI_Init. It does nothing when a launcher has started the process. Variables that are
-   set already stay as they are. Other MPI libraries do not read them.
+   set already stay as they are. Other MPI libraries read none of them but that of hwloc.
 */
 void MpmLaunchAlone(void);
 
