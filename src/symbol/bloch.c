@@ -76,6 +76,19 @@ double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, Pet
   return Tie(b, kind, axis, j);
 }
 
+double complex MpmBlochTieAlong(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j, const PetscBool along[])
+{
+  const PetscInt *ppc     = b->layout->ppc;
+  double complex  product = 1;
+
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    if (along[a])
+      product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]]);
+    j /= ppc[a];
+  }
+  return product;
+}
+
 /* A factor for each number of a block: of every lane, or the same for a block of columns. */
 typedef struct {
   PetscReal re[BLOCK], im[BLOCK];
@@ -431,23 +444,27 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
       if (!t->taken[r]) SetAll(b, MpmBlochRows(b, r) + 2 * j * b->width, col++, 1);
 }
 
+void MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[])
+{
+  PetscReal one[BLOCK];
+
+  for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
+  for (PetscInt g = 0; g < taken->ngifts; g++) {
+    const MpmTakenGift *gift = &taken->gift[g];
+    const Factor        f    = Times(one, gift->times);
+
+    if (gift->at == o)
+      AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
+  }
+}
+
 /* The last step of a turn: the nodes' numbers, rows of 2 x width, are noted before they are given to particles. */
 static void LastStep(MpmBloch *b, const PetscReal beta[], PetscReal numbers[])
 {
-  const MpmTaken *t = b->taken;
-  PetscReal       one[BLOCK];
-
-  for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
-  for (PetscInt i = 0; i < t->numbers * 2 * b->width; i++) numbers[i] = 0;
+  for (PetscInt i = 0; i < b->taken->numbers * 2 * b->width; i++) numbers[i] = 0;
   MpmBlochSetStep(b, b->turn - 1);
   for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-    for (PetscInt g = 0; g < t->ngifts; g++) {
-      const MpmTakenGift *gift = &t->gift[g];
-      const Factor        f    = Times(one, gift->times);
-
-      if (gift->at == o)
-        AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
-    }
+    MpmBlochNote(b, b->taken, o, numbers);
     MpmBlochApply(b, o, beta);
   }
 }

@@ -108,7 +108,7 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
     b->beta[a] = NAN;
   }
   PetscCall(MpmBlochNodalCreate(b, &b->nodal));
-  if (!b->nodal && !b->taken && b->most == 1) PetscCall(MpmBlochGainedCreate(b, &b->gained));
+  if (!b->nodal && !b->taken && b->most == 1) PetscCall(MpmBlochGainedCreate(b, drift, &b->gained));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -5,46 +5,23 @@
 #include "symbol/bloch_steps.h"
 #include <mpmstab/verdict.h>
 
-#define LONGEST 8    /* steps of a turn, */
-#define MODERATE 256 /* and Courant number up to which these steps multiply by less than 2^800 */
+#define LARGEST 1e250 /* of the numbers that nodes give: sums of their products with weights are doubles, too */
 
-/* Adds what an operation gives to the gift of its node register. Returns false where there is no room. */
-static PetscBool Give(MpmBlochGained *g, const MpmOp *op, PetscInt at, PetscInt version)
+/* The smaller of the two matrices; order stays 0 where both have as many rows as the registers. */
+static PetscErrorCode ChooseOrder(const MpmBloch *b, const MpmFraction drift[], MpmBlochGained *g)
 {
-  MpmTakenGift *gift;
-  PetscInt      y = 0;
+  const PetscInt all = g->cycles * b->turn * g->gains->numbers;
+  PetscInt       few;
 
-  while (y < g->numbers && (g->gift[y].src != op->src || g->gift[y].version != version)) y++;
-  if (y == MPM_MAX_TAKEN) return PETSC_FALSE;
-  gift = &g->gift[y];
-  if (y == g->numbers) {
-    *gift = (MpmTakenGift){.at = at, .src = op->src, .version = version, .number = y};
-    g->numbers++;
-  }
-  if (gift->parts == MPM_MAX_FIELDS) return PETSC_FALSE;
-  gift->part[gift->parts++] = (MpmTakenPart){
-      .dst = op->dst, .kind = op->kind, .axis = op->axis, .power = op->coefficient, .factor = op->factor};
-  return PETSC_TRUE;
+  PetscFunctionBegin;
+  PetscCall(MpmBlochStillCreate(b, drift, g->gains, &g->still));
+  few = g->still ? g->still->n * g->still->moving : all;
+  if (few >= all) PetscCall(MpmBlochStillDestroy(&g->still));
+  if (PetscMin(few, all) < b->size && PetscMin(few, all) <= MPM_SMALL_QR_MOST) g->order = PetscMin(few, all);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether the particles of a table only gain. Finds what they are given. */
-static PetscBool OnlyGain(const MpmTable *table, MpmBlochGained *g)
-{
-  PetscInt version[MPM_MAX_FIELDS] = {0};
-
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOp      *op     = &table->ops[o];
-    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-
-    if (traits.dst == MPM_ON_NODES) version[op->dst]++;
-    if (traits.dst != MPM_ON_PARTICLES) continue;
-    if (traits.src != MPM_ON_NODES || op->dst >= table->nstate) return PETSC_FALSE;
-    if (!Give(g, op, o, version[op->src])) return PETSC_FALSE;
-  }
-  return g->numbers > 0 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-PetscErrorCode MpmBlochGainedCreate(const MpmBloch *b, MpmBlochGained **gained)
+PetscErrorCode MpmBlochGainedCreate(const MpmBloch *b, const MpmFraction drift[], MpmBlochGained **gained)
 {
   MpmBlochGained *g;
 
@@ -53,14 +30,15 @@ PetscErrorCode MpmBlochGainedCreate(const MpmBloch *b, MpmBlochGained **gained)
   g         = *gained;
   g->cycles = 1;
   for (PetscInt j = b->place[0]; j != 0; j = b->place[j]) g->cycles++;
-  if (OnlyGain(b->scheme->table, g) && b->turn <= LONGEST) g->order = g->cycles * b->turn * g->numbers;
-  if (g->order == 0 || g->order >= b->size || g->order > MPM_SMALL_QR_MOST) {
-    PetscCall(PetscFree(*gained));
+  PetscCall(MpmTakenGains(b->scheme->table, &g->gains));
+  if (g->gains) PetscCall(ChooseOrder(b, drift, g));
+  if (g->order == 0) {
+    PetscCall(MpmBlochGainedDestroy(gained));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   /* a row is filled up as the registers' are, which have b->size columns */
-  PetscCall(PetscMalloc4(2 * g->order * (b->size + MPM_BLOCH_LANES), &g->given, g->order * g->order, &g->matrix,
-                         g->order, &g->value, b->ppc, &g->beyond));
+  PetscCall(PetscMalloc4(2 * b->turn * g->gains->numbers * (g->order + MPM_BLOCH_LANES), &g->given, g->order * g->order,
+                         &g->matrix, g->order, &g->value, b->ppc, &g->beyond));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -68,7 +46,9 @@ PetscErrorCode MpmBlochGainedDestroy(MpmBlochGained **gained)
 {
   PetscFunctionBegin;
   if (!*gained) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree4((*gained)->given, (*gained)->matrix, (*gained)->value, (*gained)->beyond));
+  PetscCall(MpmBlochStillDestroy(&(*gained)->still));
+  PetscCall(PetscFree((*gained)->gains));
+  if ((*gained)->order) PetscCall(PetscFree4((*gained)->given, (*gained)->matrix, (*gained)->value, (*gained)->beyond));
   PetscCall(PetscFree(*gained));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -86,7 +66,7 @@ static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, 
       PetscInt       at    = j;
 
       for (PetscInt l = 0; l < g->cycles; l++) {
-        PetscReal *row = MpmBlochRows(b, part->dst) + 2 * at * b->width + l * b->turn * g->numbers + number;
+        PetscReal *row = MpmBlochRows(b, part->dst) + 2 * at * b->width + l * b->turn * g->gains->numbers + number;
 
         row[0] += creal(given);
         row[b->width] += cimag(given);
@@ -97,27 +77,43 @@ static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, 
   }
 }
 
-/* The steps of a turn. The numbers that nodes give are kept as they are when the first operation reads them. */
-static void March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
+/* The registers at the start of a turn. */
+static void Begin(MpmBlochGained *g, MpmBloch *b, PetscReal courant)
 {
+  const MpmTaken *gains = g->gains;
+
+  if (g->still) MpmBlochStillBegin(g->still, b, gains, courant);
+  for (PetscInt step = 0; step < b->turn && !g->still; step++) {
+    MpmBlochSetStep(b, step);
+    for (PetscInt y = 0; y < gains->numbers; y++)
+      SetColumns(g, b, courant, step * gains->numbers + y, &gains->gift[gains->first[y]]);
+  }
+}
+
+/* The steps of a turn. Returns false where what nodes give might leave the range of doubles. */
+static PetscBool March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
+{
+  const PetscInt each = g->gains->numbers * 2 * b->width;
+  PetscBool      ok   = PETSC_TRUE;
+
+  for (PetscInt i = 0; i < b->turn * each; i++) g->given[i] = 0;
   for (PetscInt step = 0; step < b->turn; step++) {
     MpmBlochSetStep(b, step);
+    if (g->still) MpmBlochStillWeigh(g->still, b, step);
     for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-      for (PetscInt y = 0; y < g->numbers; y++) {
-        const PetscReal *row  = MpmBlochRow(b, g->gift[y].src);
-        PetscReal       *kept = g->given + (step * g->numbers + y) * 2 * b->width;
-
-        for (PetscInt i = 0; i < 2 * b->width && g->gift[y].at == o; i++) kept[i] = row[i];
-      }
+      MpmBlochNote(b, g->gains, o, g->given + step * each);
       MpmBlochApply(b, o, beta);
     }
   }
+  for (PetscInt i = 0; i < b->turn * each; i++)
+    if (!(fabs(g->given[i]) < LARGEST)) ok = PETSC_FALSE;
+  return ok;
 }
 
 /* C: what is there goes to the next power of P, and what is given to the first. */
 static void SetMatrix(MpmBlochGained *g, const MpmBloch *b)
 {
-  const PetscInt n = g->order, block = b->turn * g->numbers;
+  const PetscInt n = g->order, block = b->turn * g->gains->numbers;
   double complex mu = 1, times;
   PetscInt       j  = 0;
 
@@ -143,16 +139,15 @@ PetscErrorCode MpmBlochGainedGrowth(MpmBlochGained *g, MpmBloch *b, PetscReal co
   PetscReal largest = 1;
 
   PetscFunctionBegin;
-  *ok = PETSC_FALSE;
-  if (!(courant <= MODERATE)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBlochBegin(b, 1, &courant, beta, b->turn, g->order));
   for (PetscInt j = 0; j < b->ppc; j++) g->beyond[j] = MpmBlochPhaseBeyond(b, beta, j);
-  for (PetscInt step = 0; step < b->turn; step++) {
-    MpmBlochSetStep(b, step);
-    for (PetscInt y = 0; y < g->numbers; y++) SetColumns(g, b, courant, step * g->numbers + y, &g->gift[y]);
-  }
-  March(g, b, beta);
-  SetMatrix(g, b);
+  Begin(g, b, courant);
+  *ok = March(g, b, beta);
+  if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
+  if (g->still)
+    MpmBlochStillMatrix(g->still, b, g->gains, g->given, g->beyond, g->matrix);
+  else
+    SetMatrix(g, b);
   MpmSmallQr(g->order, g->matrix, g->value, ok);
   if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < g->order; i++) largest = PetscMax(largest, cabs(g->value[i]));

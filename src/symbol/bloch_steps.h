@@ -28,6 +28,11 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 
    MpmBlochApply - applies operation o of the table in that step.
 
+   MpmBlochNote - adds to the rows of what nodes give in a step, 2 x width numbers each, what operation o is the first to
+   read. MpmBlochApply comes after it.
+
+   MpmBlochTieAlong - as MpmBlochTie, of the directions for which along is true
+
    MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
    between.
 
@@ -37,4 +42,6 @@ PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[],
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
 void           MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[]);
+void           MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[]);
+double complex MpmBlochTieAlong(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j, const PetscBool along[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

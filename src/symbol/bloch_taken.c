@@ -149,3 +149,30 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, MpmTaken **taken)
   if (!f.room || f.of->left == table->nstate) PetscCall(PetscFree(*taken));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* Whether the particles of a table only gain from nodes. */
+static PetscBool OnlyGain(const MpmTable *table)
+{
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
+
+    if (traits.dst != MPM_ON_PARTICLES) continue;
+    if (traits.src != MPM_ON_NODES || table->ops[o].dst >= table->nstate) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmTakenGains(const MpmTable *table, MpmTaken **gains)
+{
+  Finder f = {.table = table, .room = PETSC_TRUE};
+
+  PetscFunctionBegin;
+  *gains = NULL;
+  if (!OnlyGain(table)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(gains));
+  f.of = *gains;
+  Follow(&f);
+  Number(f.of);
+  if (!f.room || f.of->ngifts == 0) PetscCall(PetscFree(*gains));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

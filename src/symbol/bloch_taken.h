@@ -53,3 +53,11 @@ typedef struct {
    Not collective. Free it with PetscFree.
 */
 PetscErrorCode MpmTakenFind(const MpmTable *table, MpmTaken **taken);
+
+/*
+   MpmTakenGains - the same of all registers of a table whose particles only gain: no register is ever multiplied, and all
+   that is added to one comes from nodes. NULL for other tables. No register counts as taken then.
+
+   Not collective. Free it with PetscFree.
+*/
+PetscErrorCode MpmTakenGains(const MpmTable *table, MpmTaken **gains);
