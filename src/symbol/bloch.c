@@ -24,6 +24,7 @@
 #define RESCALE_AT 200        /* powers of two */
 #define MODERATE 256          /* Courant number; up to here a step multiplies by less than 2^100, */
 #define SELDOM 8              /* and only after so many steps a matrix may have to be divided */
+#define NOISE_KEPT 1000000    /* numbers: 8 MB */
 #define BLOCK MPM_BLOCH_LANES /* numbers that are added at once; rows are filled up with zeros to a multiple of it */
 
 /* The symbols of the maps along a direction at the first steps of a period. They stay while the phase does. */
@@ -245,27 +246,49 @@ static void Rescale(MpmBloch *b, PetscBool all, PetscInt n, const PetscReal cour
 }
 
 /*
-   Moves every number by up to MPM_ROUNDING, relative. The random numbers are the same at any phase, in any lane and on any
-   rank.
+   The factors by which the numbers of a step move, row by row. They are the same at any phase, in any lane and on any rank,
+   so they are kept, as far as there is room.
 */
-static void Disturb(MpmBloch *b, PetscInt step)
+static PetscErrorCode Noise(MpmBloch *b, PetscInt step, const PetscReal **factor)
 {
-  const PetscInt n = b->size, width = b->width, lanes = b->lanes;
+  const PetscInt  numbers = b->size * b->size;
+  const PetscBool kept    = (PetscInt64)b->period * numbers <= NOISE_KEPT ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal      *of;
 
-  for (PetscInt row = 0; row < n; row++)
-    for (PetscInt c = 0; c < n; c++) {
-      const PetscReal factor = 1 + MPM_ROUNDING * (2 * MpmHash(step, row * n + c) - 1);
-      PetscReal      *re     = b->particle + 2 * row * width + c * lanes;
+  PetscFunctionBegin;
+  if (!b->noise) PetscCall(PetscMalloc1((kept ? b->period : 1) * numbers, &b->noise));
+  of      = b->noise + (kept ? step * numbers : 0);
+  *factor = of;
+  if (kept && step < b->noisy) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < numbers; i++) of[i] = 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
+  b->noisy = step + 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-      if (lanes == 1) {
-        re[0] *= factor;
-        re[width] *= factor;
-      } else
+/* Moves every number by up to MPM_ROUNDING, relative. */
+static PetscErrorCode Disturb(MpmBloch *b, PetscInt step)
+{
+  const PetscInt   n = b->size, width = b->width, lanes = b->lanes;
+  const PetscReal *factor = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(Noise(b, step, &factor));
+  for (PetscInt row = 0; row < n; row++, factor += n) {
+    PetscReal *re = b->particle + 2 * row * width;
+
+    if (lanes == 1)
+      for (PetscInt c = 0; c < n; c++) {
+        re[c] *= factor[c];
+        re[width + c] *= factor[c];
+      }
+    else
+      for (PetscInt c = 0; c < n; c++)
         for (PetscInt lane = 0; lane < MPM_BLOCH_LANES; lane++) {
-          re[lane] *= factor;
-          re[width + lane] *= factor;
+          re[c * MPM_BLOCH_LANES + lane] *= factor[c];
+          re[width + c * MPM_BLOCH_LANES + lane] *= factor[c];
         }
-    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
@@ -335,7 +358,7 @@ static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], 
     const PetscBool all = step % SELDOM == SELDOM - 1 || step == steps - 1 ? PETSC_TRUE : PETSC_FALSE;
 
     Step(b, step, beta);
-    if (noisy) Disturb(b, step);
+    if (noisy) PetscCall(Disturb(b, step));
     if (all || every == 1) Rescale(b, all, n, courant, exponent);
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -41,6 +41,7 @@ typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
    nodal        - the nodal operator; NULL where it does not apply
    gained       - what particles gain from nodes; NULL where it does not apply, or the turn's matrix is no larger
    traits, values - of the table's operations; values are the factors in each lane
+   noise, noisy - what moves numbers by their rounding, and the number of steps for which it is kept
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -56,7 +57,8 @@ typedef struct {
   MpmBlochNodal   *nodal;
   MpmBlochGained  *gained;
   MpmOpTraits     *traits;
-  PetscReal       *values;
+  PetscReal       *values, *noise;
+  PetscInt         noisy;
 } MpmBloch;
 
 /*
