@@ -19,6 +19,7 @@ MIGRATES = 250  # steps, in which particles move 75 cells and leave the ghost la
 SAME = 1e-9
 BOX_WORK, SPEED_UP, BOX_BYTES = 1e7, 1.85, 200  # particles x steps; targets in more dimensions
 MOST_BOX_STEPS = 200  # of a small box, which is run for its energy and not for its time
+LINE_TARGETS, LINE_BYTES = {"gas2": 0.8, "usl": 0.8}, 80  # ratio to plain C, where it is not 1; bytes a particle
 FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
 BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
               f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
@@ -89,6 +90,18 @@ def show(row, triad):
     print(f"{row['scheme']:8} {row['basis']:9} {row['particles']:9} {row['drift']:>5}  {cells} {numba}  "
           f"{row['ratio']:6.2f} ({row['ratio_median']:4.2f}) {row['speed_up']:8.2f} {row['speed_up_pair']:4.2f} "
           f"{row['waits']:5.2f}  {row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
+
+
+def show_targets(rows):
+    """Prints on how many rows the march meets its targets, where there are particles enough for a target."""
+    large = [row for row in rows if row["particles"] >= 1_000_000]
+    if large:
+        fast = sum(row["ratio"] <= LINE_TARGETS.get(row["scheme"], 1.0) for row in large)
+        print(f"\nbeside plain C, from 1e6 particles: target 1.0, gas2 and usl 0.8: met on {fast} of {len(large)} rows")
+    largest = [row for row in rows if row["particles"] >= 8_000_000]
+    if largest:
+        parallel = sum(row["speed_up"] >= min(SPEED_UP, row["speed_up_pair"]) for row in largest)
+        print(f"2 ranks, from 8e6 particles: target {SPEED_UP} or the speed-up of a pair: met on {parallel} of {len(largest)} rows")
 
 
 def box_target(row):
@@ -187,7 +200,8 @@ def memory(ranks):
     peak, least = (bench_runs.peak_bytes(bench_runs.options(row), ranks) for row in (many, few))
     entry = {"ranks": ranks, "bytes": peak / many["particles"], "without_program": (peak - least) / many["particles"]}
     print(f"memory: gas2, 8000000 particles, ranks {ranks}: {entry['bytes']:.1f} bytes a particle at its largest, "
-          f"{entry['without_program']:.1f} without what the program itself takes", flush=True)
+          f"{entry['without_program']:.1f} without what the program itself takes; target {LINE_BYTES}: "
+          f"{bench_runs.met(entry['bytes'] <= LINE_BYTES)}", flush=True)
     return entry
 
 
@@ -217,6 +231,7 @@ def main():
         measure(row, args.repeats, python)
         show(row, result["triad_gb_per_s"][0])
         result["rows"].append(row)
+    show_targets(result["rows"])
     print()
     result["boxes"] = measure_boxes(args)
     if args.others:

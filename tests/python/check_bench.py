@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks a part of the benchmark on tiny sizes, by what it finds and by its formulas, never by how long it takes.
 
-check_bench.py spectrum|phases|startup|growth|scaling|boxes. MPMSTAB names the program. Silent when all is well.
+check_bench.py spectrum|phases|startup|growth|scaling|boxes|targets. MPMSTAB names the program. Silent when all is well.
 """
 import argparse
 import contextlib
@@ -17,6 +17,7 @@ import numpy
 from checks import check, run_script
 import bench_boxes
 import bench_growth
+import bench_march
 import bench_scaling
 import bench_spectrum
 import scipy_spectrum
@@ -201,7 +202,24 @@ def check_boxes():
     check([row["particles"] for row in rows] == [48 ** 2, 48 ** 2, 48 ** 2 // 2], f"boxes: {rows}")
 
 
+def check_targets():
+    """Checks how many rows of made-up times meet the march's targets: of few particles none is asked for one."""
+    rows = [{"scheme": scheme, "particles": particles, "ratio": ratio, "speed_up": two, "speed_up_pair": pair}
+            for scheme, particles, ratio, two, pair in (("gas1", 8_000_000, 0.9, 1.8, 1.9), ("usl", 8_000_000, 0.9, 1.9, 2.0),
+                                                        ("gas2", 1_000_000, 0.8, 1.0, 2.0), ("gas2", 1000, 0.1, 2.0, 1.0),
+                                                        ("musl", 8_000_000, 1.1, 1.5, 1.4))]
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        bench_march.show_targets(rows)
+    lines = said.getvalue().split("\n")
+    check(lines[1].endswith("met on 2 of 4 rows") and lines[2].endswith("met on 2 of 3 rows"), f"targets: {lines}")
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        bench_march.show_targets(rows[3:4])
+    check(said.getvalue() == "", f"targets of few particles: {said.getvalue()}")
+
+
 if __name__ == "__main__":
     parts = {"spectrum": check_spectrum, "phases": check_phases, "startup": check_startup, "growth": check_growth,
-             "scaling": check_scaling, "boxes": check_boxes}
+             "scaling": check_scaling, "boxes": check_boxes, "targets": check_targets}
     parts[sys.argv[1]]()
