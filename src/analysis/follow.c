@@ -14,7 +14,6 @@
    abs is at most 1 + sqrt(Q / S^2).
 */
 #include "analysis/follow.h"
-#include "linalg/complex_inline.h"
 #include <math.h>
 
 #define TURN 0.3      /* largest distance that an eigenvalue moves in a step */
@@ -48,6 +47,17 @@ struct MpmSample_ {
   PetscReal       x, largest; /* largest: logarithm of the largest abs */
   double complex *value, *slope;
 };
+
+/* The square of the absolute value, and the absolute value of numbers that are far from the ends of the range. */
+static inline PetscReal Square(double complex z)
+{
+  return creal(z) * creal(z) + cimag(z) * cimag(z);
+}
+
+static inline PetscReal Abs(double complex z)
+{
+  return sqrt(Square(z));
+}
 
 PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance, MpmFactorsAt at, void *context,
                                MpmFollow *f)
@@ -101,7 +111,7 @@ static void MoveTogether(const MpmFollow *f, MpmSample *s)
     PetscInt       count = 0;
 
     for (PetscInt j = 0; j < f->n; j++) {
-      if (MpmAbs(s->value[j] - s->value[i]) > COINCIDE) continue;
+      if (Abs(s->value[j] - s->value[i]) > COINCIDE) continue;
       sum += s->slope[j];
       count++;
     }
@@ -124,7 +134,7 @@ static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
     PetscInt nearest = i;
 
     for (PetscInt j = i + 1; j < f->n; j++)
-      if (MpmAbs(f->beside[j] - s->value[i]) < MpmAbs(f->beside[nearest] - s->value[i])) nearest = j;
+      if (Abs(f->beside[j] - s->value[i]) < Abs(f->beside[nearest] - s->value[i])) nearest = j;
     s->slope[i]        = (f->beside[nearest] - s->value[i]) / d;
     f->beside[nearest] = f->beside[i];
   }
@@ -134,7 +144,7 @@ static PetscErrorCode Look(MpmFollow *f, PetscReal x, PetscReal d, MpmSample *s)
 
 static PetscBool Counts(const MpmSample *s, PetscInt i)
 {
-  return MpmAbs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
+  return Abs(s->value[i]) >= INSIDE ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
@@ -142,7 +152,7 @@ static PetscReal Fastest(const MpmFollow *f, const MpmSample *s)
   PetscReal speed = 0;
 
   for (PetscInt i = 0; i < f->n; i++)
-    if (Counts(s, i)) speed = fmax(speed, MpmAbs(s->slope[i]));
+    if (Counts(s, i)) speed = fmax(speed, Abs(s->slope[i]));
   return speed;
 }
 
@@ -169,7 +179,7 @@ static PetscInt Partner(const MpmFollow *f, const MpmSample *a, PetscInt i, Pets
 
   for (PetscInt j = 0; j < f->n; j++)
     if (j != i && f->cost[j] > allowed &&
-        (nearest < 0 || MpmAbs(a->value[j] - a->value[i]) < MpmAbs(a->value[nearest] - a->value[i])))
+        (nearest < 0 || Abs(a->value[j] - a->value[i]) < Abs(a->value[nearest] - a->value[i])))
       nearest = j;
   return nearest;
 }
@@ -180,8 +190,8 @@ static PetscBool MatchPair(const MpmSample *a, const MpmSample *b, PetscInt i, P
   const Pair      p = PairOf(a, i, j), q = PairOf(b, i, j);
   const PetscReal h = b->x - a->x;
 
-  return MpmAbs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
-                 MpmAbs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (MpmAbs(p.Q) + MpmAbs(q.Q)) + allowed * allowed
+  return Abs(q.S - p.S - h / 2 * (p.dS + q.dS)) <= allowed &&
+                 Abs(q.Q - p.Q - h / 2 * (p.dQ + q.dQ)) <= MATCHED * (Abs(p.Q) + Abs(q.Q)) + allowed * allowed
              ? PETSC_TRUE
              : PETSC_FALSE;
 }
@@ -205,7 +215,7 @@ static PetscBool Match(MpmFollow *f, const MpmSample *a, MpmSample *b)
     PetscReal            least = INFINITY;
 
     for (PetscInt j = i; j < f->n; j++) {
-      const PetscReal cost = MpmAbs(b->value[j] - h / 2 * b->slope[j] - middle);
+      const PetscReal cost = Abs(b->value[j] - h / 2 * b->slope[j] - middle);
 
       if (cost >= least) continue;
       best  = j;
@@ -240,7 +250,7 @@ static PetscReal ModelAt(const Pair m[2], PetscReal x, double complex *S, double
 {
   *S = Cubic(m[0].x, m[1].x, m[0].S, m[0].dS, m[1].S, m[1].dS, x);
   *Q = Cubic(m[0].x, m[1].x, m[0].Q, m[0].dQ, m[1].Q, m[1].dQ, x);
-  return creal(MpmOver(*Q, MpmTimes(*S, *S)));
+  return creal(*Q / (*S * *S));
 }
 
 typedef PetscReal (*OfModel)(const Pair m[2], PetscReal x);
@@ -259,8 +269,8 @@ static PetscReal LogAbsAt(const Pair m[2], PetscReal x)
   double complex S, Q, root;
 
   ModelAt(m, x, &S, &Q);
-  root = MpmRoot(Q);
-  return log(fmax(MpmSquare(S + root), MpmSquare(S - root))) / 2;
+  root = csqrt(Q);
+  return log(fmax(Square(S + root), Square(S - root))) / 2;
 }
 
 /* The place in [lo, hi] where a function of the model is largest. */
@@ -316,12 +326,12 @@ static Pair Find(const MpmFollow *f, const MpmSample *s, double complex S, doubl
   for (PetscInt i = 0; i < f->n; i++) {
     for (PetscInt j = 0; j < i; j++) {
       const double complex sum = (s->value[i] + s->value[j]) / 2, half = (s->value[i] - s->value[j]) / 2;
-      const PetscReal      off = MpmAbs(sum - S) + sqrt(MpmAbs(half * half - Q));
+      const PetscReal      off = Abs(sum - S) + sqrt(Abs(half * half - Q));
 
       if (off >= least) continue;
       least  = off;
       found  = PairOf(s, i, j);
-      *error = MpmAbs(half * half - Q);
+      *error = Abs(half * half - Q);
     }
   }
   return found;
@@ -355,7 +365,7 @@ static PetscReal Bound(const MpmFollow *f, const Pair end[2], PetscReal x, Petsc
   off   = SAFE * error / creal(conj(S) * S);
   if (creal(ratio) < -off && fabs(cimag(ratio)) <= CIRCLE * off && fabs(abs) <= fmax(CIRCLE * off, f->most))
     return -INFINITY;
-  return abs + (MpmAbs(ratio) > off ? off / (2 * sqrt(MpmAbs(ratio))) : sqrt(2 * off));
+  return abs + (Abs(ratio) > off ? off / (2 * sqrt(Abs(ratio))) : sqrt(2 * off));
 }
 
 /* The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet. */
@@ -445,19 +455,19 @@ static PetscBool MayMeet(const MpmSample *a, const MpmSample *b, PetscInt i, Pet
   const double complex sa = a->slope[i] - a->slope[j], sb = b->slope[i] - b->slope[j];
   PetscReal            least = INFINITY;
 
-  if ((MpmAbs(da) <= COINCIDE) != (MpmAbs(db) <= COINCIDE)) return PETSC_TRUE;
-  if (MpmAbs(da) <= COINCIDE) return PETSC_FALSE;
+  if ((Abs(da) <= COINCIDE) != (Abs(db) <= COINCIDE)) return PETSC_TRUE;
+  if (Abs(da) <= COINCIDE) return PETSC_FALSE;
   if (creal(conj(da) * db) > 0 && (creal(conj(da) * sa) >= 0 || creal(conj(db) * sb) <= 0)) return PETSC_FALSE;
   for (int t = 0; t <= GRID; t++)
-    least = fmin(least, MpmAbs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
-  return least <= NEAR * fmax(MpmAbs(db - da), (b->x - a->x) * fmax(MpmAbs(sa), MpmAbs(sb))) ? PETSC_TRUE : PETSC_FALSE;
+    least = fmin(least, Abs(Cubic(a->x, b->x, da, sa, db, sb, a->x + (b->x - a->x) * t / GRID)));
+  return least <= NEAR * fmax(Abs(db - da), (b->x - a->x) * fmax(Abs(sa), Abs(sb))) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Looks at an eigenvalue whose abs has a maximum between a and b, by Hermite's cubic of its logarithm. */
 static PetscErrorCode Rise(MpmFollow *f, const MpmSample *a, const MpmSample *b, PetscInt i)
 {
-  const PetscReal at[2]    = {log(MpmAbs(a->value[i])), log(MpmAbs(b->value[i]))};
-  const PetscReal slope[2] = {creal(MpmOver(a->slope[i], a->value[i])), creal(MpmOver(b->slope[i], b->value[i]))};
+  const PetscReal at[2]    = {log(Abs(a->value[i])), log(Abs(b->value[i]))};
+  const PetscReal slope[2] = {creal(a->slope[i] / a->value[i]), creal(b->slope[i] / b->value[i])};
   PetscReal       best = -INFINITY, x = 0, largest;
 
   PetscFunctionBegin;
@@ -508,7 +518,7 @@ static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
 static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
 {
   for (PetscInt i = 0; i < f->n; i++)
-    if (f->cost[i] > NOISE && MpmAbs(a->value[i]) > HARMLESS) return PETSC_TRUE;
+    if (f->cost[i] > NOISE && Abs(a->value[i]) > HARMLESS) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

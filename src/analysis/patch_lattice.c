@@ -8,7 +8,6 @@
    are symbols of a cell's particles, sum_d row_d e^(i beta d).
 */
 #include "analysis/patch_lattice.h"
-#include "linalg/complex_inline.h"
 #include "linalg/matrix_polynomial.h"
 #include "scheme/maps.h"
 #include <math.h>
@@ -159,7 +158,7 @@ static PetscErrorCode Product(Line *line, MpmOpKind to_nodes, MpmOpKind to_parti
     for (PetscInt i = 0; i < n; i++) {
       double complex sum = 0;
 
-      for (PetscInt p = 0; p < line->particles; p++) sum += MpmConjTimes(P[p * n + i], W[p * n + j]);
+      for (PetscInt p = 0; p < line->particles; p++) sum += conj(P[p * n + i]) * W[p * n + j];
       (*known)[j * n + i] = sum / (line->root[i] * line->root[j]);
     }
   *T = *known;
@@ -195,13 +194,12 @@ static void AddKronecker(PetscInt dim, const Line line[], const double complex *
     for (PetscInt j1 = 0; j1 < n1; j1++)
       for (PetscInt i2 = 0; i2 < n2; i2++)
         for (PetscInt i1 = 0; i1 < n1; i1++) {
-          const double complex scale =
-              MpmScaled(factor, MpmTimes(dim > 1 ? T[1][j1 * n1 + i1] : 1, dim > 2 ? T[2][j2 * n2 + i2] : 1));
+          const double complex scale = factor * (dim > 1 ? T[1][j1 * n1 + i1] : 1) * (dim > 2 ? T[2][j2 * n2 + i2] : 1);
 
           for (PetscInt j0 = 0; j0 < n0; j0++) {
             double complex *column = out + ((j2 * n1 + j1) * n0 + j0) * n + (i2 * n1 + i1) * n0;
 
-            for (PetscInt i0 = 0; i0 < n0; i0++) column[i0] += MpmTimes(scale, T[0][j0 * n0 + i0]);
+            for (PetscInt i0 = 0; i0 < n0; i0++) column[i0] += scale * T[0][j0 * n0 + i0];
           }
         }
 }

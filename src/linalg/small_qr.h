@@ -1,6 +1,6 @@
 /*
    The eigenvalues of one small complex matrix after another. For a matrix of order 4 LAPACK's zgeev mostly calls its own
-   parts, and takes three times as long as these loops; at order 144 it still takes 2.5 times as long.
+   parts, and takes three times as long as these loops; at order 144 it takes twice as long.
 */
 #pragma once
 #include <mpmstab/compat.h>
@@ -9,8 +9,8 @@
 #define MPM_SMALL_QR_MOST 192 /* the largest order */
 
 /*
-   MpmSmallQr - computes the eigenvalues of a matrix: it is balanced, taken to Hessenberg form by Householder's reflections
-   and to triangular form by QR steps with Wilkinson's shift.
+   MpmSmallQr - computes the eigenvalues of a matrix. LAPACK balances it, Householder's reflections take it to Hessenberg form,
+   and QR steps with Wilkinson's shift take that to triangular form.
 
    Not collective.
 

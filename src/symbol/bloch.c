@@ -14,7 +14,6 @@
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
-#include "linalg/complex_inline.h"
 #include "symbol/bloch_steps.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
@@ -66,7 +65,7 @@ static inline double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt axi
   if (b->layout->dim == 1) return b->now[0][kind * b->ties[0].period * ppc[0] + j];
   product = 1;
   for (PetscInt a = 0; a < b->layout->dim; a++) {
-    product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]]);
+    product *= b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]];
     j /= ppc[a];
   }
   return product;
@@ -83,8 +82,7 @@ double complex MpmBlochTieAlong(const MpmBloch *b, MpmOpKind kind, PetscInt axis
   double complex  product = 1;
 
   for (PetscInt a = 0; a < b->layout->dim; a++) {
-    if (along[a])
-      product = MpmTimes(product, b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]]);
+    if (along[a]) product *= b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]];
     j /= ppc[a];
   }
   return product;
@@ -425,7 +423,7 @@ static PetscErrorCode WholeTurn(MpmBloch *b, PetscInt n, const PetscReal courant
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
           G[(lane * size + c) * size + b->fields * b->place[j] + field] =
-              MpmTimes(wave, At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane));
+              wave * At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -451,10 +449,10 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
       for (PetscInt i = 0; i < gift->parts; i++) {
         const MpmTakenPart  *part = &gift->part[i];
         PetscReal           *row  = MpmBlochRows(b, part->dst) + 2 * b->place[j] * b->width + y * b->lanes;
-        const double complex tie  = MpmTimes(wave, MpmBlochTie(b, part->kind, part->axis, j));
+        const double complex tie  = wave * MpmBlochTie(b, part->kind, part->axis, j);
 
         for (PetscInt lane = 0; lane < n; lane++) {
-          const double complex given = MpmScaled(part->factor * PetscPowRealInt(courant[lane], part->power), tie);
+          const double complex given = part->factor * PetscPowRealInt(courant[lane], part->power) * tie;
 
           row[lane] += creal(given);
           row[b->width + lane] += cimag(given);
@@ -521,7 +519,7 @@ static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal coura
       if (t->taken[r]) continue;
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + to] = MpmTimes(wave, At(b, MpmBlochRows(b, r) + 2 * j * b->width, c, lane));
+          G[(lane * size + c) * size + to] = wave * At(b, MpmBlochRows(b, r) + 2 * j * b->width, c, lane);
       to++;
     }
   }

@@ -1,5 +1,4 @@
 /* The growth of particles that move and only gain from nodes: a turn on the numbers that nodes give. */
-#include "linalg/complex_inline.h"
 #include "linalg/small_qr.h"
 #include "symbol/bloch_gained.h"
 #include "symbol/bloch_steps.h"
@@ -62,7 +61,7 @@ static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, 
     const PetscReal     factor = part->factor * PetscPowRealInt(courant, part->power);
 
     for (PetscInt j = 0; j < b->ppc; j++) {
-      double complex given = MpmScaled(factor, MpmBlochTie(b, part->kind, part->axis, j));
+      double complex given = factor * MpmBlochTie(b, part->kind, part->axis, j);
       PetscInt       at    = j;
 
       for (PetscInt l = 0; l < g->cycles; l++) {
@@ -70,8 +69,8 @@ static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, 
 
         row[0] += creal(given);
         row[b->width] += cimag(given);
-        given = MpmTimes(g->beyond[at], given);
-        at    = b->place[at];
+        given *= g->beyond[at];
+        at = b->place[at];
       }
     }
   }
@@ -118,8 +117,8 @@ static void SetMatrix(MpmBlochGained *g, const MpmBloch *b)
   PetscInt       j  = 0;
 
   for (PetscInt l = 0; l < g->cycles; l++) {
-    mu = MpmTimes(g->beyond[j], mu);
-    j  = b->place[j];
+    mu *= g->beyond[j];
+    j = b->place[j];
   }
   times = g->cycles == 1 ? mu : 1;
   for (PetscInt i = 0; i < n * n; i++) g->matrix[i] = 0;
@@ -128,8 +127,7 @@ static void SetMatrix(MpmBlochGained *g, const MpmBloch *b)
 
     column[(c + block) % n] = c + block < n ? 1 : mu;
     for (PetscInt y = 0; y < block; y++)
-      column[(y + block) % n] +=
-          MpmTimes(times, CMPLX(g->given[2 * y * b->width + c], g->given[(2 * y + 1) * b->width + c]));
+      column[(y + block) % n] += times * CMPLX(g->given[2 * y * b->width + c], g->given[(2 * y + 1) * b->width + c]);
   }
 }
 

@@ -1,5 +1,4 @@
 /* The nodal operator of one Bloch mode: the plan of a table, run on the symbols of its maps. */
-#include "linalg/complex_inline.h"
 #include "linalg/small_qr.h"
 #include "symbol/bloch_nodal.h"
 #include <math.h>
@@ -117,8 +116,8 @@ static double complex SymbolOf(const MpmBloch *b, const MpmNodalMap *map, const 
     const MpmNodalProduct *p = &map->product[i];
 
     for (PetscInt j = 0; j < b->ppc; j++)
-      sum += MpmScaled(p->factor / b->mass, MpmConjTimes(MpmBlochTie(b, p->to_nodes, p->axis_nodes, j),
-                                                         MpmBlochTie(b, p->to_particles, p->axis_particles, j)));
+      sum += (p->factor / b->mass) * conj(MpmBlochTie(b, p->to_nodes, p->axis_nodes, j)) *
+             MpmBlochTie(b, p->to_particles, p->axis_particles, j);
   }
   return sum;
 }

@@ -1,5 +1,4 @@
 /* The growth of particles that move along some directions only: the vectors that they gain, and the matrix of a turn. */
-#include "linalg/complex_inline.h"
 #include "symbol/bloch_steps.h"
 #include "symbol/bloch_still.h"
 
@@ -92,7 +91,7 @@ void MpmBlochStillBegin(const MpmBlochStill *s, MpmBloch *b, const MpmTaken *gai
       const PetscReal     factor = part->factor * PetscPowRealInt(courant, part->power);
 
       for (PetscInt j = 0; j < b->ppc; j++) {
-        const double complex given = MpmScaled(factor, MpmBlochTieAlong(b, part->kind, part->axis, j, s->rests));
+        const double complex given = factor * MpmBlochTieAlong(b, part->kind, part->axis, j, s->rests);
         PetscReal *row = MpmBlochRows(b, part->dst) + 2 * j * b->width + s->place[j] + s->moving * s->of[y][i];
 
         row[0] += creal(given);
@@ -125,9 +124,9 @@ void MpmBlochStillMatrix(const MpmBlochStill *s, const MpmBloch *b, const MpmTak
       for (PetscInt step = 0; step < b->turn; step++) {
         const PetscReal *row = given + (step * gains->numbers + s->number[i / s->moving]) * 2 * b->width;
 
-        sum += MpmTimes(s->weight[step * order + i], CMPLX(row[c], row[b->width + c]));
+        sum += s->weight[step * order + i] * CMPLX(row[c], row[b->width + c]);
       }
-      matrix[order * c + to] = MpmTimes(beyond[j], sum);
+      matrix[order * c + to] = beyond[j] * sum;
     }
   }
 }
