@@ -7,7 +7,7 @@
 #include "analysis/modes.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
-#include "linalg/eigen.h"
+#include "linalg/eigen_reduced.h"
 #include "operator/nodal_matrix.h"
 #include <mpmstab/symbol.h>
 #include "base/progress.h"

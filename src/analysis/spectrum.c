@@ -4,6 +4,7 @@
 */
 #include "scene/layout.h"
 #include "base/progress.h"
+#include "linalg/eigen_reduced.h"
 #include "linalg/singular.h"
 #include "operator/nodal_matrix.h"
 #include "analysis/bloch_modes.h"

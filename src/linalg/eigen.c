@@ -4,7 +4,6 @@
 */
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
-#include "linalg/eigen_reduced.h"
 #include "linalg/eigen_target.h"
 #include "base/errors_private.h"
 #include "linalg/ritz.h"
@@ -185,8 +184,8 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscReal norm[2];
 
   PetscFunctionBegin;
-  if (e->reduced) {
-    PetscCall(MpmEigenReducedVector(e, j, re, im));
+  if (e->vector) {
+    PetscCall(e->vector(e, j, re, im));
   } else if (e->ritz) {
     PetscInt n;
 

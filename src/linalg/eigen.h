@@ -31,7 +31,7 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    converged, it sought the largest abs of all eigenvalues, and no result was rejected. leftmost: the same of the least
    real part. failed: the solver gave up,
    since a factorization broke down or A is not finite. small: of a solve by a smaller matrix (reduced), its eigenvalues;
-   else NULL.
+   else NULL. vector: gives the vector of listed pair j of such a solve, before it is scaled.
 S*/
 typedef struct MpmEigen MpmEigen;
 struct MpmEigen {
@@ -42,6 +42,7 @@ struct MpmEigen {
   char              solver[160];
   MpmEigen         *small;
   const MpmReduced *reduced;
+  PetscErrorCode (*vector)(const MpmEigen *eigen, PetscInt j, Vec re, Vec im);
   /* where the eigenvectors are kept */
   EPS        eps;
   BV         ritz;
@@ -65,16 +66,6 @@ struct MpmEigen {
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen);
 
-/*
-   MpmEigenSolveReduced - the same of a matrix that has a smaller one, which must outlive the result. Eigenvalues are sought
-   of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are listed beside all
-   eigenvalues, beside those of largest abs where they belong to them, and once beside the leftmost; vectors for these are
-   random.
-
-   Collective.
-*/
-PetscErrorCode MpmEigenSolveReduced(Mat A, const MpmReduced *reduced, const char prefix[], MpmEigenMethod method,
-                                    const PetscReal target[2], MpmEigen **eigen);
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
 /*
@@ -106,3 +97,19 @@ PetscErrorCode MpmEigenVector(const MpmEigen *eigen, PetscInt j, Vec re, Vec im)
    magnitude.
 */
 PetscErrorCode MpmEigenCondition(const MpmEigen *eigen, PetscInt j, PetscReal *condition);
+
+/* ---- for the files that list eigenvalues ---- */
+
+#define MPM_EIGEN_ACCEPTED 1e-7 /* largest residual of a listed pair */
+
+/* Collective. The residual of x = x[0] + i x[1] as MpmEigen has it. r is work space. */
+PetscErrorCode MpmEigenResidual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual);
+
+/*
+   Not collective. Sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The
+   angle enters the key with a small weight, so that rounding of the abs does not decide the order.
+*/
+PetscErrorCode MpmEigenSort(MpmEigen *e);
+
+/* Collective. The infinity norm; that of a transposed shell is not known, and a lower bound of its own is. */
+PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm);

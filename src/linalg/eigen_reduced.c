@@ -46,7 +46,7 @@ static PetscInt PlaceOfKept(const MpmReduced *r, PetscInt k, PetscInt which)
   return -1 - k - r->nkept * which;
 }
 
-PetscErrorCode MpmEigenReducedVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
+static PetscErrorCode Vector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
 {
   const PetscInt place = e->place[j], kept = -1 - place;
 
@@ -162,6 +162,7 @@ PetscErrorCode MpmEigenSolveReduced(Mat A, const MpmReduced *reduced, const char
   e          = *eigen;
   e->A       = A;
   e->reduced = reduced;
+  e->vector  = Vector;
   PetscCall(MatGetSize(A, &e->order, NULL));
   PetscCall(MpmEigenNorm(A, &e->norm));
   PetscCall(MpmEigenSolve(reduced->M, prefix, method, target, &e->small));

@@ -1,6 +1,5 @@
 /* Errors of particle fields: field minus exact solution at the particle's Lagrangian coordinate X = x - U0 t. */
 #include "march/diagnostics.h"
-#include "march/solution_errors.h"
 #include <math.h>
 
 /* Over this rank: the sums of V abs(e) and V e^2, and the largest abs(e). */

@@ -135,6 +135,10 @@ PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass pass
 PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
                                    const MpmPass passes[], PetscBool sample);
 
+/* Collective. As MpmMarchRunPassesOn, for one pass in two or three dimensions. */
+PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
+                               PetscBool sample);
+
 /* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
 PetscErrorCode MpmRowsFind(MpmMarch *march);
 

@@ -75,10 +75,6 @@ struct MpmRowPlan_ {
 /* Not collective. Compiles a pass. */
 void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan);
 
-/* Collective. As MpmMarchRunPassesOn, for one pass. */
-PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
-                               PetscBool sample);
-
 /* The particles and nodes that a pass goes over. sum[MPM_MASSES] are the nodal masses. */
 typedef struct {
   const MpmMarch   *march;

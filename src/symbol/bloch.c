@@ -14,7 +14,7 @@
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
-#include "symbol/bloch_steps.h"
+#include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* What a Bloch mode is made with: its registers, the weights of its maps, and where particles stand after a turn. */
 #include "symbol/bloch_gained.h"
 #include "symbol/bloch_nodal.h"
-#include "symbol/bloch_steps.h"
+#include "symbol/bloch.h"
 #include <math.h>
 
 #define LANES_UP_TO 64 /* columns of a Courant number; wider rows fill the blocks well enough */

@@ -1,7 +1,7 @@
 /* The growth of particles that move and only gain from nodes: a turn on the numbers that nodes give. */
 #include "linalg/small_qr.h"
 #include "symbol/bloch_gained.h"
-#include "symbol/bloch_steps.h"
+#include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 
 #define LARGEST 1e250 /* of the numbers that nodes give: sums of their products with weights are doubles, too */

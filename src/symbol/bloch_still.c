@@ -1,5 +1,5 @@
 /* The growth of particles that move along some directions only: the vectors that they gain, and the matrix of a turn. */
-#include "symbol/bloch_steps.h"
+#include "symbol/bloch.h"
 #include "symbol/bloch_still.h"
 
 /* Whether two parts have the same weights along the moving directions. */
