@@ -8,35 +8,63 @@
 #pragma once
 #include <mpmstab/compat.h>
 
-/*E
-   MpmLaw - what the stress depends on. J is det F, B is F F^T, V is sqrt(B), E is (F^T F - I) / 2, psi is the energy per
-   volume at rest, and tau is the Kirchhoff stress, J times the true stress.
-
-   MPM_LAW_LINEAR     - linear in the stretch: tau = (2 mu (V - I) + lambda tr(V - I) I) V. With dim 1 the nominal stress
-                        is F - 1. It is the corotated material of Stomakhin et al. (2012), equation 1.
-   MPM_LAW_NEO        - compressible neo-Hookean: tau = mu (B - I) + lambda ln J I
-   MPM_LAW_SVK        - Saint Venant and Kirchhoff: tau = F (lambda tr E I + 2 mu E) F^T
-   MPM_LAW_TAIT       - a liquid: tau = -J p I with the pressure p = (J^-n - 1) / n
-   MPM_LAW_GAS        - a gas at constant temperature: p = 1 / J
-   MPM_LAW_POLYTROPIC - a gas whose pressure grows with a power of density: p = J^-n / n
-E*/
-typedef enum { MPM_LAW_LINEAR, MPM_LAW_NEO, MPM_LAW_SVK, MPM_LAW_TAIT, MPM_LAW_GAS, MPM_LAW_POLYTROPIC } MpmLaw;
-extern const char *const MpmLawNames[];
+typedef struct MpmLaw_ MpmLaw;
 
 /*S
    MpmMaterialNumbers - a material.
 
    law        - its law
-   mu, lambda - Lame's moduli at rest, of linear, neo and svk; lambda + 2 mu is 1 in the units of this header
-   exponent   - n of tait and polytropic
+   mu, lambda - Lame's moduli at rest, of solids; lambda + 2 mu is 1 in the units of this header
+   exponent   - n of fluids whose pressure is a power of density
 S*/
 typedef struct {
-  MpmLaw    law;
-  PetscReal mu, lambda, exponent;
+  const MpmLaw *law;
+  PetscReal     mu, lambda, exponent;
 } MpmMaterialNumbers;
 
+/*S
+   MpmLaw - what the stress depends on: one file of src/scheme/material/, and a line of the list there.
+
+   name      - the word of the option material
+   solid     - the stress depends on Lame's moduli; else the material is a fluid, whose stress is a pressure
+   exponent  - the default of the option exponent; 0: the law has none
+   stress, tangent, energy - see MpmMaterialStress, MpmMaterialTangent and MpmMaterialEnergy
+   modulus   - MpmMaterialModulus from the largest eigenvalue and the trace of B = F F^T, and J
+   stretched - of a solid with the stretches F[a] along the axes, J times the stiffness that small strains about this state
+               feel. It is isotropic, with lambda and mu, but for a factor q[a] for each index a. NULL where it has no such
+               form: schemes that are linear about a stretched state then have no such material.
+S*/
+struct MpmLaw_ {
+  const char *name;
+  PetscBool   solid;
+  PetscReal   exponent;
+  void (*stress)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                 PetscReal *const tau[]);
+  void (*tangent)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
+                  const PetscReal *const dF[], PetscReal *const dtau[]);
+  void (*energy)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[]);
+  PetscReal (*modulus)(const MpmMaterialNumbers *, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J);
+  void (*stretched)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal *lambda, PetscReal *mu,
+                    PetscReal q[]);
+};
+
+/*
+   The laws; MpmLaws lists all of them and ends with NULL. J is det F, B is F F^T, V is sqrt(B), E is (F^T F - I) / 2, and tau
+   is the Kirchhoff stress, J times the true stress.
+
+     MpmLawLinear     - linear in the stretch: tau = (2 mu (V - I) + lambda tr(V - I) I) V. With dim 1 the nominal stress is
+                        F - 1. It is the corotated material of Stomakhin et al. (2012), equation 1.
+     MpmLawNeo        - compressible neo-Hookean: tau = mu (B - I) + lambda ln J I
+     MpmLawSvk        - Saint Venant and Kirchhoff: tau = F (lambda tr E I + 2 mu E) F^T
+     MpmLawTait       - a liquid: tau = -J p I with the pressure p = (J^-n - 1) / n
+     MpmLawGas        - a gas at constant temperature: p = 1 / J
+     MpmLawPolytropic - a gas whose pressure grows with a power of density: p = J^-n / n
+*/
+extern const MpmLaw        MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic;
+extern const MpmLaw *const MpmLaws[];
+
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */
-static inline MpmMaterialNumbers MpmMaterialOfRatio(MpmLaw law, PetscReal lambda_over_mu, PetscReal exponent)
+static inline MpmMaterialNumbers MpmMaterialOfRatio(const MpmLaw *law, PetscReal lambda_over_mu, PetscReal exponent)
 {
   return (MpmMaterialNumbers){law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent};
 }

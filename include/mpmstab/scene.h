@@ -59,7 +59,7 @@ struct MpmScene_ {
   MpmWritten     *written;
   MpmFormulation *own;
   char            scheme_hash[17], parameters[512];
-  MpmLaw          law;
+  const MpmLaw   *law;
   PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent;
   PetscReal       gravity[MPM_MAX_DIM];
   MpmBodyForce    body_force;

@@ -44,9 +44,7 @@ static PetscErrorCode LayoutAtRest(const MpmScene *scene, MpmScene **rest)
 /* Poisson's ratio at rest, of which the linear scheme knows the material; 1/2 of a fluid. */
 static PetscReal PoissonOf(const MpmMaterialNumbers *m)
 {
-  const PetscBool solid = m->law == MPM_LAW_LINEAR || m->law == MPM_LAW_NEO || m->law == MPM_LAW_SVK;
-
-  return solid ? m->lambda / (2 * (m->lambda + m->mu)) : 0.5;
+  return m->law->solid ? m->lambda / (2 * (m->lambda + m->mu)) : 0.5;
 }
 
 /* Whether particles end somewhere inside the grid, or at a free end: there they are near a surface, or alone. */

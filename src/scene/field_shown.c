@@ -165,7 +165,7 @@ PetscBool MpmRecordHasMaterial(const MpmScene *scene, MpmRecord record)
 
 PetscBool MpmRecordHasMaterialName(const MpmScene *scene, MpmRecord record)
 {
-  return scene->law != MPM_LAW_LINEAR || MpmRecordHasMaterial(scene, record) ? PETSC_TRUE : PETSC_FALSE;
+  return scene->law != &MpmLawLinear || MpmRecordHasMaterial(scene, record) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscBool MpmRecordHasPrestress(const MpmScene *scene, MpmRecord record)
@@ -203,20 +203,19 @@ PetscBool MpmRecordHasGravity(const MpmScene *scene, MpmRecord record)
 PetscBool MpmRecordHasStretch(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->law != MPM_LAW_LINEAR || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
+  return scene->law != &MpmLawLinear || scene->scheme.space.finite ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscBool MpmRecordHasLameRatio(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->law == MPM_LAW_NEO || (scene->scheme.space.finite && scene->law <= MPM_LAW_SVK) ? PETSC_TRUE
-                                                                                                : PETSC_FALSE;
+  return scene->law == &MpmLawNeo || (scene->scheme.space.finite && scene->law->solid) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscBool MpmRecordHasExponent(const MpmScene *scene, MpmRecord record)
 {
   (void)record;
-  return scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
+  return scene->law->exponent > 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscBool MpmRecordHasInclusion(const MpmScene *scene, MpmRecord record)

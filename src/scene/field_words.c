@@ -73,7 +73,10 @@ const char *MpmKinematicsWord(PetscInt i)
 
 const char *MpmMaterialWord(PetscInt i)
 {
-  return i < MPM_MATERIAL_KINDS ? MpmMaterialNames[i] : MpmLawNames[i - MPM_MATERIAL_KINDS + 1];
+  const MpmLaw *law = i < MPM_MATERIAL_KINDS ? NULL : MpmLaws[i - MPM_MATERIAL_KINDS + 1];
+
+  if (i < MPM_MATERIAL_KINDS) return MpmMaterialNames[i];
+  return law ? law->name : NULL;
 }
 
 const char *MpmEndWord(PetscInt i)
@@ -180,7 +183,7 @@ const char *MpmBalanceOf(const MpmScene *scene)
 
 const char *MpmMaterialOf(const MpmScene *scene)
 {
-  return scene->law == MPM_LAW_LINEAR ? MpmMaterialNames[scene->layout.material.kind] : MpmLawNames[scene->law];
+  return scene->law == &MpmLawLinear ? MpmMaterialNames[scene->layout.material.kind] : scene->law->name;
 }
 
 const char *MpmBoundaryOf(const MpmScene *scene)

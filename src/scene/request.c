@@ -563,7 +563,8 @@ PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **s
   if (!request) request = &unwanted;
   *request = (MpmRequest){.task = task};
   PetscCall(PetscNew(scene));
-  ierr = MpmSettingsCreate(&settings);
+  (*scene)->law = &MpmLawLinear;
+  ierr          = MpmSettingsCreate(&settings);
   if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
   if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
   if (!ierr) ierr = ReadBoth(settings, scene, request);

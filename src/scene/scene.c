@@ -469,7 +469,8 @@ static PetscErrorCode FromYaml(const char path[], const char name[], const char 
 
   PetscFunctionBegin;
   PetscCall(PetscNew(scene));
-  ierr = MpmSettingsCreate(&settings);
+  (*scene)->law = &MpmLawLinear;
+  ierr          = MpmSettingsCreate(&settings);
   if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, name, yaml);
   if (!ierr) ierr = MpmSettingsReadProblem(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));

@@ -131,8 +131,7 @@ static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim,
 PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene)
 {
   MpmSpace *space = &scene->scheme.space;
-  PetscInt  word, dim = scene->layout.dim;
-  PetscBool power, solid;
+  PetscInt  word, dim                             = scene->layout.dim;
   PetscReal modulus, F[MPM_MAX_DIM * MPM_MAX_DIM] = {0};
 
   PetscFunctionBegin;
@@ -141,21 +140,19 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
     PetscCall(MpmSettingsRefuse(settings, "material",
                                 "with kinematics finite all particles are of one material; allowed: uniform (linear in "
                                 "the stretch), neo, svk, tait, gas or polytropic"));
-  scene->law = word < MPM_MATERIAL_KINDS ? MPM_LAW_LINEAR : (MpmLaw)(word - MPM_MATERIAL_KINDS + 1);
-  power      = scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
-  solid      = !power && scene->law != MPM_LAW_GAS ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "lame_ratio", solid,
+  scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "lame_ratio", scene->law->solid,
                                               "allowed: only with material uniform, neo or svk"));
-  PetscCall(
-      MpmSettingsRefuseNumberOfMaterial(settings, "exponent", power, "allowed: only with material tait or polytropic"));
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
+                                              "allowed: only with material tait or polytropic"));
   if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT &&
       !MpmSettingsOverruled(settings, "prestress", "kinematics"))
     PetscCall(MpmSettingsRefuse(settings, "prestress",
                                 "with kinematics finite material and stretch give it; allowed: one of the two"));
   PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
-  if (power && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law == MPM_LAW_TAIT ? 7 : 1.4;
-  if (solid) PetscCall(SetRatio(settings, scene));
-  space->material = MpmMaterialOfRatio(scene->law, solid ? scene->lame_ratio : 0, scene->exponent);
+  if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
+  if (scene->law->solid) PetscCall(SetRatio(settings, scene));
+  space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
   if (!(modulus > 0) || !isfinite(modulus))

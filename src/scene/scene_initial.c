@@ -121,7 +121,7 @@ static PetscErrorCode CheckExact(const MpmSettings *settings, MpmScene *scene)
     PetscCall(FallBack(settings, scene, "formulation",
                        "the formulation has no exact solution to start from; allowed: random or eigenmode"));
   else if (scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space))
-    PetscCall(FallBack(settings, scene, scene->law == MPM_LAW_LINEAR ? "prestress" : "material",
+    PetscCall(FallBack(settings, scene, scene->law == &MpmLawLinear ? "prestress" : "material",
                        "waves about a prestressed state have no exact solution here; allowed: with dim 1, or random or "
                        "eigenmode"));
   else if (mode && !MpmSceneProfile(scene, 1).nwaves)

@@ -51,38 +51,34 @@ static PetscReal LeastSpeed(const MpmSpace *space, PetscInt dim, const PetscReal
 }
 
 /*
-   A solid with the stretches F_a along the axes, per rho0 c0^2 of the material at rest: with J = det F
-
-     neo - sigma_a = [mu (F_a^2 - 1) + lambda ln J] / J,  c_abcd isotropic with lambda / J and (mu - lambda ln J) / J
-     svk - sigma_a = F_a^2 [lambda tr E + 2 mu E_a] / J,  E_a = (F_a^2 - 1) / 2, c_abcd that at rest times F_a F_b F_c F_d / J
-
-   All is divided by rho c^2 = c_0000 + sigma_0, that of P waves along x.
+   A solid with the stretches F_a along the axes: its true stress sigma and stiffness c, with J = det F times those at rest as
+   the unit. All is divided by rho c^2 = c_0000 + sigma_0, that of P waves along x.
 */
 static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
 {
-  const PetscInt   dim = scene->layout.dim;
-  const PetscReal  nu = scene->scheme.space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
-  MpmSpace        *space = &scene->scheme.space;
-  const PetscReal *F     = scene->stretch;
-  const PetscBool  neo   = scene->law == MPM_LAW_NEO ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal        J = 1, strain = 0, M, sigma[MPM_MAX_DIM] = {0};
+  const PetscInt           dim                          = scene->layout.dim;
+  const PetscReal          nu                           = scene->scheme.space.poisson;
+  const MpmMaterialNumbers material                     = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0};
+  MpmSpace                *space                        = &scene->scheme.space;
+  PetscReal                F[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[MPM_MAX_STRESS], sigma[MPM_MAX_DIM] = {0}, M;
+  const PetscReal         *from[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal               *to[MPM_MAX_STRESS];
 
   PetscFunctionBegin;
   if (nu == 0.5)
     PetscCall(MpmSettingsRefuse(settings, "material",
                                 "with poisson 0.5 the material is a fluid; allowed: gas, tait or polytropic"));
-  for (PetscInt a = 0; a < dim; a++) {
-    J *= F[a];
-    strain += (F[a] * F[a] - 1) / 2;
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    sigma[a] =
-        neo ? mu * (F[a] * F[a] - 1) + lambda * log(J) : F[a] * F[a] * (lambda * strain + mu * (F[a] * F[a] - 1));
-    space->squares[a] = neo ? 1 : F[a] * F[a];
-  }
-  space->lambda = lambda;
-  space->mu     = neo ? mu - lambda * log(J) : mu;
-  M             = (space->lambda + 2 * space->mu) * space->squares[0] * space->squares[0] + sigma[0];
+  if (!scene->law->stretched)
+    PetscCall(
+        MpmSettingsRefuse(settings, "material",
+                          "no linear scheme about a stretched state is known of it; allowed: with kinematics finite"));
+  for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = scene->stretch[a];
+  for (PetscInt c = 0; c < dim * dim; c++) from[c] = &F[c];
+  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) to[c] = &tau[c];
+  MpmMaterialStress(&material, dim, 1, from, to);
+  scene->law->stretched(&material, dim, scene->stretch, &space->lambda, &space->mu, space->squares);
+  for (PetscInt a = 0; a < dim; a++) sigma[a] = tau[MpmStressComponent(dim, a, a)];
+  M = (space->lambda + 2 * space->mu) * space->squares[0] * space->squares[0] + sigma[0];
   if (!(LeastSpeed(space, dim, sigma) > 0) || !isfinite(M)) PetscCall(MpmSettingsRefuse(settings, "stretch", slow));
   for (PetscInt a = 0; a < dim; a++) space->prestress[MpmStressComponent(dim, a, a)] = sigma[a] / M;
   space->lambda /= M;
@@ -146,29 +142,27 @@ static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
 
 PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt  word;
-  PetscBool power;
+  PetscInt word;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
-  scene->law = word < MPM_MATERIAL_KINDS ? MPM_LAW_LINEAR : (MpmLaw)(word - MPM_MATERIAL_KINDS + 1);
-  power      = scene->law == MPM_LAW_TAIT || scene->law == MPM_LAW_POLYTROPIC ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "stretch", scene->law != MPM_LAW_LINEAR,
+  scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "stretch", scene->law != &MpmLawLinear,
                                               "allowed: only with material neo, svk, tait, gas or polytropic"));
   PetscCall(MpmSettingsRefuseNumberOfMaterial(
-      settings, "lame_ratio", scene->law == MPM_LAW_NEO && scene->layout.dim == 1,
-      scene->law == MPM_LAW_NEO ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
-                                : "allowed: only with material neo"));
-  PetscCall(
-      MpmSettingsRefuseNumberOfMaterial(settings, "exponent", power, "allowed: only with material tait or polytropic"));
-  if (scene->law == MPM_LAW_LINEAR) {
+      settings, "lame_ratio", scene->law == &MpmLawNeo && scene->layout.dim == 1,
+      scene->law == &MpmLawNeo ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
+                               : "allowed: only with material neo"));
+  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
+                                              "allowed: only with material tait or polytropic"));
+  if (scene->law == &MpmLawLinear) {
     PetscCall(FromStress(settings, scene));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (power && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law == MPM_LAW_TAIT ? 7 : 1.4;
+  if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
   if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT)
     PetscCall(MpmSettingsRefuse(settings, "prestress", "material and stretch give it; allowed: one of the two"));
-  if (MpmSceneHasPoisson(scene) && (scene->law == MPM_LAW_NEO || scene->law == MPM_LAW_SVK))
+  if (MpmSceneHasPoisson(scene) && scene->law->solid)
     PetscCall(FromSolid(settings, scene));
   else
     PetscCall(FromVolume(settings, scene));

@@ -19,7 +19,7 @@ static PetscBool HasProjected(const MpmFormulation *f)
 static PetscErrorCode Refuse(const MpmSettings *settings, const MpmScene *scene, const char why[])
 {
   PetscFunctionBegin;
-  PetscCall(MpmSettingsRefuse(settings, scene->law == MPM_LAW_LINEAR ? "prestress" : "material", why));
+  PetscCall(MpmSettingsRefuse(settings, scene->law == &MpmLawLinear ? "prestress" : "material", why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -133,7 +133,7 @@ PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *s
       PetscCall(MpmSettingsRequire(settings, scene, "move", HasProjected, "second P2G of the velocity"));
   }
   if (!MpmSpaceIsPrestressed(space)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRequire(settings, scene, scene->law == MPM_LAW_LINEAR ? "prestress" : "material", HasMove,
+  PetscCall(MpmSettingsRequire(settings, scene, scene->law == &MpmLawLinear ? "prestress" : "material", HasMove,
                                "MOVE, which says what velocity particles move with"));
   PetscCall(CheckEquilibrium(settings, scene));
   PetscCall(CheckTies(settings, scene));

@@ -62,10 +62,10 @@ static PetscErrorCode CheckSpace(const MpmSettings *settings, const MpmScene *sc
                                              : "its exact solution is of the plane; allowed: dim 2"));
   if (!s->any && scene->law != s->law)
     PetscCall(MpmSettingsRefuse(settings, "initial",
-                                s->law == MPM_LAW_NEO
+                                s->law == &MpmLawNeo
                                     ? "its exact solution is of another material; allowed: material neo"
                                     : "its exact solution is of another material; allowed: material gas"));
-  if (s->any && scene->law > MPM_LAW_SVK)
+  if (s->any && !scene->law->solid)
     PetscCall(MpmSettingsRefuse(settings, "initial", "it is of a solid; allowed: material uniform, neo or svk"));
   for (PetscInt a = 0; a < l->dim; a++) {
     if (scene->stretch[a] != 1)

@@ -13,7 +13,7 @@ typedef struct {
    MpmSolution - an exact solution.
 
    initial   - the initial data that it belongs to
-   law       - the material that it is of, where any is FALSE; of linear, neo and svk where it is TRUE
+   law       - the material that it is of, where any is FALSE; of any solid where it is TRUE
    least, most - the numbers of dimensions that it exists in
    equations - as text
    density   - of a gas: errors are those of the density, and not of F, and places are not known
@@ -27,12 +27,12 @@ typedef struct {
    Not collective: exact, force, sizes and end. Collective: check.
 S*/
 typedef struct {
-  MpmInitial  initial;
-  MpmLaw      law;
-  PetscBool   any;
-  PetscInt    least, most;
-  const char *equations;
-  PetscBool   density;
+  MpmInitial    initial;
+  const MpmLaw *law;
+  PetscBool     any;
+  PetscInt      least, most;
+  const char   *equations;
+  PetscBool     density;
   void (*exact)(const MpmScene *scene, const PetscReal X[], const PetscReal x[], PetscReal t, MpmSolutionState *state);
   MpmBodyForce force;
   void (*sizes)(const MpmScene *scene, PetscReal size[3]);

@@ -93,7 +93,7 @@ static PetscErrorCode SimpleWaveCheck(const MpmSettings *settings, MpmScene *sce
 }
 
 const MpmSolution MpmSimpleWave = {.initial   = MPM_INITIAL_SIMPLE_WAVE,
-                                   .law       = MPM_LAW_GAS,
+                                   .law       = &MpmLawGas,
                                    .least     = 1,
                                    .most      = 1,
                                    .equations = "rho_t + (rho v)_x = 0, v_t + v v_x = -c^2 rho_x / rho",
@@ -164,7 +164,7 @@ static PetscErrorCode ShockTubeCheck(const MpmSettings *settings, MpmScene *scen
 }
 
 const MpmSolution MpmShockTube = {.initial   = MPM_INITIAL_SHOCK_TUBE,
-                                  .law       = MPM_LAW_GAS,
+                                  .law       = &MpmLawGas,
                                   .least     = 1,
                                   .most      = 1,
                                   .equations = "rho_t + (rho v)_x = 0, (rho v)_t + (rho v^2 + c^2 rho)_x = 0",

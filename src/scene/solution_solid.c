@@ -233,7 +233,7 @@ static PetscErrorCode VortexCheck(const MpmSettings *settings, MpmScene *scene)
 }
 
 const MpmSolution MpmVortex = {.initial   = MPM_INITIAL_VORTEX,
-                               .law       = MPM_LAW_NEO,
+                               .law       = &MpmLawNeo,
                                .least     = 2,
                                .most      = 2,
                                .equations = "rho0 x_tt = div P + rho0 b, turned by alpha(r, t)",

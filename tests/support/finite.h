@@ -117,13 +117,13 @@ static inline void FiniteStress(const MpmMaterialNumbers *m, PetscInt dim, const
   const double complex J         = FiniteDet(dim, F);
   double complex       isotropic = m->lambda * clog(J);
 
-  if (m->law == MPM_LAW_GAS) isotropic = -1;
-  if (m->law == MPM_LAW_TAIT) isotropic = -J * (cpow(J, -m->exponent) - 1) / m->exponent;
-  if (m->law == MPM_LAW_POLYTROPIC) isotropic = -J * cpow(J, -m->exponent) / m->exponent;
+  if (m->law == &MpmLawGas) isotropic = -1;
+  if (m->law == &MpmLawTait) isotropic = -J * (cpow(J, -m->exponent) - 1) / m->exponent;
+  if (m->law == &MpmLawPolytropic) isotropic = -J * cpow(J, -m->exponent) / m->exponent;
   for (PetscInt a = 0, c = 0; a < dim; a++)
     for (PetscInt b = a; b < dim; b++, c++) {
       tau[c] = a == b ? isotropic : 0;
-      if (m->law != MPM_LAW_NEO) continue;
+      if (m->law != &MpmLawNeo) continue;
       for (PetscInt e = 0; e < dim; e++) tau[c] += m->mu * F[dim * a + e] * F[dim * b + e];
       if (a == b) tau[c] -= m->mu;
     }

@@ -9,12 +9,12 @@
 
 static PetscReal Exponent(const MpmMaterialNumbers *m)
 {
-  return m->law == MPM_LAW_GAS ? 1 : m->exponent;
+  return m->law == &MpmLawGas ? 1 : m->exponent;
 }
 
 static PetscReal Base(const MpmMaterialNumbers *m)
 {
-  return m->law == MPM_LAW_TAIT ? 1 : 0;
+  return m->law == &MpmLawTait ? 1 : 0;
 }
 
 static void Pressure(const MpmMaterialNumbers *m, PetscInt n, PetscReal g[])
@@ -91,4 +91,10 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return pow(J, 1 - Exponent(m));
 }
 
-const MpmLawKernels MpmFluidLaw = {Stress, Tangent, Energy, Modulus};
+const MpmLaw MpmLawTait = {
+    .name = "tait", .exponent = 7, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+
+const MpmLaw MpmLawGas = {.name = "gas", .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+
+const MpmLaw MpmLawPolytropic = {
+    .name = "polytropic", .exponent = 1.4, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};

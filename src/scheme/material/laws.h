@@ -6,21 +6,6 @@
 #include "scheme/material/tensors.h"
 #include <mpmstab/material.h>
 
-/*S
-   MpmLawKernels - a law as loops over arrays (MpmMaterialStress and so on), and MpmMaterialModulus from the largest
-   eigenvalue and the trace of B = F F^T, and J.
-S*/
-typedef struct {
-  void (*stress)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                 PetscReal *const tau[]);
-  void (*tangent)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                  const PetscReal *const dF[], PetscReal *const dtau[]);
-  void (*energy)(const MpmMaterialNumbers *, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[]);
-  PetscReal (*modulus)(const MpmMaterialNumbers *, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J);
-} MpmLawKernels;
-
-extern const MpmLawKernels MpmLinearLaw, MpmNeoLaw, MpmSvkLaw, MpmFluidLaw;
-
 /* What a law is at one particle. g is its function of J = det F, which comes from a loop of its own (LawOfVolume). */
 typedef void (*StressAt)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal g, PetscReal tau[]);
 typedef void (*TangentAt)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal g,

@@ -178,4 +178,5 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return largest * (m->lambda + 2 * m->mu);
 }
 
-const MpmLawKernels MpmLinearLaw = {Stress, Tangent, Energy, Modulus};
+const MpmLaw MpmLawLinear = {
+    .name = "linear", .solid = PETSC_TRUE, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};

@@ -8,6 +8,7 @@
 */
 #include "scheme/material/laws.h"
 #include "scheme/material/logarithm.h"
+#include <math.h>
 
 static void Logarithm(const MpmMaterialNumbers *m, PetscInt n, PetscReal g[])
 {
@@ -78,4 +79,24 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return m->mu * (largest + 1) + m->lambda * (1 - log(J));
 }
 
-const MpmLawKernels MpmNeoLaw = {Stress, Tangent, Energy, Modulus};
+/* c_abcd is isotropic, with lambda / J and (mu - lambda ln J) / J. */
+static void Stretched(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[], PetscReal *lambda, PetscReal *mu,
+                      PetscReal q[])
+{
+  PetscReal J = 1;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    J *= F[a];
+    q[a] = 1;
+  }
+  *lambda = m->lambda;
+  *mu     = m->mu - m->lambda * log(J);
+}
+
+const MpmLaw MpmLawNeo = {.name      = "neo",
+                          .solid     = PETSC_TRUE,
+                          .stress    = Stress,
+                          .tangent   = Tangent,
+                          .energy    = Energy,
+                          .modulus   = Modulus,
+                          .stretched = Stretched};

@@ -2,27 +2,25 @@
 #include "scheme/material/laws.h"
 #include <math.h>
 
-const char *const MpmLawNames[] = {"linear", "neo", "svk", "tait", "gas", "polytropic", NULL};
-
-static const MpmLawKernels *const laws[] = {&MpmLinearLaw, &MpmNeoLaw,   &MpmSvkLaw,
-                                            &MpmFluidLaw,  &MpmFluidLaw, &MpmFluidLaw};
+const MpmLaw *const MpmLaws[] = {&MpmLawLinear, &MpmLawNeo,        &MpmLawSvk, &MpmLawTait,
+                                 &MpmLawGas,    &MpmLawPolytropic, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])
 {
-  laws[material->law]->stress(material, dim, n, F, tau);
+  material->law->stress(material, dim, n, F, tau);
 }
 
 void MpmMaterialTangent(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                         const PetscReal *const dF[], PetscReal *const dtau[])
 {
-  laws[material->law]->tangent(material, dim, n, F, dF, dtau);
+  material->law->tangent(material, dim, n, F, dF, dtau);
 }
 
 void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal psi[])
 {
-  laws[material->law]->energy(material, dim, n, F, psi);
+  material->law->energy(material, dim, n, F, psi);
 }
 
 /* The largest eigenvalue of a symmetric tensor. With dim 3: O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix (1961). */
@@ -47,7 +45,7 @@ PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, c
   PetscReal B[6];
 
   LeftProduct(dim, F, B);
-  return laws[material->law]->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
+  return material->law->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
 }
 
 PetscReal MpmMaterialSpeed(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])

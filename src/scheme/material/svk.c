@@ -99,4 +99,19 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return largest * (m->lambda * (trace - dim) / 2 + m->mu * (largest - 1) + (m->lambda + 2 * m->mu) * largest);
 }
 
-const MpmLawKernels MpmSvkLaw = {Stress, Tangent, Energy, Modulus};
+/* c_abcd is that at rest times F_a F_b F_c F_d / J. */
+static void Stretched(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[], PetscReal *lambda, PetscReal *mu,
+                      PetscReal q[])
+{
+  for (PetscInt a = 0; a < dim; a++) q[a] = F[a] * F[a];
+  *lambda = m->lambda;
+  *mu     = m->mu;
+}
+
+const MpmLaw MpmLawSvk = {.name      = "svk",
+                          .solid     = PETSC_TRUE,
+                          .stress    = Stress,
+                          .tangent   = Tangent,
+                          .energy    = Energy,
+                          .modulus   = Modulus,
+                          .stretched = Stretched};
