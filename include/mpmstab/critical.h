@@ -12,11 +12,28 @@ typedef enum { MPM_WAVE_NONE, MPM_WAVE_P, MPM_WAVE_S, MPM_WAVE_MIXED } MpmWaveTy
 extern const char *const MpmWaveTypeNames[];
 #define MPM_WAVE_SHARE 0.9
 
+#define MPM_CRITICAL_WINDOWS 8
+
+/*S
+   MpmCriticalWindow - Courant numbers between which there is growth, below a limit. growth: the largest that was seen there,
+   at Courant number at. from is 0 where growth only fades towards 0.
+
+   MpmCriticalWindows - n of them, and at how many Courant numbers growth was looked at; 0: windows were not looked for.
+S*/
+typedef struct {
+  PetscReal from, to, growth, at;
+} MpmCriticalWindow;
+
+typedef struct {
+  PetscInt          n, looked;
+  MpmCriticalWindow window[MPM_CRITICAL_WINDOWS];
+} MpmCriticalWindows;
+
 /*S
    MpmCritical - the result of the task critical. Growth is per step, and counts as none up to 1 + tolerance.
 
-   courant     - the largest Courant number up to which there is no growth, or the limit of the closed form where that
-                 is less. 0: there is no stable Courant number. Infinite: none that is unstable was found. NaN:
+   courant     - the largest Courant number up to which there is no growth, but for windows, or the limit of the closed
+                 form where that is less. 0: there is no stable Courant number. Infinite: none that is unstable was found. NaN:
                  undecided.
    stable_at, unstable_at - there is no growth at stable_at, and growth at unstable_at
    beta        - the phase of the mode that grows first at unstable_at, in each direction; NaN: no mode does, or its
@@ -37,6 +54,8 @@ extern const char *const MpmWaveTypeNames[];
                  so that a window of instability may have been missed there; infinite: there is none
    followed    - under drift, amplification factors were followed over all Courant numbers below the limit, so that no
                  window was stepped over; else windows were looked for in steps
+   windows     - at rest, where no theorem says that what grows at a Courant number grows at all larger ones: windows of
+                 growth below courant
    closed, closed_beta - limit and phases by the closed form; NaN without one
    cell        - the symbols that the closed form takes at closed_beta
    bound       - no layout of such particles at rest, jittered or with gaps, grows up to this Courant number; 0: no such
@@ -59,6 +78,8 @@ typedef struct {
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;
+
+  MpmCriticalWindows windows;
 } MpmCritical;
 
 /*S
@@ -106,7 +127,8 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    limit of the waves along the axes. These are the waves of one dimension, whose limit is found as above. A window of
    growth between the samples may be missed.
 
-   On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. Under drift the
+   On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. At rest it looks for
+   windows (MpmCriticalScan) unless a theorem says that there are none (MpmLeftmostDecides). Under drift the
    eigenvalues of small operators are followed in the same way; those of larger ones are taken in steps (see followed).
 
    Errors: refuses (PETSC_ERR_USER_INPUT) an operator whose order is too large for that.
@@ -145,6 +167,17 @@ typedef struct {
 */
 PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
                                 const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2]);
+
+/*
+   MpmCriticalScan - looks for the limit without taking for granted that what has become unstable stays so. Sets stable_at,
+   unstable_at, threshold, fading and windows.
+
+   Collective when growth is. It looks at Courant numbers from MPM_CRITICAL_FROM to MPM_CRITICAL_TO that grow by a quarter each,
+   at 32 equal distances up to the limit, and at 'also' where that is above 0. The limit is the end of the widest range
+   without growth. A window between two of these numbers is missed.
+*/
+PetscErrorCode MpmCriticalScan(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal also,
+                               PetscReal precision, MpmCritical *critical);
 
 /*
    MpmCriticalThreshold - sets threshold and fading. There is a threshold when growth at half of unstable_at is none but

@@ -4,6 +4,7 @@
 */
 #include "analysis/critical_parts.h"
 #include "linalg/dense.h"
+#include "analysis/leftmost.h"
 #include "analysis/modes.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
@@ -182,6 +183,10 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   grows = asked->growth <= 1 + p->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
   if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));
   if (c->followed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!drifts && !MpmLeftmostDecides(p->of->layout, p->of->scheme, &p->of->step)) {
+    PetscCall(MpmCriticalScan(Growth, p, p->of->tolerance, courant, PRECISION, c));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (grows) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
@@ -235,7 +240,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
+    if (!c->windows.looked) PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
     PetscCall(LimitingMode(&probe, c));
     c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
     PetscCall(CheckRounding(&probe, c));

@@ -10,6 +10,8 @@
    any ends but walls that react (THEORY.md, section 5). DIV has to be the adjoint of GRAD: a node without mass beside a
    particle that hats put on another node would break that, so that layouts with holes must be jittered.
 
+   Such an eigenvalue falls as the Courant number grows. So what has become unstable stays so.
+
    Not collective.
 */
-PetscBool MpmLeftmostDecides(const MpmScene *scene);
+PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step);

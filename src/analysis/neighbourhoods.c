@@ -151,6 +151,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   one->undecided   = layouts.undecided;
   one->worst_seed  = layouts.worst;
   one->evaluations = layouts.evaluations;
+  one->windows     = layouts.windows;
   if (limits && isnan(one->courant)) one->why_not = "LAPACK did not converge";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,6 +236,13 @@ static PetscErrorCode TakeFastest(PetscReal tolerance, MpmNeighbourhoods *all)
   f->verdict = of_verdict[MPM_UNSTABLE] ? MPM_UNSTABLE : of_verdict[MPM_UNDECIDED] ? MPM_UNDECIDED : MPM_STABLE;
   if (f->verdict == MPM_UNDECIDED) f->uncertainty = f->defective_error = INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscBool MpmNeighbourhoodsHaveWindows(const MpmNeighbourhoods *all)
+{
+  for (PetscInt i = 0; i < all->n; i++)
+    if (all->of[i].windows.n) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
 
 PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *request, const MpmNeighbourhood *bulk,

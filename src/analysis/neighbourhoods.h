@@ -21,6 +21,7 @@
    layouts, unstable, undecided - of neighbourhood random; unstable and undecided at the scene's own Courant number
    worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
    evaluations, seconds - what the search took
+   windows  - of growth below courant, in the bulk and of random layouts; see MpmCritical
 S*/
 typedef struct {
   MpmNeighbourhoodKind kind;
@@ -31,6 +32,7 @@ typedef struct {
   const char          *why_not;
   PetscInt             layouts, unstable, undecided;
   PetscInt64           worst_seed, evaluations;
+  MpmCriticalWindows   windows;
 } MpmNeighbourhood;
 
 /*S
@@ -47,6 +49,9 @@ typedef struct {
   PetscReal        courant, bound;
   MpmFinding       finding;
 } MpmNeighbourhoods;
+
+/* Not collective. Whether some of them grow in windows below their limits. */
+PetscBool MpmNeighbourhoodsHaveWindows(const MpmNeighbourhoods *all);
 
 /* Not collective. Whether a request asks for more than the bulk. */
 PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request);

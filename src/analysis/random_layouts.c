@@ -6,6 +6,7 @@
    In units in which a node's value is multiplied by the root of its mass it is P_ip W_jp / sqrt(m_i m_j), which has
    entries of order 1 however little mass a node has. Nodes without mass are left out.
 */
+#include "analysis/leftmost.h"
 #include "analysis/random_layouts.h"
 #include "base/farm.h"
 #include "linalg/dense.h"
@@ -270,6 +271,37 @@ static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The largest growth of all layouts at a Courant number. */
+static PetscErrorCode LargestGrowth(void *context, PetscReal courant, PetscReal *growth)
+{
+  Search  *s = (Search *)context;
+  PetscInt grows;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthOfAll(s, courant, &grows));
+  *growth = 0;
+  for (PetscInt i = 0; i < s->asked->n; i++)
+    if (!(s->growth[i] <= *growth)) *growth = s->growth[i];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit of layouts that may grow and cease to grow. */
+static PetscErrorCode ScanForLimit(Search *s)
+{
+  MpmCritical critical = {.threshold = PETSC_TRUE};
+  PetscInt    grows;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCriticalScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
+  s->asked->windows = critical.windows;
+  s->asked->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;
+  if (isinf(critical.unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthOfAll(s, critical.unstable_at, &grows));
+  KeepThoseThatGrow(s);
+  s->asked->worst = s->asked->seed + FirstOf(s);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Halves a bracket of the least limit. Below it no layout grows, and above it those that are looked at do. */
 static PetscErrorCode FindLimit(Search *s)
 {
@@ -278,6 +310,10 @@ static PetscErrorCode FindLimit(Search *s)
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->asked->n; i++) s->looks[i] = PETSC_TRUE;
+  if (!MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step)) {
+    PetscCall(ScanForLimit(s));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(GrowthOfAll(s, bracket[1], &grows));
   s->asked->courant = INFINITY;
   if (!grows) PetscFunctionReturn(PETSC_SUCCESS);

@@ -14,6 +14,7 @@
    unstable, undecided - the numbers of layouts that grow, and of those whose growth is not known
    worst   - the seed of the layout with the least limit, or else of that with the largest growth
    evaluations - the number of times that growth was computed, on all ranks
+   windows - as of MpmCritical: where some layout grows below courant
 S*/
 typedef struct {
   PetscInt   n;
@@ -23,6 +24,8 @@ typedef struct {
   PetscReal  growth, courant;
   PetscInt   unstable, undecided;
   PetscInt64 worst, evaluations;
+
+  MpmCriticalWindows windows;
 } MpmRandomLayouts;
 
 /*
@@ -36,8 +39,9 @@ typedef struct {
    whole distance of particles, which puts each anywhere in its share of the cell. A site has no particle where
    MpmLayoutIsVoid says so. Particles are at rest and alike, and there are no walls.
 
-   The eigenvalues are those of the nodal operator (operator/nodal.h). At rest a layout that has become unstable stays
-   so. The least limit is found by halving between 1e-6 and 64, with those layouts alone that grow at the upper end.
+   The eigenvalues are those of the nodal operator (operator/nodal.h). Where a layout that has become unstable stays so
+   (MpmLeftmostDecides), the least limit is found by halving between 1e-6 and 64, with those layouts alone that grow at the
+   upper end. Else all layouts are looked at (MpmCriticalScan).
 
    Errors: PETSC_ERR_SUP for a table whose nodal operator needs more than maps between particles and nodes and LAP.
 */

@@ -89,8 +89,10 @@ static MpmEigenMethod MethodOf(const MpmScene *scene, PetscInt order, PetscInt n
   const MpmEigenMethod method =
       MpmEigenChoose(n && !symbol ? n : order, symbol && assembled ? PETSC_TRUE : PETSC_FALSE);
 
-  return method == MPM_EIGEN_LARGEST && n && !symbol && scene && MpmLeftmostDecides(scene) ? MPM_EIGEN_LEFTMOST
-                                                                                           : method;
+  return method == MPM_EIGEN_LARGEST && n && !symbol && scene &&
+                 MpmLeftmostDecides(&scene->layout, &scene->scheme, &scene->step)
+             ? MPM_EIGEN_LEFTMOST
+             : method;
 }
 
 /*
@@ -199,7 +201,9 @@ static PetscBool HidesNoGrowth(const MpmSpectrum *s, PetscReal error)
 {
   PetscReal least = INFINITY;
 
-  if (!s->scene || !(s->eigen->complete || s->eigen->leftmost) || !MpmLeftmostDecides(s->scene)) return PETSC_FALSE;
+  if (!s->scene || !(s->eigen->complete || s->eigen->leftmost) ||
+      !MpmLeftmostDecides(&s->scene->layout, &s->scene->scheme, &s->scene->step))
+    return PETSC_FALSE;
   for (PetscInt j = 0; j < s->eigen->n; j++) least = PetscMin(least, s->eigen->re[j]);
   return least > error - 1 ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -3,6 +3,7 @@
 #include <mpmstab/errors.h>
 #include "scene/request.h"
 #include "symbol/predict.h"
+#include <mpmstab/critical.h>
 #include <jansson.h>
 
 /* Collective. Prints the task and the file or code that takes the place of a scene. what: a matrix, or blocks of a lattice. */
@@ -29,13 +30,17 @@ PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 
 /*
    MpmReportLimit - prints a limit of the Courant number as the largest time step, in the scene's unit of time. A second
-   line has the scene's own time step over the limit, if one was given. Beyond the limit it also says growth per step at
+   line has the scene's own time step over the limit, if one was given. Where it grows this line also says growth per step at
    the scene's own Courant number; NaN: it is not known.
 
    Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
-   may be 0 or infinite, as in MpmCritical.
+   may be 0 or infinite, as in MpmCritical. windows: there are windows of growth below the limit.
 */
-PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth);
+PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
+                              PetscBool windows);
+
+/* Prints windows of growth below a limit, each in a line that begins with so many blanks. windows->n may be 0. */
+void MpmReportWindows(PetscInt blanks, const MpmCriticalWindows *windows);
 
 /*
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
@@ -68,7 +73,8 @@ PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
    Not collective. MpmJsonScene makes a new object with version, task, scheme and grid, and MpmJsonFile one with version,
    task and the file that takes the place of a scene. MpmJsonSet adds a number, unless
    it is not finite, which JSON cannot express. MpmJsonSetPrediction adds a growth, or null when the formula does not
-   cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonPredicted makes the value of
+   cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonSetWindows adds windows of growth and
+   at how many Courant numbers growth was looked at. MpmJsonPredicted makes the value of
    the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
 */
 PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s,
@@ -77,6 +83,7 @@ PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscRe
 void           MpmJsonSet(json_t *object, const char key[], PetscReal value);
 void           MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth);
 void           MpmJsonSetFinding(json_t *object, const MpmFinding *finding);
+void           MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows);
 json_t        *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison *comparison, PetscReal symbol);
 json_t        *MpmJsonSymbol(const MpmSymbol *symbol);
 

@@ -54,8 +54,13 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
              name, tolerance, c->rounding);
   else if (isinf(c->courant))
     MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
+  else if (c->courant == 0 && c->stable_at == 0 && c->windows.looked)
+    MpmPrint("%s: 0, growth is beyond tolerance at each of %" PetscInt_FMT " Courant numbers from %.6g to %.6g\n", name,
+             c->windows.looked, c->unstable_at, MPM_CRITICAL_TO);
   else if (c->courant == 0 && c->stable_at == 0)
     MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
+  else if (c->courant == 0 && c->windows.looked)
+    MpmPrint("%s: 0, growth only fades to the tolerance below %.6g\n", name, c->unstable_at);
   else if (c->courant == 0)
     MpmPrint("%s: 0, the scheme grows at every one\n", name);
   else if (isinf(c->stable_at))
@@ -63,8 +68,9 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
   else if (c->courant < c->stable_at)
     MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
   else
-    MpmPrint("%s: %.6g%s\n", name, c->courant,
+    MpmPrint("%s: %.6g%s%s\n", name, c->courant, c->windows.n ? ", with windows of growth below it" : "",
              MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
+  MpmReportWindows(2, &c->windows);
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
@@ -243,7 +249,8 @@ PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, co
     if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
   MpmPrint("time: %.3g s\n", seconds);
   PetscCall(MpmReportLimit(s, request->tolerance, all ? all->courant : c->courant,
-                           all ? all->finding.growth : c->asked.growth));
+                           all ? all->finding.growth : c->asked.growth,
+                           all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -272,6 +279,7 @@ static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
   MpmJsonSet(critical, "unstable_at", c->unstable_at);
   MpmJsonSet(critical, "closed_form", c->closed);
   MpmJsonSet(critical, "fading", c->fading);
+  MpmJsonSetWindows(critical, &c->windows);
   if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
   MpmJsonSet(critical, "growth_when_drifting", c->moving);
   MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);

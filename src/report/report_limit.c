@@ -18,7 +18,24 @@ static void PrintGrowth(PetscReal tolerance, PetscReal growth)
     MpmPrint(", but growth is still within tolerance");
 }
 
-PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth)
+void MpmReportWindows(PetscInt blanks, const MpmCriticalWindows *windows)
+{
+  for (PetscInt i = 0; i < windows->n; i++) {
+    const MpmCriticalWindow *w = &windows->window[i];
+
+    if (w->from > 0)
+      MpmPrint("%*sbelow that there is growth from %.6g to %.6g", (int)blanks, "", w->from, w->to);
+    else
+      MpmPrint("%*sbelow that there is growth up to %.6g", (int)blanks, "", w->to);
+    MpmPrint(", by a factor of up to %.9g per step, at %.6g\n", w->growth, w->at);
+  }
+  if (windows->n)
+    MpmPrint("%*sgrowth was looked at for %" PetscInt_FMT " Courant numbers; a window between two of them is missed\n",
+             (int)blanks, "", windows->looked);
+}
+
+PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
+                              PetscBool windows)
 {
   const PetscReal   limit = MpmSceneTimeStep(scene, courant), ratio = scene->step.courant / courant;
   const char *const name = MpmSceneDrifts(scene) ? "largest dt with growth within tolerance" : "largest stable dt";
@@ -29,14 +46,14 @@ PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscR
     MpmPrint("%s: none up to %.6g is unstable\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  MpmPrint("%s: %.6g\n", name, limit);
+  MpmPrint("%s: %.6g%s\n", name, limit, windows ? ", with windows of growth below it" : "");
   if (!MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   if (courant == 0)
     MpmPrint("dt %.6g is beyond it", scene->dt);
   else
     MpmPrint("dt %.6g is %.*g %s %.6g", scene->dt, fabs(ratio - 1) < NEAR_LIMIT ? 6 : 3, ratio,
              ratio <= 1 ? "of the limit" : "times the limit", limit);
-  if (ratio > 1) PrintGrowth(tolerance, growth);
+  if (ratio > 1 || growth > 1 + tolerance) PrintGrowth(tolerance, growth);
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

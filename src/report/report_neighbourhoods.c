@@ -172,7 +172,7 @@ static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, c
   MpmPrint("the worst of them: %s limits the Courant number to %.6g", Subject(least->kind), all->courant);
   if (MpmSceneIsPhysical(s)) MpmPrint(", the time step to %.6g", MpmSceneTimeStep(s, all->courant));
   PetscCall(ReasonText(s, request, least, sizeof reason, reason));
-  MpmPrint(" (%s)\n", reason);
+  MpmPrint(" (%s)%s\n", reason, MpmNeighbourhoodsHaveWindows(all) ? ", with windows of growth below it" : "");
   if (all->courant == 0) PrintAway(s, all);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -207,6 +207,7 @@ PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *reque
            limits && MpmSceneIsPhysical(s) ? " time step   " : "");
   for (PetscInt i = 0; i < all->n; i++) {
     PetscCall(PrintLine(s, request, limits, &all->of[i]));
+    MpmReportWindows(9, &all->of[i].windows);
     if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
   }
   if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
@@ -258,6 +259,7 @@ static json_t *One(const MpmScene *s, const MpmNeighbourhood *one, PetscBool lim
     json_object_set_new(object, "unstable", json_integer(one->unstable));
     json_object_set_new(object, "share", json_real((PetscReal)one->unstable / (PetscReal)one->layouts));
   }
+  MpmJsonSetWindows(object, &one->windows);
   json_object_set_new(object, "evaluations", json_integer(one->evaluations));
   MpmJsonSet(object, "seconds", one->seconds);
   return object;

@@ -359,6 +359,21 @@ void MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth)
     MpmJsonSet(object, key, growth);
 }
 
+/* Nothing where windows were not looked for. */
+void MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows)
+{
+  json_t *all = windows->looked ? json_array() : NULL;
+
+  if (!all) return;
+  for (PetscInt i = 0; i < windows->n; i++) {
+    const MpmCriticalWindow *w = &windows->window[i];
+
+    json_array_append_new(all, json_pack("[f, f, f]", w->from, w->to, w->growth));
+  }
+  json_object_set_new(object, "windows", all);
+  json_object_set_new(object, "looked_at", json_integer(windows->looked));
+}
+
 void MpmJsonSetFinding(json_t *object, const MpmFinding *f)
 {
   json_object_set_new(object, "verdict", json_string(MpmVerdictNames[f->verdict]));

@@ -170,7 +170,7 @@ static PetscErrorCode CheckGrowing(void)
     if (!turn) continue;
     PetscCall(RandomScene(n, sizeof options, options));
     PetscCall(CheckScene(options, &scene));
-    CHECK(MpmLeftmostDecides(scene), "%s: not decided", options);
+    CHECK(MpmLeftmostDecides(&scene->layout, &scene->scheme, &scene->step), "%s: not decided", options);
     PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
     PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &all));
     for (PetscInt j = 0; j < all->n; j++) {
@@ -200,7 +200,7 @@ static PetscErrorCode CheckLeftmost(const char options[], PetscBool grows)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  CHECK(MpmLeftmostDecides(scene), "%s", options);
+  CHECK(MpmLeftmostDecides(&scene->layout, &scene->scheme, &scene->step), "%s", options);
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmNodalMatrixOf(op, &nodal));
   PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, MPM_EIGEN_DENSE, NULL, &all));
@@ -227,7 +227,7 @@ static PetscErrorCode CheckUndecided(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  CHECK(!MpmLeftmostDecides(scene), "%s: decided", options);
+  CHECK(!MpmLeftmostDecides(&scene->layout, &scene->scheme, &scene->step), "%s: decided", options);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
