@@ -33,5 +33,5 @@ nice -n 10 "$fuzzer" -jobs=2 -workers=2 -max_total_time="$seconds" -max_len=4096
   -print_final_stats=1 -artifact_prefix="$work/found/" "$work/$target" "$corpus" >"fuzz-$target.log" 2>&1 || status=$?
 grep -h 'number_of_executed_units\|^SUMMARY\|Test unit written' fuzz-*.log | sort -u
 nice -n 10 "$fuzzer" -merge=1 -use_counters=0 "$corpus" "$work/$target" >merge.log 2>&1 || { tail -n 20 merge.log; exit 1; }
-echo "corpus: $(ls "$corpus" | wc -l) files, $(cat "$corpus"/* | wc -c) bytes"
-exit ${status:-0}
+echo "corpus: $(find "$corpus" -type f | wc -l) files, $(cat "$corpus"/* | wc -c) bytes"
+exit "${status:-0}"

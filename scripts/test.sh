@@ -1,9 +1,10 @@
 #!/bin/sh
-# Sets up and runs every test.
+# test.sh [OPTION OF CTEST...]: from a bare Debian 12 to tested: installs what is missing, builds, runs all tests, or
+# those that options such as -R NAME choose.
 set -eu
 cd "$(dirname "$0")/.."
-./scripts/setup.sh
 . ./scripts/install.sh
 # shellcheck disable=SC2086 # a list of packages
-install_missing $test_packages
+./scripts/setup.sh $test_packages
+alone build/test.lock "which runs the tests here"
 ctest --test-dir build --output-on-failure --parallel 2 "$@"
