@@ -66,7 +66,7 @@ class Rule:
 
 
 def cases_of(path):
-    """Reads a list of cases: 'NAME [ranks=N] [status=N]: COMMAND', then its rules, each in a line that begins with ~."""
+    """Reads a list of cases, 'NAME [ranks=N] [status=N]: COMMAND', with its rules in lines that begin with ~ below it."""
     group, cases = os.path.basename(path)[:-len(".txt")], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -97,8 +97,12 @@ def run(case, arguments):
                 words = [*launch, arguments.mpmstab, *words, "-json", f"{number}.json"]
             else:
                 words = [*launch, arguments.mpmstab, *words]
-            done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-                                  timeout=300, env=arguments.environment, stdin=subprocess.DEVNULL)
+            try:
+                done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
+                                      timeout=300, env=arguments.environment, stdin=subprocess.DEVNULL)
+            except subprocess.TimeoutExpired:
+                found[f"status {number}"] = "no end after 300 s"
+                break
             found[f"status {number}"] = done.returncode
             for name, text in (("out", done.stdout), ("err", done.stderr)):
                 found[name] += digest.lines(text.replace(folder + "/", "").replace(ROOT + "/", ""))
@@ -119,7 +123,7 @@ def unit(text):
 
 
 def same_line(path, old, new, rules):
-    """Whether two lines have the same words, and numbers that differ by one in the last digit or by what a rule allows."""
+    """Whether two lines have the same words and numbers; one in the last digit and what rules allow are the same."""
     rules = [rule for rule in rules if rule.pattern.search(f"{path}: {old}")]
     if old == new or any(rule.kind == "any" for rule in rules):
         return True
@@ -144,17 +148,17 @@ def differences(path, old, new, rules):
                 if not same_line(path, a, b, rules):
                     yield f"{path}: {a}\n{'':{len(path)}}->  {b}"
         else:
-            yield from (f"{path}: {line}" for line in difflib.unified_diff(old, new, "recorded", "now", "", 0))
+            yield from (f"{path}: {line}" for line in difflib.ndiff(old, new) if line[0] in "+-")
     elif len(numbers) == 2 and isinstance(old, list) == isinstance(new, list):
         olds, news = (old, new) if isinstance(old, list) else ([old], [new])
         rules = [rule for rule in rules if rule.pattern.search(path)]
-        scale = max([abs(v) for v in (*olds, *news) if v == v], default=0)
+        scale = max([abs(v) for v in (*olds, *news) if math.isfinite(v)], default=0)
         if len(olds) != len(news):
             yield f"{path}: {len(olds)} -> {len(news)} numbers"
         for k, (a, b) in enumerate(zip(olds, news)):
             same = a == b or (a != a and b != b) or abs(a - b) <= TOLERANCE * scale
             if not same and not any(rule.allows(a, b) for rule in rules):
-                yield f"{path}{f'[{k}]' if isinstance(old, list) else ''}: {a!r} -> {b!r}, by {abs(a - b) / scale:.1e}"
+                yield f"{path}{f'[{k}]' if isinstance(old, list) else ''}: {a!r} -> {b!r}, by {abs(a - b) / (scale or 1):.1e}"
     elif old != new and not any(rule.kind == "any" and rule.pattern.search(path) for rule in rules):
         yield f"{path}: {old!r} -> {new!r}"
 
@@ -166,7 +170,9 @@ def compare(old, new, rules):
         if path not in new:
             told.append(f"{path}: {old[path]!r} -> missing")
             continue
-        lines = [f"{path}: new, {new[path]!r}"] if path not in old else list(differences(path, old[path], new[path], rules))
+        lines = [f"{path}: new, {new[path]!r}"]
+        if path in old:
+            lines = list(differences(path, old[path], new[path], rules))
         told += lines
         kept[path] = new[path] if lines else old[path]
     return told, kept
@@ -199,7 +205,7 @@ def main():
     parser.add_argument("--slowest", type=int, default=0)
     arguments = parser.parse_args()
     with open(os.path.join(HERE, "rules.txt"), encoding="utf-8") as file:
-        common = [Rule(line, "rules.txt") for line in file if line.strip() and not line.startswith("#")]
+        common = [Rule(line, "rules.txt") for line in file if line.strip() and line[0] != "#"]
     cases = [case for path in sorted(glob.glob(os.path.join(HERE, "cases", "*.txt"))) for case in cases_of(path)]
     names = [case.name for case in cases]
     if len(names) > len(set(names)):
