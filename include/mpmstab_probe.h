@@ -1,6 +1,6 @@
 /*
-   mpmstab_probe: one call in your own time loop writes the matrix of your step. This header is all that is needed, in C
-   and in C++:
+   mpmstab_probe: one call in your own time loop writes the matrix of your step. This header and mpmstab_scales.h beside it
+   are all that is needed, in C and in C++:
 
      mpmstab_hook hook = {{0}};                                     periods of the grid: {{Lx, Ly, Lz}}, 0 where none
 
@@ -22,15 +22,20 @@
    A step reaches a few cells. So particles far enough apart are perturbed in one call, once a few calls have shown how
    far a particle reaches. Without a place, or when answers come from elsewhere, each column has calls of its own.
 
-   Comments of the file say how far the matrix can be trusted; numbers are relative to the fields' scales:
+   Comments of the file say how far the matrix can be trusted; numbers are relative to the fields' scales. Numbers of a
+   particle that no step reads back, such as places at rest, are left out, since no other eigenvalue feels them:
      moved       largest change of the state in a step: where it is not small, eigenvalues describe this one step
      repeat      difference of two steps from the same state: other than 0 when something is not registered
-     one_sided   largest difference between an entry from forward and from central differences: switches at the state
+     one_sided   largest difference between an entry from forward and from central differences, beyond what curvature
+                 makes: switches at the state
      two_sizes   Frobenius norm of the change of the matrix with perturbations twice as large: rounding and curvature
      additivity  difference between the response to a random perturbation and A times it, relative to the larger
+     unsettled   change of the scales that were found, in powers of 2, when they were looked for once more
 */
 #ifndef MPMSTAB_PROBE_H
 #define MPMSTAB_PROBE_H
+#include "mpmstab_scales.h"
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,8 +50,17 @@ extern "C" {
 #endif
 
 enum { MPMSTAB_FLOAT = 4, MPMSTAB_DOUBLE = 8 };
-enum { MPMSTAB_BEGIN, MPMSTAB_REST, MPMSTAB_REPEAT, MPMSTAB_REACH, MPMSTAB_COLUMNS, MPMSTAB_CHECK, MPMSTAB_DONE };
-enum { MPMSTAB_MOST_FIELDS = 64, MPMSTAB_MOST_BINS = 100000000, MPMSTAB_ASKED = 4 };
+enum {
+  MPMSTAB_BEGIN,
+  MPMSTAB_REST,
+  MPMSTAB_REPEAT,
+  MPMSTAB_SCALES,
+  MPMSTAB_REACH,
+  MPMSTAB_COLUMNS,
+  MPMSTAB_CHECK,
+  MPMSTAB_DONE
+};
+enum { MPMSTAB_MOST_FIELDS = MPMSTAB_SCALES_MOST, MPMSTAB_MOST_BINS = 100000000, MPMSTAB_ASKED = 4 };
 
 /* period: of the grid in each direction; 0: none. The rest belongs to the functions below. */
 typedef struct {
@@ -62,14 +76,20 @@ typedef struct {
   double      scale;
 } mpmstab_registered;
 
-/* bins are as wide as cells. Of a call, owner is the perturbed particle that an answer is due to, or -1. */
+/*
+   bins are as wide as cells. Of a call, owner is the perturbed particle that an answer is due to, or -1. For each pair of
+   numbers of a particle, couples has the largest entry, kinks and sizes what one_sided and two_sizes are made of; own: the
+   largest entry on the diagonal. apart: numbers that no other eigenvalue feels.
+*/
 struct mpmstab_work {
   mpmstab_registered field[MPMSTAB_MOST_FIELDS];
+  mpmstab_scales     scales;
   int                nfields, width, place, stage, asked, number, reach, single;
   long               particles, colours, colour, middle, calls, bins[3], modulus[3];
   long              *bin, *colour_of, *owner, *grid;
-  double             cell, period[3], *base, *rest, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
-  double             moved, repeat, one_sided, two_sizes, additivity, leaks;
+  double             cell, period[3], *base, *rest, *again, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
+  double             moved, repeat, one_sided, two_sizes, additivity, leaks, *couples, *own, *kinks, *sizes;
+  char              *apart;
   long               n, room, *row, *column;
   double            *value;
 };
@@ -88,7 +108,7 @@ static inline void *mpmstab_room_(void *old, size_t bytes)
 /*
    mpmstab_field - registers a field. first: of the first particle; type: MPMSTAB_FLOAT or MPMSTAB_DOUBLE; size: numbers
    of a particle, one after another; stride: bytes from one particle to the next; scale: what a change of order 1 means,
-   or 0: the largest of the state's absolute values, or 1 where all are 0.
+   or 0: it is found from a few steps.
 */
 MPMSTAB_PROBE_API void mpmstab_field(mpmstab_hook *hook, const char *name, void *first, int type, int size,
                                      size_t stride, long particles, double scale)
@@ -157,13 +177,13 @@ static inline double mpmstab_minus_(const struct mpmstab_work *w, long unknown, 
   return axis >= 0 && w->period[axis] > 0 ? d - w->period[axis] * floor(d / w->period[axis] + 0.5) : d;
 }
 
-/* The largest difference of two states over the scales. */
+/* The largest difference of two states over the scales, of numbers that are not set apart. */
 static inline double mpmstab_apart_(const struct mpmstab_work *w, const double *one, const double *other)
 {
   double most = 0;
 
   for (long i = 0; i < w->particles * w->width; i++)
-    most = fmax(most, fabs(mpmstab_minus_(w, i, one, other)) / w->scale[i % w->width]);
+    if (!w->apart[i % w->width]) most = fmax(most, fabs(mpmstab_minus_(w, i, one, other)) / w->scale[i % w->width]);
   return most;
 }
 
@@ -314,7 +334,10 @@ static inline double mpmstab_size_(const struct mpmstab_work *w)
   return w->single ? 0.03125 : 7.62939453125e-06;
 }
 
-/* The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all. */
+/*
+   The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all numbers that
+   are not set apart, or of a field, while scales are looked for.
+*/
 static inline void mpmstab_perturb_(struct mpmstab_work *w)
 {
   const double  sign = w->asked % 2 ? -1 : 1, size = mpmstab_size_(w) * (w->asked / 2 + 1);
@@ -322,7 +345,10 @@ static inline void mpmstab_perturb_(struct mpmstab_work *w)
   unsigned long random = 1;
 
   for (long i = 0; i < w->particles * w->width; i++) {
-    const int number = (int)(i % w->width), all = w->stage == MPMSTAB_CHECK;
+    const int number = (int)(i % w->width), begin = w->field[w->number].begin;
+    const int all = w->stage == MPMSTAB_SCALES  ? number >= begin && number < begin + w->field[w->number].size
+                    : w->stage == MPMSTAB_CHECK ? !w->apart[number]
+                                                : 0;
     const int one = number == w->number && (w->stage == MPMSTAB_REACH     ? i / w->width == w->middle
                                             : w->stage == MPMSTAB_COLUMNS ? w->colour_of[i / w->width] == w->colour
                                                                           : 0);
@@ -347,6 +373,17 @@ static inline void mpmstab_entry_(struct mpmstab_work *w, long row, long column,
   w->row[w->n] = row, w->column[w->n] = column, w->value[w->n++] = value;
 }
 
+/* What rounding of a number may make of a difference quotient of two sizes, in scales. */
+static inline double mpmstab_rounding_(const struct mpmstab_work *w, long unknown)
+{
+  const int number = (int)(unknown % w->width);
+  int       f      = 0;
+
+  while (f + 1 < w->nfields && w->field[f + 1].begin <= number) f++;
+  return 4 * (w->field[f].type == MPMSTAB_FLOAT ? FLT_EPSILON : DBL_EPSILON) * fabs(w->base[unknown]) /
+         w->scale[number] / mpmstab_size_(w);
+}
+
 static inline void mpmstab_take_columns_(struct mpmstab_work *w)
 {
   double **f = w->answer, **d = w->amount;
@@ -355,18 +392,51 @@ static inline void mpmstab_take_columns_(struct mpmstab_work *w)
   for (long i = 0; i < w->particles * w->width; i++) {
     const long   owner = w->owner[i / w->width], j = owner * w->width + w->number;
     const double unit = w->scale[w->number] / w->scale[i % w->width], both = mpmstab_minus_(w, i, f[0], f[1]);
+    const long   pair = i % w->width * w->width + w->number;
 
     if (owner < 0) {
       w->leaks = fmax(w->leaks, fabs(both) / w->scale[i % w->width] / (2 * mpmstab_size_(w)));
     } else {
-      const double a = both / (d[0][j] - d[1][j]), ahead = mpmstab_minus_(w, i, f[0], w->rest) / d[0][j];
-      const double larger = (mpmstab_minus_(w, i, f[2], f[3]) / (d[2][j] - d[3][j]) - a) * unit;
+      const double a = both / (d[0][j] - d[1][j]), b = mpmstab_minus_(w, i, f[2], f[3]) / (d[2][j] - d[3][j]);
+      const double near_ = mpmstab_minus_(w, i, f[0], w->rest) / d[0][j] - a,
+                   far_ = mpmstab_minus_(w, i, f[2], w->rest) / d[2][j] - b, kink = (2 * near_ - far_) * unit;
+      double *most = i == j ? &w->own[w->number] : &w->couples[pair];
 
-      w->one_sided = fmax(w->one_sided, fabs(ahead - a) * unit);
-      w->two_sizes += larger * larger;
+      *most          = fmax(*most, fabs(a) * unit);
+      w->kinks[pair] = fmax(w->kinks[pair], fabs(kink) - mpmstab_rounding_(w, i));
+      w->sizes[pair] += (b - a) * (b - a) * unit * unit;
       if (a != 0) mpmstab_entry_(w, i, j, a);
     }
   }
+}
+
+/*
+   Sets numbers apart that do not reach themselves through others (Warshall 1962), and whose own eigenvalue does not grow.
+   Where this would be all of them, none is.
+*/
+static inline void mpmstab_set_apart_(struct mpmstab_work *w)
+{
+  const double noise = w->single ? 1e-5 : 1e-8;
+  const int    n     = w->width;
+  int          left  = 0;
+
+  for (int k = 0; k < n; k++)
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n && w->couples[i * n + k] > noise; j++)
+        if (w->couples[k * n + j] > noise) w->couples[i * n + j] = fmax(w->couples[i * n + j], 2 * noise);
+  for (int i = 0; i < n; i++) {
+    w->apart[i] = (char)!(w->couples[i * n + i] > noise || w->own[i] > 1 + noise);
+    left += !w->apart[i];
+  }
+  if (!left) memset(w->apart, 0, (size_t)n);
+  w->one_sided = w->two_sizes = 0;
+  for (int i = 0; i < n * n; i++) {
+    if (w->apart[i / n] || w->apart[i % n]) continue;
+    w->one_sided = fmax(w->one_sided, w->kinks[i]);
+    w->two_sizes += w->sizes[i];
+  }
+  w->moved  = mpmstab_apart_(w, w->rest, w->base);
+  w->repeat = mpmstab_apart_(w, w->rest, w->again);
 }
 
 /* The response to a random perturbation of all unknowns, against the matrix. */
@@ -380,6 +450,7 @@ static inline void mpmstab_take_check_(struct mpmstab_work *w)
   for (long i = 0; i < w->particles * w->width; i++) {
     const double response = mpmstab_minus_(w, i, w->answer[0], w->answer[1]), unit = w->scale[i % w->width];
 
+    if (w->apart[i % w->width]) continue;
     most = fmax(most, fmax(fabs(response), fabs(y[i])) / unit);
     off  = fmax(off, fabs(response - y[i]) / unit);
   }
@@ -391,26 +462,58 @@ static inline void mpmstab_begin_columns_(struct mpmstab_work *w)
   mpmstab_colours_(w);
   w->stage  = MPMSTAB_COLUMNS;
   w->colour = w->number = 0;
-  w->n = 0, w->one_sided = w->two_sizes = w->leaks = 0;
+  w->n = 0, w->leaks = 0;
+  memset(w->apart, 0, (size_t)w->width);
+  memset(w->own, 0, sizeof(double) * (size_t)(w->width * (3 * w->width + 1)));
+}
+
+/* The next field that is perturbed to find scales. When they are known, columns follow, or what a particle reaches. */
+static inline void mpmstab_next_scale_(struct mpmstab_work *w)
+{
+  int declared = 1;
+
+  for (int f = 0; f < w->nfields; f++) declared = declared && w->scales.given[f];
+  w->number = declared ? -1 : mpmstab_scales_next_(&w->scales);
+  w->stage  = MPMSTAB_SCALES;
+  for (int f = 0; f < w->nfields; f++)
+    for (int a = 0; a < w->field[f].size; a++) w->scale[w->field[f].begin + a] = w->scales.scale[f];
+  if (w->number >= 0) return;
+  w->number = 0;
+  w->stage  = MPMSTAB_REACH;
+  w->repeat = mpmstab_apart_(w, w->rest, w->again);
+  if (w->reach < 0) mpmstab_begin_columns_(w);
+}
+
+/* Takes how much each field changes, half the difference of two answers. */
+static inline void mpmstab_take_scale_(struct mpmstab_work *w)
+{
+  double change[MPMSTAB_MOST_FIELDS] = {0};
+
+  for (int f = 0; f < w->nfields; f++)
+    for (long i = 0; i < w->particles * w->field[f].size; i++) {
+      const long unknown = i / w->field[f].size * w->width + w->field[f].begin + i % w->field[f].size;
+
+      change[f] = fmax(change[f], fabs(mpmstab_minus_(w, unknown, w->answer[0], w->answer[1])) / 2);
+    }
+  mpmstab_scales_take_(&w->scales, w->number, change);
 }
 
 /* Takes one more answer, and says what comes next. */
 static inline void mpmstab_take_(struct mpmstab_work *w)
 {
-  const int answers = w->stage == MPMSTAB_COLUMNS ? 4 : w->stage == MPMSTAB_CHECK ? 2 : 1;
+  const int answers = w->stage == MPMSTAB_COLUMNS ? 4 : w->stage == MPMSTAB_CHECK || w->stage == MPMSTAB_SCALES ? 2 : 1;
 
   if (++w->asked < answers) return;
   w->asked = 0;
   if (w->stage == MPMSTAB_REST) {
     memcpy(w->rest, w->answer[0], sizeof(double) * (size_t)(w->particles * w->width));
-    w->moved = mpmstab_apart_(w, w->rest, w->base);
     w->stage = MPMSTAB_REPEAT;
   } else if (w->stage == MPMSTAB_REPEAT) {
-    w->repeat = mpmstab_apart_(w, w->rest, w->answer[0]);
-    if (w->reach < 0)
-      mpmstab_begin_columns_(w);
-    else
-      w->stage = MPMSTAB_REACH;
+    memcpy(w->again, w->answer[0], sizeof(double) * (size_t)(w->particles * w->width));
+    mpmstab_next_scale_(w);
+  } else if (w->stage == MPMSTAB_SCALES) {
+    mpmstab_take_scale_(w);
+    mpmstab_next_scale_(w);
   } else if (w->stage == MPMSTAB_REACH) {
     for (long i = 0; i < w->particles * w->width; i++) {
       const double change = fabs(mpmstab_minus_(w, i, w->answer[0], w->rest)) / w->scale[i % w->width];
@@ -425,7 +528,9 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
   } else if (w->stage == MPMSTAB_COLUMNS) {
     mpmstab_take_columns_(w);
     if (++w->number == w->width) w->number = 0, w->colour++;
-    if (w->colour == w->colours) w->stage = MPMSTAB_CHECK;
+    if (w->colour < w->colours) return;
+    mpmstab_set_apart_(w);
+    w->stage = MPMSTAB_CHECK;
   } else {
     mpmstab_take_check_(w);
     w->stage = MPMSTAB_DONE;
@@ -438,15 +543,19 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
 
 /* ---- the call ---- */
 
-static inline double mpmstab_scale_(const struct mpmstab_work *w, const mpmstab_registered *f, double h)
+static inline void mpmstab_begin_scales_(struct mpmstab_work *w, double h)
 {
-  double most = 0;
+  w->scales.place = h > 0 ? w->place : -1;
+  w->scales.cell  = h;
+  w->scales.size  = mpmstab_size_(w);
+  for (int f = 0; f < w->nfields; f++) {
+    const mpmstab_registered *of   = &w->field[f];
+    double                    most = 0;
 
-  if (f->scale > 0) return f->scale;
-  if (w->place >= 0 && f == &w->field[w->place] && h > 0) return h;
-  for (long i = 0; i < w->particles; i++)
-    for (int a = 0; a < f->size; a++) most = fmax(most, fabs(w->base[i * w->width + f->begin + a]));
-  return most > 0 ? most : 1;
+    for (long i = 0; i < w->particles; i++)
+      for (int a = 0; a < of->size; a++) most = fmax(most, fabs(w->base[i * w->width + of->begin + a]));
+    mpmstab_scales_add_(&w->scales, most, of->scale, of->type == MPMSTAB_FLOAT ? FLT_EPSILON : DBL_EPSILON);
+  }
 }
 
 static inline void mpmstab_start_(mpmstab_hook *hook, double h)
@@ -460,6 +569,12 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   }
   w->base      = (double *)mpmstab_room_(NULL, n);
   w->rest      = (double *)mpmstab_room_(NULL, n);
+  w->again     = (double *)mpmstab_room_(NULL, n);
+  w->own       = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)(w->width * (3 * w->width + 1)));
+  w->couples   = w->own + w->width;
+  w->kinks     = w->couples + w->width * w->width;
+  w->sizes     = w->kinks + w->width * w->width;
+  w->apart     = (char *)memset(mpmstab_room_(NULL, (size_t)w->width), 0, (size_t)w->width);
   w->scale     = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)w->width);
   w->bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
   w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
@@ -467,11 +582,7 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   memcpy(w->period, hook->period, sizeof w->period);
   w->cell = h;
   mpmstab_copy_(w, w->base, 0);
-  for (int f = 0; f < w->nfields; f++) {
-    const mpmstab_registered *of = &w->field[f];
-
-    for (int a = 0; a < of->size; a++) w->scale[of->begin + a] = mpmstab_scale_(w, of, h);
-  }
+  mpmstab_begin_scales_(w, h);
   mpmstab_bins_(w, h);
   w->stage = MPMSTAB_REST;
 }
@@ -490,6 +601,15 @@ static inline void mpmstab_write_places_(const struct mpmstab_work *w, FILE *fil
 
   fprintf(file, "%% numbers: %d\n", w->width);
   for (int i = 0; i < w->width; i++) fprintf(file, "%% scale: %.17g\n", w->scale[i]);
+  for (int f = 0; f < w->nfields; f++) {
+    const char *from = w->field[f].scale > 0      ? "declared"
+                       : w->scales.given[f]       ? "cell_width"
+                       : w->scales.unsettled <= 1 ? "found"
+                                                  : "guessed";
+
+    fprintf(file, "%% field_scale: %.17g %s %s\n", w->scales.scale[f], from, w->field[f].name);
+  }
+  if (w->scales.at[0] > 0) fprintf(file, "%% unsettled: %.3g\n", w->scales.unsettled);
   if (!dim || !(w->cell > 0)) return;
   fprintf(file, "%% cell_width: %.17g\n%% period:", w->cell);
   for (int a = 0; a < dim; a++) fprintf(file, " %.17g", w->period[a]);
@@ -532,7 +652,8 @@ static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path
 static inline void mpmstab_free_(struct mpmstab_work *w)
 {
   for (int k = 0; k < MPMSTAB_ASKED; k++) free(w->answer[k]), free(w->amount[k]);
-  free(w->base), free(w->rest), free(w->scale), free(w->bin), free(w->colour_of), free(w->owner), free(w->grid);
+  free(w->base), free(w->rest), free(w->again), free(w->own), free(w->apart), free(w->scale), free(w->bin),
+      free(w->colour_of), free(w->owner), free(w->grid);
   free(w->row), free(w->column), free(w->value);
 }
 
@@ -557,6 +678,10 @@ MPMSTAB_PROBE_API int mpmstab_probe(mpmstab_hook *hook, const char *path, double
     mpmstab_copy_(w, w->answer[w->asked], 0);
     if (mpmstab_finite_(w, w->answer[w->asked])) {
       mpmstab_take_(w);
+    } else if (w->stage == MPMSTAB_SCALES) {
+      mpmstab_scales_fail_(&w->scales);
+      w->asked = 0;
+      mpmstab_next_scale_(w);
     } else {
       fprintf(stderr, "mpmstab_probe: the state after a step has a number that is not finite; %s is not written\n",
               path);

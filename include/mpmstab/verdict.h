@@ -24,7 +24,7 @@ S*/
 typedef struct {
   MpmVerdict verdict;
   PetscReal  growth, tolerance, uncertainty, defective_error;
-  char       evidence[256];
+  char       evidence[1024];
 } MpmFinding;
 
 /*

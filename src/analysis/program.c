@@ -172,7 +172,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   PetscCall(MpmUnreadOfBlocks(&probed[0], p->stepper->width, Noise(p), &p->unread));
   PetscCall(Reduce(p, &probed[0], one));
   if (other) {
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
     PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
     PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], p->unread.apart, &p->certificates));
     PetscCall(Reduce(p, &probed[1], other));
@@ -192,7 +192,7 @@ static PetscErrorCode Shell(MpmProgram *p, Mat *one, Mat *other)
   PetscCall(PetscCalloc1(p->unread.width, &p->unread.apart));
   PetscCall(MpmProbeShell(&p->probe, p->probe.size, one));
   if (!other) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, c));
+  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
   PetscCall(MpmProbeShell(&p->probe, p->probe.other, other));
   PetscCall(MpmProbeShellDistance(*one, *other, &c->value[MPM_CERTIFY_SIZES]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -221,10 +221,10 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
   PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, Noise(p), &p->unread));
   PetscCall(MpmUnreadReduce(&p->unread, A, one));
   if (other) {
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, &p->certificates));
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
     PetscCall(Matrix(p, p->probe.other, &B));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
-    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, &p->certificates));
+    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, p->unread.apart, &p->certificates));
     if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MatDestroy(&B));
   }

@@ -1,6 +1,8 @@
 /* Verdicts on stability, and the uncertainties of growth that they rest on. */
 #include <mpmstab/verdict.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #define STILL_SMALL 0.1
 
@@ -36,10 +38,11 @@ MpmVerdict MpmVerdictOf(const MpmFinding *f)
 
 PetscErrorCode MpmFindingDispute(MpmFinding *f, const char words[])
 {
+  const size_t said = strlen(f->evidence);
+
   PetscFunctionBegin;
   f->verdict = MPM_UNDECIDED;
-  PetscCall(PetscStrlcat(f->evidence, ", but ", sizeof f->evidence));
-  PetscCall(PetscStrlcat(f->evidence, words, sizeof f->evidence));
+  (void)snprintf(f->evidence + said, sizeof f->evidence - said, ", but %s", words);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -274,8 +274,7 @@ PetscErrorCode MpmBlocksOfMatrix(MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_T
   PetscCall(PetscCalloc4(n, &l.cell, n, &l.site, n, &l.order, n, &l.xi));
   PetscCall(FindCells(&l, why));
   if (!why[0]) PetscCall(FindSites(&l, why));
-  for (PetscInt64 k = 0; k < e->n && e->hooked.scales == l.width; k++)
-    e->value[k] *= e->hooked.scale[e->column[k] % l.width] / e->hooked.scale[e->row[k] % l.width];
+  MpmEntriesToScales(e);
   for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--) l.middle = l.middle * l.cells[a] + l.cells[a] / 2;
   if (!why[0]) PetscCall(Take(&l, e, b, why));
   PetscCall(PetscFree4(l.cell, l.site, l.order, l.xi));

@@ -8,7 +8,7 @@
 void MpmHookedBegin(MpmHooked *h)
 {
   *h       = (MpmHooked){.dim = 0};
-  h->moved = h->repeat = h->one_sided = h->two_sizes = h->additivity = NAN;
+  h->moved = h->repeat = h->one_sided = h->two_sizes = h->additivity = h->unsettled = NAN;
 }
 
 /* As many numbers as a text begins with, at most so many. */
@@ -45,7 +45,7 @@ PetscErrorCode MpmHookedTake(const char comment[], MpmHooked *h)
                       {"one_sided", offsetof(MpmHooked, one_sided)},   {"two_sizes", offsetof(MpmHooked, two_sizes)},
                       {"additivity", offsetof(MpmHooked, additivity)}, {"size", offsetof(MpmHooked, size)},
                       {"single", offsetof(MpmHooked, single)},         {"numbers", offsetof(MpmHooked, numbers)},
-                      {"cell_width", offsetof(MpmHooked, cell_width)}};
+                      {"cell_width", offsetof(MpmHooked, cell_width)}, {"unsettled", offsetof(MpmHooked, unsettled)}};
   const char *text = strchr(comment, ':');
   size_t      length;
 
@@ -56,6 +56,11 @@ PetscErrorCode MpmHookedTake(const char comment[], MpmHooked *h)
   if (length == 2 && !strncmp(comment, "at", 2)) PetscCall(TakePlace(text, h));
   if (length == 5 && !strncmp(comment, "scale", 5) && h->scales < MPM_HOOKED_NUMBERS)
     h->scales += Numbers(text, 1, h->scale + h->scales);
+  if (length == 11 && !strncmp(comment, "field_scale", 11) && h->nfields < MPM_STEPPER_FIELDS) {
+    MpmFieldScale *field = &h->field[h->nfields];
+
+    if (sscanf(text, "%lf %15s %63[^\r\n]", &field->scale, field->from, field->name) == 3) h->nfields++;
+  }
   if (length == 6 && !strncmp(comment, "period", 6)) h->dim = Numbers(text, MPM_MAX_DIM, h->period);
   for (size_t i = 0; i < sizeof said / sizeof *said; i++)
     if (strlen(said[i].name) == length && !strncmp(comment, said[i].name, length))
@@ -73,8 +78,9 @@ PetscErrorCode MpmHookedFree(MpmHooked *h)
 /* What two steps from the same state differ by is felt by an entry over the size of the perturbations. */
 PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *h, PetscReal tolerance, MpmCertificates *c)
 {
-  PetscReal said[] = {h->moved, h->repeat / (h->size > 0 ? h->size : 1), h->one_sided, h->two_sizes, h->additivity,
-                      h->single};
+  PetscReal said[] = {
+      h->moved,    h->repeat / (h->size > 0 ? h->size : 1), h->one_sided, h->two_sizes, h->additivity, h->single,
+      h->unsettled};
   PetscBool single;
 
   PetscFunctionBegin;
@@ -86,5 +92,8 @@ PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *h, PetscRea
   c->value[MPM_CERTIFY_ONE_SIDED]   = said[2];
   c->value[MPM_CERTIFY_SIZES]       = said[3];
   c->value[MPM_CERTIFY_ADDITIVITY]  = said[4];
+  c->value[MPM_CERTIFY_SCALES]      = said[6];
+  c->nfields                        = h->nfields; /* for the first rank, which reports */
+  PetscCall(PetscArraycpy(c->field, h->field, h->nfields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,6 +8,7 @@
      % size: 7.6e-06         of the perturbations, in the scales of the fields; in single precision also '% single: 1'
      % moved: 0              and the other certificates
      % scale: 1              of a number of a particle; one comment for each
+     % field_scale: 1 found v     of a field, from where it is known, and its name; one comment for each
      % at: 0.015625          a particle's place; one comment for each
 */
 #pragma once
@@ -19,10 +20,13 @@
    MpmHooked - certificates that are not said are NaN, other numbers 0. x: the places, dim numbers a particle.
 S*/
 typedef struct {
-  PetscReal  moved, repeat, one_sided, two_sizes, additivity, size, single, numbers, cell_width, period[MPM_MAX_DIM];
-  PetscInt   dim;
-  PetscInt64 places, room, scales;
-  PetscReal *x, scale[MPM_HOOKED_NUMBERS];
+  PetscReal moved, repeat, one_sided, two_sizes, additivity, unsettled, size, single, numbers, cell_width,
+      period[MPM_MAX_DIM];
+  PetscInt      dim;
+  PetscInt64    places, room, scales;
+  PetscReal    *x, scale[MPM_HOOKED_NUMBERS];
+  PetscInt      nfields;
+  MpmFieldScale field[MPM_STEPPER_FIELDS];
 } MpmHooked;
 
 /* Not collective. Begin with nothing said; take a comment, without its '%'; free the places. */

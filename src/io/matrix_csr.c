@@ -39,6 +39,15 @@ PetscErrorCode MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmEntriesToScales(MpmEntries *e)
+{
+  const MpmHooked *h     = &e->hooked;
+  const PetscInt   width = (PetscInt)h->scales;
+
+  if (width < 1 || h->numbers != (PetscReal)width || e->rows % width) return;
+  for (PetscInt64 k = 0; k < e->n; k++) e->value[k] *= h->scale[e->column[k] % width] / h->scale[e->row[k] % width];
+}
+
 PetscErrorCode MpmEntriesFree(MpmEntries *e)
 {
   PetscFunctionBegin;

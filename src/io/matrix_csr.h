@@ -32,6 +32,9 @@ typedef struct {
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
                               char why[MPM_WHY_TEXT]);
 PetscErrorCode MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
+/* Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself probes. */
+void MpmEntriesToScales(MpmEntries *entries);
+
 PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
 /* Not collective. Sorts entries into rows. Each row has an entry on the diagonal, if only a 0: solvers shift the matrix. */

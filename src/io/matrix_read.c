@@ -177,7 +177,10 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
                 MPM_MATRIX_MOST_STEPS);
   PetscCall(MpmHookedCertificates(comm, &entries.hooked, tolerance, certificates));
   if (!*steps) *steps = said ? (PetscInt)said : 1;
-  if (rank == 0) PetscCall(MpmCsrFromEntries(&entries, &csr));
+  if (rank == 0) {
+    MpmEntriesToScales(&entries);
+    PetscCall(MpmCsrFromEntries(&entries, &csr));
+  }
   PetscCall(MpmEntriesFree(&entries));
   PetscCall(MpmCsrScatter(comm, &csr, A));
   PetscCall(MpmCsrFree(&csr));

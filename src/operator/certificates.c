@@ -22,7 +22,7 @@
 #define AT_REST_SINGLE 1e-5 /* of floats */
 
 const char *const MpmCertificateNames[] = {"repeat",      "two sizes", "additivity", "one side",
-                                           "equilibrium", "reach",     "columns"};
+                                           "equilibrium", "reach",     "columns",    "scales"};
 
 const char *const MpmCertificateTexts[] = {"a state stepped again, also after another one",
                                            "probed with two sizes: norm of the difference",
@@ -30,7 +30,8 @@ const char *const MpmCertificateTexts[] = {"a state stepped again, also after an
                                            "forward against backward at the base state",
                                            "the base state after a step",
                                            "what is felt farther away than should be",
-                                           "everything perturbed at once against the columns"};
+                                           "everything perturbed at once against the columns",
+                                           "scales of fields, looked for once more: change in powers of 2"};
 
 const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
                                             "two sizes of perturbations give two operators",
@@ -38,7 +39,8 @@ const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
                                             "the base state is on a switch",
                                             "the base state moves, so that the operator is that of one step",
                                             "the block of cells is too small for the reach of a step",
-                                            "the columns are not those of the whole state"};
+                                            "the columns are not those of the whole state",
+                                            "the scale of a field was not found (it can be declared)"};
 
 PetscBool MpmCertificatesTaken(const MpmCertificates *c)
 {
@@ -56,14 +58,17 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
 {
   c->tolerance = tolerance;
   c->cells     = 1;
+  c->nfields   = 0;
   for (int i = 0; i < MPM_CERTIFICATES; i++) {
     c->value[i] = NAN;
     c->bound[i] = tolerance;
     c->most[i]  = MPM_NONE;
   }
-  c->bound[MPM_CERTIFY_ADDITIVITY] = c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = SWITCHES;
-  c->bound[MPM_CERTIFY_EQUILIBRIUM] = single ? AT_REST_SINGLE : AT_REST;
-  c->bound[MPM_CERTIFY_SIZES]       = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
+  c->bound[MPM_CERTIFY_ADDITIVITY] = SWITCHES;
+  c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = single ? KINKS_SINGLE : KINKS;
+  c->bound[MPM_CERTIFY_SCALES]                                    = 1;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_SIZES]                                     = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
 }
 
 /* Everything at once is perturbed by little, so that products of two perturbations are small. */
@@ -138,11 +143,10 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
   }
   PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount[2], response[2]));
   for (PetscInt64 i = 0; i < n; i++) {
-    response[2][i] /= size;
-    largest = PetscMax(largest, PetscAbsReal(response[2][i]));
+    response[2][i] = p->apart[i % p->stepper->width] ? 0 : response[2][i] / size;
+    largest        = PetscMax(largest, PetscAbsReal(response[2][i]));
   }
-  c->value[MPM_CERTIFY_ADDITIVITY] = p->bends;
-  c->most[MPM_CERTIFY_ADDITIVITY]  = p->bends_at;
+  PetscCall(MpmProbeBends(p, &c->value[MPM_CERTIFY_ADDITIVITY], &c->most[MPM_CERTIFY_ADDITIVITY]));
   for (PetscInt64 i = 0; i < n && largest > 0; i++)
     Most(c, MPM_CERTIFY_ADDITIVITY, i, PetscAbsReal(response[2][i] - response[0][i] - response[1][i]) / largest);
   for (int k = 0; k < 3; k++) PetscCall(PetscFree2(amount[k], response[k]));
@@ -185,6 +189,7 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
     for (PetscInt64 i = 0; i < n; i++) amount[i] *= by;
     PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, unknown, amount, forward));
     for (PetscInt64 i = 0; i < n; i++) {
+      if (p->apart[i % p->stepper->width]) continue;
       kink[i] += (half ? 2 : -1) * (forward[i] / by - central[i]);
       largest = PetscMax(largest, PetscAbsReal(central[i]));
     }
@@ -220,22 +225,45 @@ static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, MpmCertificates *c)
+static PetscErrorCode TakeScales(const MpmStepper *s, MpmCertificates *c)
+{
+  const char *found = s->unsettled <= c->bound[MPM_CERTIFY_SCALES] ? "found" : "guessed";
+
+  PetscFunctionBegin;
+  if (s->searched) c->value[MPM_CERTIFY_SCALES] = s->unsettled;
+  c->nfields = s->nfields;
+  for (PetscInt f = 0; f < s->nfields; f++) {
+    const MpmStepperField *field = &s->fields[f];
+    const PetscBool        cell  = f == s->place && field->scale == s->cell_width ? PETSC_TRUE : PETSC_FALSE;
+
+    c->field[f].scale = field->scale;
+    PetscCall(PetscStrncpy(c->field[f].name, field->name, sizeof c->field[f].name));
+    PetscCall(PetscStrncpy(c->field[f].from,
+                           field->found ? found
+                           : cell       ? "cell_width"
+                                        : "declared",
+                           sizeof c->field[f].from));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool apart[], MpmCertificates *c)
 {
   const PetscReal size     = Small(p);
   PetscReal       coarsest = 0;
 
   PetscFunctionBegin;
   MpmCertificatesBegin(p->single, tolerance, c);
-  c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = p->single ? KINKS_SINGLE : KINKS;
+  p->apart = apart;
   for (PetscInt64 i = 0; i < p->stepper->particles * p->stepper->width; i++)
     coarsest = PetscMax(coarsest, Rounding(p, i, size));
   c->bound[MPM_CERTIFY_COLUMNS] += coarsest;
   PetscCall(Repeat(p, c));
   PetscCall(Additivity(p, size, c));
   PetscCall(OneSided(p, size, c));
-  c->value[MPM_CERTIFY_EQUILIBRIUM] = p->moved;
-  c->most[MPM_CERTIFY_EQUILIBRIUM]  = p->moved_at;
+  c->value[MPM_CERTIFY_EQUILIBRIUM] = MpmProbeMoved(p, &c->most[MPM_CERTIFY_EQUILIBRIUM]);
+  PetscCall(TakeScales(p->stepper, c));
+  p->apart = NULL;
   PetscCall(MpmStepperAgree(p->stepper));
   PetscCall(Share(c));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -250,8 +278,10 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n, &amount, n, &response));
+  p->apart = apart;
   PetscCall(RespondToAll(p, amount, response));
-  PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, &differ, &compared));
+  p->apart = NULL;
+  PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared));
   PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
   c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
   c->cells                    = p->stepper->particles / l->sites;
@@ -286,7 +316,7 @@ static PetscErrorCode Norm2(Mat E, PetscReal *norm)
 }
 
 PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
-                                MpmCertificates *c)
+                                const PetscBool apart[], MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ, largest = 0;
@@ -296,7 +326,9 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n, &amount, n, &response));
+  p->apart = apart;
   PetscCall(RespondToAll(p, amount, response));
+  p->apart = NULL;
   PetscCall(MatCreateVecs(one, &x, &y));
   PetscCall(VecGetOwnershipRange(x, &first, &last));
   for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, amount[i], INSERT_VALUES));
@@ -305,6 +337,10 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
   PetscCall(MatMult(one, x, y));
   for (PetscInt64 i = 0; i < n; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
   for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(y, i, -response[i], ADD_VALUES));
+  PetscCall(VecAssemblyBegin(y));
+  PetscCall(VecAssemblyEnd(y));
+  for (PetscInt i = first; i < last; i++)
+    if (apart[i % p->stepper->width]) PetscCall(VecSetValue(y, i, 0, INSERT_VALUES));
   PetscCall(VecAssemblyBegin(y));
   PetscCall(VecAssemblyEnd(y));
   PetscCall(VecAbs(y));

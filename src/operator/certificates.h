@@ -21,6 +21,8 @@
      MPM_CERTIFY_EQUILIBRIUM - how far the base state moves in an application
      MPM_CERTIFY_REACH       - the response at the edge of the cells, or where no probed unknown should be felt
      MPM_CERTIFY_COLUMNS     - the response to a random perturbation of everything, less what the probed operator gives
+     MPM_CERTIFY_SCALES      - by so many powers of 2 the scales of fields change that were found, when they are looked for
+                               once more; infinite if they were not found
 E*/
 typedef enum {
   MPM_CERTIFY_REPEAT,
@@ -30,6 +32,7 @@ typedef enum {
   MPM_CERTIFY_EQUILIBRIUM,
   MPM_CERTIFY_REACH,
   MPM_CERTIFY_COLUMNS,
+  MPM_CERTIFY_SCALES,
   MPM_CERTIFICATES
 } MpmCertificate;
 
@@ -37,13 +40,25 @@ typedef enum {
 extern const char *const MpmCertificateNames[], *const MpmCertificateFaults[], *const MpmCertificateTexts[];
 
 /*S
-   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
-   the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
-   felt what is felt too far away.
+   MpmFieldScale - what a change of order 1 of a field is. from: declared, cell_width, found, or guessed where the search has
+   not succeeded.
 S*/
 typedef struct {
-  PetscReal  value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
-  PetscInt64 most[MPM_CERTIFICATES], cells;
+  char      name[MPM_STEPPER_NAME], from[16];
+  PetscReal scale;
+} MpmFieldScale;
+
+/*S
+   MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
+   the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
+   felt what is felt too far away. field: the scales that errors are relative to, nfields of them; none are known of a file
+   without.
+S*/
+typedef struct {
+  PetscReal     value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
+  PetscInt64    most[MPM_CERTIFICATES], cells;
+  PetscInt      nfields;
+  MpmFieldScale field[MPM_STEPPER_FIELDS];
 } MpmCertificates;
 
 #define MPM_TOLERANCE_SINGLE 1e-5 /* of a verdict: what single precision can tell */
@@ -56,17 +71,18 @@ PetscBool MpmCertificatesTaken(const MpmCertificates *certificates);
 PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
 
 /*
-   MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium. The others are NaN.
+   MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium, scales. The others are NaN.
    MpmCertifyBlocks - adds two sizes, reach and columns, of blocks that were probed with the two sizes of probe.
    MpmCertifyMatrix - does the same for a matrix.
 
-   What is set apart does not count for two sizes, because no eigenvalue that is judged feels its error: apart[c] says
-   whether number c of a particle is; kept and other are without it, one is with it.
+   What is set apart does not count, because no eigenvalue that is judged feels its error: apart[c] says whether number c of
+   a particle is; kept and other are without it, one is with it.
 
    Collective. tolerance: the error of the operator that does not matter.
 */
-PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, MpmCertificates *certificates);
+PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, const PetscBool apart[],
+                              MpmCertificates *certificates);
 PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
                                 const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
-                                MpmCertificates *certificates);
+                                const PetscBool apart[], MpmCertificates *certificates);

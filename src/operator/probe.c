@@ -19,31 +19,6 @@ static const PetscReal sizes[2][SIZES] = {{1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, {0.3, 
 
 /* ---- the base state ---- */
 
-/* What a change of order 1 means: what the code says, for a place the cell width, the largest value, or 1. */
-static PetscErrorCode Scales(MpmProbe *p)
-{
-  const MpmStepper *s = p->stepper;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(s->width, &p->scale));
-  for (PetscInt f = 0; f < s->nfields; f++) {
-    const MpmStepperField *field   = &s->fields[f];
-    PetscReal              largest = 0;
-
-    for (PetscInt64 i = 0; i < s->particles; i++)
-      for (PetscInt c = 0; c < field->size; c++)
-        largest = PetscMax(largest, PetscAbsReal(s->base[i * s->width + field->first + c]));
-    if (field->scale > 0)
-      largest = field->scale;
-    else if (f == s->place)
-      largest = s->cell_width;
-    else if (largest == 0)
-      largest = 1;
-    for (PetscInt c = 0; c < field->size; c++) p->scale[field->first + c] = largest;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The direction of a number of the particle's place, or MPM_NONE. */
 static PetscInt PlaceAxis(const MpmStepper *s, PetscInt number)
 {
@@ -74,8 +49,8 @@ static PetscBool HasShifted(const MpmStepper *s, PetscReal near, const PetscReal
   return PETSC_TRUE;
 }
 
-/* Whether all that the code answers are floats. The state asked about has no simple numbers, as a state at rest has. */
-static PetscErrorCode AnswersFloats(MpmProbe *p, PetscReal state[])
+/* The state asked about has no simple numbers, as a state at rest has. */
+PetscErrorCode MpmProbeAnswersFloats(MpmProbe *p, PetscReal state[])
 {
   const MpmStepper *s = p->stepper;
   const PetscInt64  n = s->particles * s->width;
@@ -90,6 +65,11 @@ static PetscErrorCode AnswersFloats(MpmProbe *p, PetscReal state[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool IsApart(const MpmProbe *p, PetscInt number)
+{
+  return p->apart ? p->apart[number] : PETSC_FALSE;
+}
+
 PetscReal MpmProbeDistance(const MpmProbe *p, const PetscReal one[], const PetscReal other[])
 {
   const MpmStepper *s       = p->stepper;
@@ -98,26 +78,29 @@ PetscReal MpmProbeDistance(const MpmProbe *p, const PetscReal one[], const Petsc
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
     const PetscInt number = (PetscInt)(i % s->width);
 
+    if (IsApart(p, number)) continue;
     largest = PetscMax(largest, PetscAbsReal(Unwrap(s, PlaceAxis(s, number), one[i] - other[i])) / p->scale[number]);
   }
   return largest;
 }
 
-/* Finds the largest change in an application to the base, over the scales, without the shift by whole cells. */
-static void FindMoved(MpmProbe *p)
+PetscReal MpmProbeMoved(const MpmProbe *p, PetscInt64 *at)
 {
-  const MpmStepper *s = p->stepper;
+  const MpmStepper *s    = p->stepper;
+  PetscReal         most = 0;
+
+  *at = MPM_NONE;
 
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
     const PetscInt  number = (PetscInt)(i % s->width), axis = PlaceAxis(s, number);
     const PetscReal ahead = axis == MPM_NONE ? 0 : p->shift[axis] * s->cell_width;
-
     const PetscReal moved = PetscAbsReal(Unwrap(s, axis, p->rest[i] - s->base[i] - ahead)) / p->scale[number];
 
-    if (moved <= p->moved) continue;
-    p->moved    = moved;
-    p->moved_at = i;
+    if (moved <= most || IsApart(p, number)) continue;
+    most = moved;
+    *at  = i;
   }
+  return most;
 }
 
 /*
@@ -191,12 +174,12 @@ PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, Pets
   PetscCall(PetscMalloc1(n, &unknown));
   for (PetscInt64 i = 0; i < n; i++) {
     unknown[i] = i;
-    amount[i]  = size * (2 * MpmHash(seed, i) - 1);
+    amount[i]  = IsApart(p, (PetscInt)(i % p->stepper->width)) ? 0 : size * (2 * MpmHash(seed, i) - 1);
   }
   PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount, response));
   for (PetscInt64 i = 0; i < n; i++) {
     amount[i] /= size;
-    response[i] /= size;
+    response[i] = IsApart(p, (PetscInt)(i % p->stepper->width)) ? 0 : response[i] / size;
   }
   PetscCall(PetscFree(unknown));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -207,10 +190,10 @@ PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, Pets
 PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
 {
   PetscFunctionBegin;
-  *p = (MpmProbe){.stepper = s, .near = NEAR_SINGLE, .bends_at = MPM_NONE, .moved_at = MPM_NONE};
+  *p = (MpmProbe){.stepper = s, .near = NEAR_SINGLE};
   for (PetscInt64 i = 0; i < s->particles * s->width; i++)
     if (s->base[i] != (PetscReal)(float)s->base[i]) p->near = NEAR;
-  PetscCall(Scales(p));
+  PetscCall(MpmProbeScales(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -228,29 +211,34 @@ static PetscErrorCode RespondInPart(MpmProbe *p, PetscBool places, PetscReal siz
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n, &unknown, n, &amount));
   for (PetscInt64 i = 0; i < n; i++) {
-    if ((PlaceAxis(s, (PetscInt)(i % s->width)) != MPM_NONE) != places) continue;
+    if (IsApart(p, (PetscInt)(i % s->width)) || (PlaceAxis(s, (PetscInt)(i % s->width)) != MPM_NONE) != places)
+      continue;
     unknown[m]  = i;
     amount[m++] = size * (2 * MpmHash(2, i) - 1);
   }
   PetscCall(MpmProbeRespond(p, PETSC_FALSE, m, unknown, amount, response));
-  for (PetscInt64 i = 0; i < n; i++) response[i] /= size;
+  for (PetscInt64 i = 0; i < n; i++) response[i] = IsApart(p, (PetscInt)(i % s->width)) ? 0 : response[i] / size;
   PetscCall(PetscFree2(unknown, amount));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How much the responses of one size differ from those of the next; bends: see MpmProbe. */
-static PetscErrorCode Compare(MpmProbe *p, PetscBool places, PetscReal differ[])
+/*
+   How much the responses of one size differ from those of the next. Of the sizes that are small bends is the largest difference
+   over the largest response: a step that has a derivative gives about the same for all.
+*/
+static PetscErrorCode Compare(MpmProbe *p, PetscBool places, int first, PetscReal differ[], PetscReal *bends,
+                              PetscInt64 *bends_at)
 {
   const PetscInt64 n    = p->stepper->particles * p->stepper->width;
   const PetscReal *size = sizes[p->single], small = p->single ? SMALL_SINGLE : SMALL;
   PetscReal       *response[SIZES];
 
   PetscFunctionBegin;
-  for (int k = 0; k < SIZES; k++) {
+  for (int k = first; k < SIZES; k++) {
     PetscCall(PetscMalloc1(n, &response[k]));
     PetscCall(RespondInPart(p, places, size[k], response[k]));
   }
-  for (int k = 0; k + 1 < SIZES; k++) {
+  for (int k = first; k + 1 < SIZES; k++) {
     PetscReal  most = 0, peak = 0;
     PetscInt64 at = MPM_NONE;
 
@@ -262,26 +250,48 @@ static PetscErrorCode Compare(MpmProbe *p, PetscBool places, PetscReal differ[])
       peak = PetscMax(peak, PetscAbsReal(response[k][i]));
     }
     differ[k] = PetscMax(differ[k], most);
-    if (!(size[k] <= small && most > p->bends * peak)) continue;
-    p->bends    = most / peak;
-    p->bends_at = at;
+    if (!(size[k] <= small && most > *bends * peak)) continue;
+    *bends    = most / peak;
+    *bends_at = at;
   }
-  for (int k = 0; k < SIZES; k++) PetscCall(PetscFree(response[k]));
+  for (int k = first; k < SIZES; k++) PetscCall(PetscFree(response[k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Takes the two sizes next to one another of which the responses to a random perturbation differ least. Of the sizes that
-   are small, it also notes how much the responses differ: a step that has a derivative gives about the same for all.
-*/
-static PetscErrorCode ChooseSizes(MpmProbe *p)
+static PetscErrorCode CompareParts(MpmProbe *p, int first, PetscReal differ[], PetscReal *bends, PetscInt64 *at)
 {
-  PetscReal differ[SIZES - 1] = {0};
-  PetscInt  best              = 0;
+  const MpmStepper *s = p->stepper;
 
   PetscFunctionBegin;
-  PetscCall(Compare(p, PETSC_FALSE, differ));
-  if (p->stepper->place != MPM_NONE) PetscCall(Compare(p, PETSC_TRUE, differ));
+  *bends = 0;
+  *at    = MPM_NONE;
+  PetscCall(PetscArrayzero(differ, SIZES - 1));
+  PetscCall(Compare(p, PETSC_FALSE, first, differ, bends, at));
+  if (s->place != MPM_NONE && !IsApart(p, s->fields[s->place].first))
+    PetscCall(Compare(p, PETSC_TRUE, first, differ, bends, at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeBends(MpmProbe *p, PetscReal *bends, PetscInt64 *at)
+{
+  PetscReal differ[SIZES - 1];
+  int       first = 0;
+
+  PetscFunctionBegin;
+  while (sizes[p->single][first] > (p->single ? SMALL_SINGLE : SMALL)) first++;
+  PetscCall(CompareParts(p, first, differ, bends, at));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the two sizes next to one another of which the responses to a random perturbation differ least. */
+static PetscErrorCode ChooseSizes(MpmProbe *p)
+{
+  PetscReal  differ[SIZES - 1], bends;
+  PetscInt64 at;
+  PetscInt   best = 0;
+
+  PetscFunctionBegin;
+  PetscCall(CompareParts(p, 0, differ, &bends, &at));
   for (int k = 0; k < SIZES - 1; k++)
     if (differ[k] < differ[best]) best = k;
   p->size  = sizes[p->single][best];
@@ -293,31 +303,27 @@ static PetscErrorCode ChooseSizes(MpmProbe *p)
 static PetscErrorCode Share(MpmProbe *p)
 {
   const MpmStepper *s                      = p->stepper;
-  PetscReal         real[]                 = {p->moved, p->size, p->other, p->bends};
+  PetscReal         real[]                 = {p->size, p->other};
   PetscInt          whole[MPM_MAX_DIM + 2] = {p->steps, p->single};
 
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(whole + 2, p->shift, MPM_MAX_DIM));
   PetscCallMPI(MPI_Bcast(whole, MPM_MAX_DIM + 2, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Bcast(real, 4, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(real, 2, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Bcast(p->rest, (PetscMPIInt)(s->particles * s->width), MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(PetscArraycpy(p->shift, whole + 2, MPM_MAX_DIM));
   p->steps  = whole[0];
   p->single = (PetscBool)whole[1];
-  p->moved  = real[0];
-  p->size   = real[1];
-  p->other  = real[2];
-  p->bends  = real[3];
+  p->size   = real[0];
+  p->other  = real[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmProbeSizesOf(MpmProbe *p, const MpmProbe *other)
 {
-  p->single   = other->single;
-  p->size     = other->size;
-  p->other    = other->other;
-  p->bends    = other->bends;
-  p->bends_at = MPM_NONE;
+  p->single = other->single;
+  p->size   = other->size;
+  p->other  = other->other;
 }
 
 PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
@@ -335,9 +341,8 @@ PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
   PetscCall(MpmStepperAgree(s));
   if (s->place == MPM_NONE || !HasShifted(s, p->near, p->rest, p->shift))
     PetscCall(PetscArrayzero(p->shift, MPM_MAX_DIM));
-  FindMoved(p);
   if (p->size == 0) {
-    PetscCall(AnswersFloats(p, again));
+    PetscCall(MpmProbeAnswersFloats(p, again));
     PetscCall(ChooseSizes(p));
   }
   PetscCall(PetscFree(again));

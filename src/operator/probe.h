@@ -20,18 +20,15 @@
    near    - places that differ by less, in cell widths, are the same
    scale   - for each number of a particle what a change of order 1 means
    size, other - the two sizes of perturbations, in scales
-   bends   - how much the response to a random perturbation depends on its size, relative to it; where nothing switches
-             it is small; bends_at: the unknown of which that is so
+   apart   - numbers of a particle that are not perturbed at random, and of which no response counts; NULL: none
    rest    - the state after steps from the base
-   moved   - the largest change of a number in an application to the base, over its scale, without the shift: 0 in
-             equilibrium; moved_at: its unknown
 S*/
 typedef struct {
-  MpmStepper *stepper;
-  PetscInt    steps, shift[MPM_MAX_DIM];
-  PetscBool   single;
-  PetscReal  *scale, near, size, other, bends, *rest, moved;
-  PetscInt64  bends_at, moved_at;
+  MpmStepper      *stepper;
+  PetscInt         steps, shift[MPM_MAX_DIM];
+  PetscBool        single;
+  PetscReal       *scale, near, size, other, *rest;
+  const PetscBool *apart;
 } MpmProbe;
 
 /*
@@ -47,6 +44,14 @@ PetscErrorCode MpmProbeDestroy(MpmProbe *probe);
 void MpmProbeSizesOf(MpmProbe *probe, const MpmProbe *other);
 
 /*
+   MpmProbeScales - takes the scales that the code declares, the cell width for places, and finds the others with a few
+   steps, once for a stepper. Collective; the first rank looks for them. Part of MpmProbeCreate.
+   MpmProbeAnswersFloats - finds out whether all that the code answers are floats. Not collective. state: room for one.
+*/
+PetscErrorCode MpmProbeScales(MpmProbe *probe);
+PetscErrorCode MpmProbeAnswersFloats(MpmProbe *probe, PetscReal state[]);
+
+/*
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of
    unknown[i], which must be different ones; amount[i] is replaced by what the code's arithmetic makes of it.
 
@@ -56,12 +61,23 @@ PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n,
                                PetscReal amount[], PetscReal response[]);
 
 /*
-   MpmProbeRandom - the response to a random perturbation of all unknowns, amount[i] = at most size, over size.
+   MpmProbeRandom - the response to a random perturbation of all unknowns that are not set apart, amount[i] = at most size, over
+   size. The response of those that are is 0.
 
    Not collective. seed chooses the perturbation. amount, response: particles x width numbers.
 */
 PetscErrorCode MpmProbeRandom(MpmProbe *probe, PetscInt64 seed, PetscReal size, PetscReal amount[],
                               PetscReal response[]);
 
-/* Not collective. The largest difference of two states over the scales; whole periods are taken out. */
+/*
+   MpmProbeBends - how much the response to a random perturbation depends on its size, relative to it; where nothing switches
+   it is small. Not collective. at: the unknown of which that is so, or MPM_NONE.
+*/
+PetscErrorCode MpmProbeBends(MpmProbe *probe, PetscReal *bends, PetscInt64 *at);
+
+/*
+   Not collective. The largest difference of two states over the scales, of unknowns that are not set apart; whole periods are
+   taken out. MpmProbeMoved: that of the base before and after an application, without the shift. at: its unknown, or MPM_NONE.
+*/
 PetscReal MpmProbeDistance(const MpmProbe *probe, const PetscReal one[], const PetscReal other[]);
+PetscReal MpmProbeMoved(const MpmProbe *probe, PetscInt64 *at);

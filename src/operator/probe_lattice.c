@@ -380,8 +380,8 @@ static PetscBool IsInside(const MpmProbeLattice *l, const MpmProbeBlocks *b, Pet
 }
 
 PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *b,
-                                     const PetscReal amount[], const PetscReal response[], PetscReal *differ,
-                                     PetscInt *compared)
+                                     const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
+                                     PetscReal *differ, PetscInt *compared)
 {
   const PetscInt w = p->stepper->width, all = l->cells[0] * l->cells[1] * l->cells[2], order = b->order;
   PetscReal      largest = 0;
@@ -396,6 +396,7 @@ PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l
       const PetscReal felt = response[l->particle[cell * l->sites + row / w] * w + row % w];
       PetscReal       sum  = 0;
 
+      if (apart[row % w]) continue;
       for (PetscInt k = 0; k < b->n; k++) {
         const PetscInt from = From(l, &b->d[k * MPM_MAX_DIM], cell);
 

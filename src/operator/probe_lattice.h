@@ -67,9 +67,9 @@ PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeB
 /*
    MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.
 
-   Not collective. amount, response: as MpmProbeRandom has them. differ: the largest difference, over the largest number of
-   the response. compared: the number of cells.
+   Not collective. amount, response: as MpmProbeRandom has them. apart: as above. differ: the largest difference, over the
+   largest number of the response. compared: the number of cells.
 */
 PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice,
                                      const MpmProbeBlocks *blocks, const PetscReal amount[], const PetscReal response[],
-                                     PetscReal *differ, PetscInt *compared);
+                                     const PetscBool apart[], PetscReal *differ, PetscInt *compared);

@@ -18,12 +18,13 @@
 
 /*
    A field of a particle: size numbers, from number first of the particle's. scale: what a change of order 1 means; 0:
-   it is not said.
+   it is not said, and not yet found. found: it was not said.
 */
 typedef struct {
   char      name[MPM_STEPPER_NAME];
   PetscInt  size, first;
   PetscReal scale;
+  PetscBool found;
 } MpmStepperField;
 
 typedef struct {
@@ -43,6 +44,8 @@ typedef struct {
    cell        - instead of a place the cell of each particle, dim numbers each, or NULL
    parameters  - what can be set, with the values that the code came with and those that are set now
    steps       - the number of steps after which the state can be compared with the one before
+   searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done again,
+                 infinite: they were not found
    any_count   - a step may be asked for another number of particles
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
@@ -53,9 +56,9 @@ typedef struct MpmStepper_ MpmStepper;
 struct MpmStepper_ {
   char                where[PETSC_MAX_PATH_LEN], name[MPM_STEPPER_NAME], failure[MPM_STEPPER_FAILURE];
   PetscInt            dim, nfields, width, place, nparameters, steps;
-  PetscReal           cell_width, period[MPM_MAX_DIM];
+  PetscReal           cell_width, period[MPM_MAX_DIM], unsettled;
   PetscInt64          described, particles, calls;
-  PetscBool           any_count;
+  PetscBool           any_count, searched;
   MpmStepperField     fields[MPM_STEPPER_FIELDS];
   MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
   PetscInt           *cell;

@@ -47,7 +47,7 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
   }
   if (p->columns)
     MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
-             " step%s (forward and backward, with two sizes), and about 30 for "
+             " step%s (forward and backward, with two sizes), and about 40 for "
              "certificates\n",
              4 * p->columns, p->probe.steps, p->probe.steps == 1 ? "" : "s");
   else
@@ -113,6 +113,7 @@ json_t *MpmJsonProgram(const MpmProgram *p)
                      (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
                      p->probe.size, "other_size", p->probe.other);
   json_object_set_new(object, "certificates", MpmJsonCertificates(&p->certificates));
+  json_object_set_new(object, "scales", MpmJsonScales(&p->certificates));
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
     if (isnan(p->certificates.value[c]) || p->certificates.most[c] == MPM_NONE) continue;
     json_object_set_new(json_object_get(json_object_get(object, "certificates"), MpmCertificateNames[c]), "particle",

@@ -71,6 +71,7 @@ static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
     json_object_set_new(object, "run", run);
   }
   if (s->certificates) json_object_set_new(object, "certificates", MpmJsonCertificates(s->certificates));
+  if (s->certificates) json_object_set_new(object, "scales", MpmJsonScales(s->certificates));
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -154,8 +154,10 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
   if (request->compare[0]) json_object_set_new(object, "comparison", MpmJsonCompare(&a->compare));
   if (MpmRequestProbes(request))
     json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
-  else if (MpmCertificatesTaken(&a->certificates))
+  else if (MpmCertificatesTaken(&a->certificates)) {
     json_object_set_new(object, "certificates", MpmJsonCertificates(&a->certificates));
+    json_object_set_new(object, "scales", MpmJsonScales(&a->certificates));
+  }
   json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
   for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
   refined = json_object();

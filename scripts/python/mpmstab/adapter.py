@@ -21,6 +21,7 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
     step(state, **parameters) does one step: it changes the arrays of the state, or returns a dictionary of new ones.
     cell_width, periodic: of the grid; a period or None for each direction.
     fields: what is to be said of a field, {"x": {"place": True}, "v": {"scale": 20}}. Exactly one is the place.
+        mpmstab finds the scales that are not said.
     parameters: their values, {"dt": 1e-4}. mpmstab sets them.
     steps: after so many steps the state can be compared with the one before.
     any_count: the step takes any number of particles; it then gets numpy arrays made for it.

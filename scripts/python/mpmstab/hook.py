@@ -55,7 +55,7 @@ def probe(path, cell_width, state, *, place="x", periodic=None, scale=None):
     that a step changes and a later step reads has to be in the state; arrays and particles have to stay the same ones.
 
     place: the name of the place, or None. periodic: a period or None for each direction. scale: {"v": 20}, what a change
-    of order 1 means (without it: the cell width for the place, else the largest absolute value, else 1).
+    of order 1 means (without it: the cell width for the place; other scales are found from a few steps).
     mpmstab reads the matrix, and where all cells are alike also its blocks: 'symbol -matrix_blocks A.mtx' looks at all waves.
     To probe again, give another path. include/mpmstab_probe.h says what the comments in the file mean.
     """
@@ -108,6 +108,101 @@ class Bins:
         return mark[tuple(self.at.T)]
 
 
+def connected(pattern):
+    """Which reach which through others (Warshall 1962)."""
+    reach = pattern.copy()
+    for k in range(len(reach)):
+        reach |= numpy.outer(reach[:, k], reach[k])
+    return reach
+
+
+class Scales:
+    """What a change of order 1 of each field is. include/mpmstab_scales.h says how it is found; names are those of its struct."""
+
+    def __init__(self, value, given, place, cell, size, epsilon):
+        self.n, self.place, self.cell, self.size, self.unsettled = len(value), place, cell, size, 0.0
+        self.value, self.least = numpy.array(value, dtype=float), 100 * numpy.array(epsilon) * value
+        self.given = numpy.array([number > 0 for number in given])
+        self.scale = numpy.where(self.given, given, numpy.where(self.value > 0, self.value, 1e-12))
+        if place is not None and not self.given[place]:
+            self.given[place], self.scale[place] = True, cell
+        self.known, self.at = self.given | (self.value > 0), numpy.zeros(self.n)
+        self.couples, self.lost = numpy.zeros((2, self.n, self.n))
+        self.set_of = numpy.eye(self.n, dtype=bool)
+        self.places = numpy.arange(self.n) == (-1 if place is None else place)
+
+    def connect(self):
+        """The sets of fields that feel one another. Places are an anchor, and in no set."""
+        others = ~self.places
+        feels = connected((self.couples > 0) & others & others[:, None] | numpy.eye(self.n, dtype=bool))
+        self.set_of = feels & feels.T
+
+    def balance(self, members):
+        for _ in range(100):
+            for i in members:
+                others = members[members != i]
+                gets = self.couples[i, others] @ self.scale[others]
+                gives = (self.couples[others, i] / self.scale[others]).sum()
+                if not self.given[i] and gets > 0 and gives > 0:
+                    self.scale[i] = (gets / gives) ** 0.5
+
+    def factor(self, members, old, known):
+        if self.given[members].any():
+            return 1.0
+        scale, apart = self.scale[members], known & ~numpy.isin(numpy.arange(self.n), members)
+        inward = max((self.value[members] / scale).max(),
+                     ((self.couples[numpy.ix_(members, apart)] * old[apart]).T / scale).max(initial=0))
+        far = apart & ~self.places
+        out = ((self.couples[numpy.ix_(far, members)] * scale).T / old[far]).max(initial=0)
+        moves = 0 if self.place is None else (self.couples[self.place, members] * scale).max() / self.cell
+        factor = min(max(inward, 1e-3 / moves), 1 / moves) if moves > 0 else inward or (1 / out if out else 0)
+        mean, more = numpy.exp(numpy.log(scale).mean()), len(members) > 1
+        if factor > 0 or known[members[0]] or mean >= (1e10 if more else 1):
+            self.known[members] = True
+            return factor or 1 / mean
+        factor = 1e8 if self.size < 1e-3 else 1e3
+        return factor if more else min(factor, 1 / mean)
+
+    def find(self):
+        """Finds scales from the couplings that are known. Returns whether any has changed."""
+        old, known = self.scale.copy(), self.known.copy()
+        self.connect()
+        for f in range(self.n):
+            members = numpy.flatnonzero(self.set_of[f])
+            if members[0] == f and not self.places[f]:
+                self.balance(members)
+                factor = self.factor(members, old, known)
+                self.scale[members] *= numpy.where(self.given[members], 1, factor)
+        gets = numpy.where(numpy.eye(self.n, dtype=bool), 0, self.couples * self.scale).max(axis=1)
+        limit = numpy.maximum(self.value, 1e3 * gets)
+        self.scale = numpy.where(~self.given & self.known & (limit > 0), numpy.minimum(self.scale, limit), self.scale)
+        return (self.known != known).any() or (abs(numpy.log(self.scale / old)) > 0.01).any()
+
+    def far(self):
+        with numpy.errstate(divide="ignore"):
+            return abs(numpy.log2(self.scale / self.at))
+
+    def search(self, measure):
+        """measure(f, amount) gives the largest change of each field when numbers of field f change by up to amount."""
+        for _ in range(61):
+            while (self.far() > 1).any():
+                f = int(numpy.argmax(self.far() > 1))
+                self.at[f] = self.scale[f]
+                change = yield from measure(f, self.size * self.at[f])
+                lost, amount = (change < self.least) & (numpy.arange(self.n) != f), self.size * self.at[f]
+                self.lost[:, f] = lost * numpy.maximum(change, self.least / 100) / amount
+                self.couples[:, f] = numpy.where(change < self.least, self.couples[:, f], change / amount)
+            if not self.find():
+                self.unsettled = numpy.inf if (self.lost * self.couples.T > 1e-3).any() else self.far().max()
+                self.scale = numpy.where(self.given, self.scale, 2.0 ** numpy.rint(numpy.log2(self.scale)))
+                return
+        self.unsettled = numpy.inf
+
+    def fail(self):
+        self.scale = numpy.where(self.given, self.scale, numpy.where(self.value > 0, self.value, 1))
+        self.unsettled = numpy.inf
+
+
 def numbers_of(values):
     return " ".join(f"{value:.17g}" for value in values)
 
@@ -122,14 +217,17 @@ class Hook:
     def __init__(self, path, cell_width, state, place, periodic, scales):
         kinds = {of: numbers(array) for of, array in state.items()}
         sizes = {of: a.size // len(a) for of, a in kinds.items()}
-        largest = {of: float(numpy.abs(a).max()) or 1.0 for of, a in kinds.items()}
-        if place and cell_width > 0:
-            largest[place] = cell_width
         self.path, self.base, self.calls, self.width, self.where = path, gather(state), 0, cell_width, None
         self.fields = [f" {of} {size}{' place' if of == place else ''}" for of, size in sizes.items()]
         self.float = numpy.concatenate([numpy.full(sizes[of], a.dtype == numpy.float32) for of, a in kinds.items()])
         self.size = 2.0**-5 if self.float.any() else 2.0**-17
-        self.scale = numpy.concatenate([numpy.full(sizes[of], scales.get(of, largest[of]), dtype=float) for of in kinds])
+        self.names, self.field_of = list(kinds), numpy.repeat(range(len(kinds)), list(sizes.values()))
+        self.declared = [of in scales for of in kinds]
+        self.epsilon = numpy.where(self.float, 2.0**-23, 2.0**-52)
+        self.scales = Scales([float(numpy.abs(a).max()) for a in kinds.values()], [scales.get(of, 0) for of in kinds],
+                             self.names.index(place) if place and cell_width > 0 else None, cell_width, self.size,
+                             [2.0**-23 if a.dtype == numpy.float32 else 2.0**-52 for a in kinds.values()])
+        self.apart = numpy.zeros(self.base.shape[1], dtype=bool)
         self.period, self.bins = numpy.full(self.base.shape[1], numpy.inf), None
         if place:
             first = sum(sizes[of] for of in itertools.takewhile(lambda of: of != place, kinds))
@@ -169,15 +267,32 @@ class Hook:
         period = numpy.where(periodic, self.period, 1)
         return d - numpy.where(periodic, period * numpy.round(d / period), 0)
 
+    @property
+    def scale(self):
+        return self.scales.scale[self.field_of]
+
     def largest(self, d):
-        """The largest number of a difference of states, over the scales."""
-        return float(numpy.max(numpy.abs(d) / self.scale))
+        """The largest number of a difference of states, over the scales, of numbers that are not set apart."""
+        return float(numpy.max((numpy.abs(d) / self.scale)[:, ~self.apart]))
+
+    def measure(self, f, amount):
+        """How much each field changes when one is perturbed at random."""
+        given = numpy.random.default_rng(2).uniform(-amount, amount, self.base.shape) * (self.field_of == f) / self.scale
+        _, one = yield from self.ask(given)
+        _, other = yield from self.ask(-given)
+        change = numpy.abs(self.minus(one, other)).max(axis=0) / 2
+        return numpy.array([change[self.field_of == g].max() for g in range(self.scales.n)])
 
     def steps(self):
         """Asks all that is to be asked, and writes the matrix."""
         still, single = numpy.zeros_like(self.base), self.float.any()
         rest = (yield from self.ask(still))[1]
         again = (yield from self.ask(still))[1]
+        if not self.scales.given.all():
+            try:
+                yield from self.scales.search(self.measure)
+            except NotFinite:
+                self.scales.fail()
         repeat = self.largest(self.minus(rest, again))
         if self.bins:
             yield from self.find_reach(rest, repeat)
@@ -186,7 +301,7 @@ class Hook:
         if self.bins and (leaks > (1e-3 if single else 1e-6) or additivity > (0.05 if single else 1e-3)):
             certificates, matrix, leaks = yield from self.columns(rest, None)  # some particle reaches further than was seen
             additivity = yield from self.check(matrix)
-        moved = self.largest(self.minus(rest, self.base))
+        moved, repeat = self.largest(self.minus(rest, self.base)), self.largest(self.minus(rest, again))
         self.write(matrix, {"moved": moved, "repeat": repeat, **certificates, "additivity": additivity})
 
     def find_reach(self, rest, repeat):
@@ -203,7 +318,9 @@ class Hook:
         """All columns, as rows, columns and values. Without bins each has steps of its own."""
         n, width = self.base.shape
         colour = bins.colours() if bins else numpy.arange(n)
-        entries, one_sided, two_sizes, leaks = [], 0.0, 0.0, 0.0
+        entries, leaks = [], 0.0
+        couples, kinks, sizes = numpy.zeros((3, width, width))
+        own = numpy.zeros(width)
         for c in range(colour.max() + 1):
             perturbed = numpy.flatnonzero(colour == c)
             owner = bins.owners(perturbed) if bins else numpy.full(n, c)
@@ -219,19 +336,33 @@ class Hook:
                 both, unit = self.minus(f[0], f[1]), self.scale[number] / self.scale
                 leaks = max(leaks, numpy.max(numpy.abs(both[~due]) / self.scale, initial=0) / (2 * self.size))
                 a = both[due] / (d[0] - d[1])
-                ahead = self.minus(f[0], rest)[due] / d[0]
-                larger = self.minus(f[2], f[3])[due] / (d[2] - d[3])
-                one_sided = max(one_sided, numpy.max(numpy.abs(ahead - a) * unit))
-                two_sizes += numpy.sum(((larger - a) * unit) ** 2)
+                b = self.minus(f[2], f[3])[due] / (d[2] - d[3])
+                near, far = self.minus(f[0], rest)[due] / d[0] - a, self.minus(f[2], rest)[due] / d[2] - b
+                rounding = 4 * self.epsilon * numpy.abs(self.base[due]) / self.scale / self.size  # of a difference quotient
+                kinks[:, number] = numpy.maximum(kinks[:, number], (numpy.abs(2 * near - far) * unit - rounding).max(axis=0))
+                sizes[:, number] += (((b - a) * unit) ** 2).sum(axis=0)
+                entry, itself = numpy.abs(a) * unit, numpy.flatnonzero(due) == owner[due]
+                own[number] = max(own[number], entry[itself, number].max(initial=0))
+                entry[itself, number] = 0
+                couples[:, number] = numpy.maximum(couples[:, number], entry.max(axis=0))
                 row, of = numpy.nonzero(a)
                 entries.append((numpy.flatnonzero(due)[row] * width + of, owner[due][row] * width + number, a[row, of]))
         matrix = [numpy.concatenate(part) for part in zip(*entries)]
-        return {"one_sided": one_sided, "two_sizes": two_sizes**0.5}, matrix, leaks
+        self.set_apart(couples, own)
+        kept = numpy.ix_(~self.apart, ~self.apart)
+        return {"one_sided": kinks[kept].max(), "two_sizes": sizes[kept].sum() ** 0.5}, matrix, leaks
+
+    def set_apart(self, couples, own):
+        """Numbers that do not reach themselves through others, and whose own eigenvalue does not grow; none, if all were."""
+        noise = 1e-5 if self.float.any() else 1e-8
+        self.apart = ~(connected(couples > noise).diagonal() | (own > 1 + noise))
+        if self.apart.all():
+            self.apart[:] = False
 
     def check(self, matrix):
         """The response to a random perturbation against the matrix times it, relative to the larger."""
         row, column, value = matrix
-        random = numpy.random.default_rng(1).uniform(-self.size, self.size, self.base.shape)
+        random = numpy.random.default_rng(1).uniform(-self.size, self.size, self.base.shape) * ~self.apart
         ahead, one = yield from self.ask(random)
         behind, other = yield from self.ask(-random)
         expected = numpy.bincount(row, value * (ahead - behind).ravel()[column], self.base.size).reshape(self.base.shape)
@@ -243,6 +374,11 @@ class Hook:
         says = [f"{name}: {value:.3g}" for name, value in certificates.items()]
         known = [f"size: {self.size:.3g}", f"single: {int(self.float.any())}", f"numbers: {self.base.shape[1]}",
                  *(f"scale: {scale:.17g}" for scale in self.scale)]
+        found = "found" if self.scales.unsettled <= 1 else "guessed"
+        known += [f"field_scale: {scale:.17g} {'declared' if said else 'cell_width' if given else found} {name}"
+                  for scale, said, given, name in zip(self.scales.scale, self.declared, self.scales.given, self.names)]
+        if not self.scales.given.all():
+            known.append(f"unsettled: {self.scales.unsettled:.3g}")
         if self.bins:
             periods = numpy.where(self.bins.periodic, self.period[self.where], 0)
             known += [f"cell_width: {self.width:.17g}", f"period: {numbers_of(periods)}",
