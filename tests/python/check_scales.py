@@ -106,7 +106,7 @@ def check_kinked():
 
 
 def edited(name, *changes):
-    """An example in SI units and without scales."""
+    """An example with other words."""
     text = (CODE / name).read_text(encoding="utf-8")
     for old, new in changes:
         check(old in text, f"{name} does not have {old}")
@@ -143,6 +143,27 @@ def languages():
             yield f"Octave, {k}", k, ["octave-cli", "-q", "--path", CODE, "--path", ".", "hook.m"]
 
 
+def check_switches():
+    """In C and in Octave: an output that nothing reads may have a kink, the velocity may not."""
+    most = ("p[i].x -= floor(p[i].x);", "p[i].x -= floor(p[i].x); most[i] = fmax(most[i], p[i].stress); KINK")
+    edited("bar.h", ("static Particle p[PARTICLES];", "static Particle p[PARTICLES]; static double most[PARTICLES];"), most)
+    edited("hook.c", (", PARTICLES, 1)", ", PARTICLES, 0)"),
+           ("  if (argc < 3)", '  mpmstab_field(&hook, "most", most, MPMSTAB_DOUBLE, 1, sizeof *most, PARTICLES, 0);\n  if (argc < 3)'))
+    edited("advance.m")
+    for kink, in_c, in_octave in ((False, "", ""), (True, "p[i].v *= p[i].v < 0 ? 1.005 : 0.985;", "v = v .* (0.985 + 0.02 * (v < 0));")):
+        edited("hook.m", ("stress = zeros(32, 1);", "stress = zeros(32, 1); most = stress;"), ("[x, v, stress, busy]", "[x, v, stress, most, busy]"),
+               ("x, v, stress);\n", "x, v, stress, most);\n"),
+               ("advance(x, v, stress, h, dt); end\nend", f"advance(x, v, stress, h, dt); most = max(most, stress); {in_octave} end\nend"))
+        run(CC, "-O2", INCLUDE, f"-DKINK={in_c}", "-o", "hook_c", "hook.c", "-lm")
+        for command in (["./hook_c"], ["octave-cli", "-q", "--path", CODE, "--path", ".", "hook.m"]):
+            if not shutil.which(command[0]):
+                continue
+            run(*command)
+            found = run(MPMSTAB, "spectrum", "-matrix", "A.mtx")
+            check(found["verdict"] == ("undecided" if kink else "stable") and found["certificates"]["one side"]["holds"] != kink,
+                  f"{command[0]}, kink {kink}: {found['verdict']}, {found['certificates']}")
+
+
 def check_languages():
     right = {0.5: 1, 1.1: own("usl", 1.1, 2)}
     for what, k, words in languages():
@@ -170,3 +191,4 @@ elif PART == "hooks":
     check_kinked()
 else:
     check_languages()
+    check_switches()
