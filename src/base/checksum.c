@@ -8,6 +8,7 @@
 */
 #include "base/checksum.h"
 #include "base/hash.h"
+#include "base/textfile.h"
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -96,17 +97,6 @@ PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Opens a file to read. A pipe is refused, since opening it would wait for its writer. */
-static FILE *Open(const char path[], int *error)
-{
-  struct stat is;
-  FILE       *file = NULL;
-
-  *error = stat(path, &is) ? errno : S_ISDIR(is.st_mode) ? EISDIR : S_ISREG(is.st_mode) ? 0 : EINVAL;
-  if (!*error && !(file = fopen(path, "rb"))) *error = errno;
-  return file;
-}
-
 /* Rank 0 reads the first bytes and sends them to all ranks. Behind the end of a short file text holds zeros. */
 static PetscErrorCode ReadFirstBytes(MPI_Comm comm, const char path[], char text[], int *error)
 {
@@ -117,7 +107,7 @@ static PetscErrorCode ReadFirstBytes(MPI_Comm comm, const char path[], char text
   memset(text, 0, MPM_CHECKSUM_BYTES + 1);
   *error = 0;
   if (rank == 0) {
-    FILE *file = Open(path, error);
+    FILE *file = MpmFileOpen(path, error);
 
     if (file) {
       if (fread(text, 1, MPM_CHECKSUM_BYTES, file) < MPM_CHECKSUM_BYTES && ferror(file)) *error = errno ? errno : EIO;
@@ -142,7 +132,7 @@ PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, c
   PetscCall(ReadFirstBytes(comm, path, text, &error));
   fields = sscanf(text, header, &format, &said, &said_sum);
   if (error)
-    snprintf(why, room, "cannot be read: %s", strerror(error));
+    snprintf(why, room, "cannot be read: %s", MpmFileReason(error));
   else if (fields < 1)
     snprintf(why, room, "not a checkpoint");
   else if (format != FORMAT)
@@ -152,7 +142,7 @@ PetscErrorCode MpmChecksumCheck(MPI_Comm comm, const char path[], size_t room, c
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Sum(comm, path, &bytes, &sum, &error));
   if (error)
-    snprintf(why, room, "cannot be read: %s", strerror(error));
+    snprintf(why, room, "cannot be read: %s", MpmFileReason(error));
   else if (bytes != said)
     snprintf(why, room, "damaged: it has %lld bytes of %lld", bytes, said);
   else if (sum != said_sum)

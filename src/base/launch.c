@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define LARGEST 1048576       /* bytes of a file of options */
 #define START_BYTES 209715200 /* bytes: Open MPI maps up to 180 MB when it starts */
 
 void MpmLaunchAlone(void)
@@ -42,7 +43,7 @@ static int IsFirst(void)
 }
 
 /* A launcher ends the other ranks when the first rank ends. */
-static void RefuseOnce(const char what[], const char why[])
+void MpmLaunchRefuse(const char what[], const char why[])
 {
   if (IsFirst())
     fprintf(stderr, "mpmstab: %s: %s\n", what, why);
@@ -58,7 +59,7 @@ int MpmLaunchMemory(void)
     (void)munmap(space, START_BYTES);
     return 1;
   }
-  RefuseOnce("memory", "the shell grants too little to start with (ulimit -v); allowed: 0.4 GB more");
+  MpmLaunchRefuse("memory", "the shell grants too little to start with (ulimit -v); allowed: 0.4 GB more");
   return 0;
 }
 
@@ -72,19 +73,29 @@ int MpmLaunchOptionFile(int i, size_t room, char name[])
   return 1;
 }
 
+/* Returns whether PETSc can read a file of options without waiting, and whole. PETSc says itself which file is not there. */
+static int CanBeRead(const char name[], const char instead[])
+{
+  char        why[160];
+  struct stat is;
+
+  if (stat(name, &is) || (S_ISREG(is.st_mode) && is.st_size <= LARGEST)) return 1;
+  (void)snprintf(why, sizeof why, "PETSc looks for options there, and it is %s; allowed: a text file%s",
+                 S_ISREG(is.st_mode) ? "larger than 1 MiB" : "not a regular file", instead);
+  MpmLaunchRefuse(name, why);
+  return 0;
+}
+
 int MpmLaunchOptionFiles(int argc, char **argv)
 {
   char name[4096];
+  int  skip = 0;
 
-  for (int i = 1; i < argc; i++)
-    if (!strcmp(argv[i], "-skip_petscrc")) return 1;
-  for (int i = 0; MpmLaunchOptionFile(i, sizeof name, name); i++) {
-    struct stat is;
-
-    if (stat(name, &is) || S_ISREG(is.st_mode)) continue;
-    RefuseOnce(name, "PETSc looks for options there, and it is not a regular file; allowed: a text file, or "
-                     "-skip_petscrc");
-    return 0;
+  for (int i = 1; i < argc; i++) {
+    if (!strcmp(argv[i], "-skip_petscrc")) skip = 1;
+    if (i + 1 < argc && !strcmp(argv[i], "-options_file") && !CanBeRead(argv[i + 1], "")) return 0;
   }
+  for (int i = 0; !skip && MpmLaunchOptionFile(i, sizeof name, name); i++)
+    if (!CanBeRead(name, ", or -skip_petscrc")) return 0;
   return 1;
 }

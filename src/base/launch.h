@@ -28,6 +28,9 @@ void MpmLaunchStandardFiles(void);
 */
 int MpmLaunchMemory(void);
 
+/* Not collective. The first rank alone prints a refusal: what it is about, and why with what is allowed. */
+void MpmLaunchRefuse(const char what[], const char why[]);
+
 /*
    MpmLaunchOptionFile - gives the names of the files in which PETSc looks for options, the one that overrules the others
    first. Returns 0 when there is no i-th.
@@ -37,8 +40,8 @@ int MpmLaunchMemory(void);
 int MpmLaunchOptionFile(int i, size_t room, char name[]);
 
 /*
-   MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options can be read without waiting.
-   Otherwise the first rank prints which one cannot.
+   MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options, and those that -options_file names,
+   can be read without waiting, and are not too large. Otherwise the first rank prints which one cannot.
 
    Not collective; call it before PetscInitialize, which would wait for ever for the writer of a pipe.
 */

@@ -71,6 +71,19 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
+{
+  PetscReal available;
+
+  PetscFunctionBegin;
+  if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
+  available = Available(1);
+  if (!(bytes <= available))
+    PetscCall(PetscSNPrintf(why, room, "to read it takes about %.2g GB; allowed: %.2g GB, which is what is left here",
+                            bytes / GB, available / GB));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMemoryCheckLapack(void)
 {
   void *buffer = mmap(NULL, LAPACK_BYTES, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

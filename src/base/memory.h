@@ -18,6 +18,14 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
 PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
 
 /*
+   MpmMemoryRoom - says in why that this rank alone has no room for so many bytes of a file, and what is allowed. Else why
+   stays as it is.
+
+   Not collective.
+*/
+PetscErrorCode MpmMemoryRoom(PetscReal bytes, size_t room, char why[]);
+
+/*
    MpmMemoryCheckLapack - refuses when the shell grants less address space (ulimit -v) than the buffer that OpenBLAS
    asks for at its first call. OpenBLAS would ask for it again and again, for ever.
 

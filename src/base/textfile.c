@@ -6,6 +6,7 @@
 #include "base/textfile.h"
 #include "base/unfinished.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,9 +17,27 @@
 
 static FILE *streams[MOST]; /* those that are open, on the first rank */
 
-static const char *Reason(int error)
+const char *MpmFileReason(int error)
 {
   return error == NOT_A_FILE ? "not a regular file" : strerror(error);
+}
+
+/* To open a pipe without O_NONBLOCK would wait for its writer, and a device may have no end. */
+FILE *MpmFileOpen(const char path[], int *error)
+{
+  const int   file   = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  FILE       *stream = NULL;
+  struct stat is;
+
+  *error = 0;
+  if (file < 0 || fstat(file, &is))
+    *error = errno;
+  else if (!S_ISREG(is.st_mode))
+    *error = S_ISDIR(is.st_mode) ? EISDIR : NOT_A_FILE;
+  else if (!(stream = fdopen(file, "rb")))
+    *error = errno;
+  if (!stream && file >= 0) (void)close(file);
+  return stream;
 }
 
 /* Gives all ranks the first rank's errno, so that they refuse together. */
@@ -58,7 +77,8 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
     }
   }
   PetscCall(ShareErrno(PETSC_COMM_WORLD, &error));
-  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path, Reason(error));
+  MpmCheckInput(!error, "-%s %s: %s; allowed: a file in a folder that can be written", name, path,
+                MpmFileReason(error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

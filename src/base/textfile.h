@@ -23,6 +23,15 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_MAX_PATH_LEN], int *error);
 PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error);
 
+/*
+   MpmFileOpen - opens a file to read. MpmFileReason - what its error means.
+
+   Not collective. Returns NULL, and error as an errno or -1, where there is no such file, or where it is a folder, a pipe
+   or a device: what reads a file of a user must neither wait nor read without end.
+*/
+FILE       *MpmFileOpen(const char path[], int *error);
+const char *MpmFileReason(int error);
+
 /* A text file that rank 0 writes. On other ranks stream is NULL. */
 typedef struct {
   FILE *stream;

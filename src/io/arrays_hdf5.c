@@ -2,6 +2,7 @@
    Arrays by name in HDF5, as many programs write them: datasets of the root or of a group, with attributes for what is one
    number or a text.
 */
+#include "base/memory.h"
 #include "io/arrays.h"
 #include "io/hdf5.h"
 #include <string.h>
@@ -34,7 +35,7 @@ static PetscErrorCode ReadNamed(MpmHdf5 *file, const char group[], const char na
   char        path[PATH_TEXT], text[32];
   int         dims;
   PetscInt64  shape[MPM_ARRAY_DIMS] = {0};
-  PetscReal   number;
+  PetscReal   number, bytes = sizeof(PetscReal);
   MpmArray   *a;
 
   PetscFunctionBegin;
@@ -46,6 +47,9 @@ static PetscErrorCode ReadNamed(MpmHdf5 *file, const char group[], const char na
                               MPM_ARRAY_DIMS));
       PetscFunctionReturn(PETSC_SUCCESS);
     }
+    for (int d = 0; d < dims; d++) bytes *= (PetscReal)shape[d];
+    PetscCall(MpmMemoryRoom(bytes, MPM_WHY_TEXT, why));
+    if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmArraysAdd(arrays, name, dims, shape, &a));
     PetscCall(MpmHdf5ReadArray(file, path, a->real));
     PetscFunctionReturn(PETSC_SUCCESS);

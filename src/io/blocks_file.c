@@ -90,17 +90,20 @@ static PetscErrorCode FromMatrix(FILE *stream, MpmHooked *hooked, MpmBlocks *b, 
 /* Reads the file on the first rank. */
 static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *b, char why[MPM_WHY_TEXT])
 {
-  static const char *const names[]  = {"A", "d", "steps", "cell_width", NULL};
-  FILE                    *stream   = fopen(path, "rb");
+  static const char *const names[] = {"A", "d", "steps", "cell_width", NULL};
+  int                      error;
+  FILE                    *stream   = MpmFileOpen(path, &error);
   char                     begin[2] = "";
-  PetscBool                hdf5;
-  MpmArrays                arrays = {.n = 0};
+  PetscBool                hdf5     = PETSC_FALSE;
+  MpmArrays                arrays   = {.n = 0};
 
   PetscFunctionBegin;
-  PetscCall(MpmHdf5Is(path, &hdf5));
+  if (stream) PetscCall(MpmHdf5Is(path, &hdf5));
   if (!stream || fread(begin, 1, sizeof begin, stream) != sizeof begin)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read",
-                            stream && !ferror(stream) ? "it is empty" : strerror(errno)));
+                            !stream          ? MpmFileReason(error)
+                            : ferror(stream) ? strerror(errno)
+                                             : "it is empty"));
   else if (!memcmp(begin, "PK", sizeof begin))
     PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
   else if (hdf5)

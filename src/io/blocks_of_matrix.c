@@ -32,7 +32,7 @@ static PetscErrorCode CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
   const MpmHooked *h = &e->hooked;
 
   PetscFunctionBegin;
-  if (!h->places || h->dim < 1 || !(h->cell_width > 0) || isinf(h->cell_width))
+  if (!h->places || h->dim < 1 || !(h->cell_width > 0))
     PetscCall(PetscStrncpy(why,
                            "it does not say where its particles are; allowed: a matrix that the hook has written, with "
                            "a place, or blocks in HDF5 or .npz",
@@ -42,13 +42,16 @@ static PetscErrorCode CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
                             "%" PetscInt64_FMT " particles with %.6g numbers, and order %" PetscInt64_FMT
                             "; allowed: as many unknowns as its particles have numbers",
                             h->places, h->numbers, e->rows));
-  else if (e->steps < 0 || e->steps > MPM_MATRIX_MOST_STEPS)
+  else if (h->place_dim != h->dim || (h->scales && (PetscReal)h->scales != h->numbers) ||
+           h->scales > MPM_HOOKED_NUMBERS)
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
+                            "places of %" PetscInt_FMT " numbers, a period of %" PetscInt_FMT " and %" PetscInt64_FMT
+                            " scales of %.6g numbers; allowed: as many of each as belong together",
+                            h->place_dim, h->dim, h->scales, h->numbers));
+  else if (e->steps > MPM_MATRIX_MOST_STEPS)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
                             "it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d", e->steps,
                             MPM_MATRIX_MOST_STEPS));
-  for (PetscInt64 i = 0; i < h->places * MPM_MAX_DIM && !why[0]; i++)
-    if (!isfinite(h->x[i]) || !isfinite(h->period[i % MPM_MAX_DIM]))
-      PetscCall(PetscStrncpy(why, "a place or a period that is not finite; allowed: finite numbers", MPM_WHY_TEXT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,5 @@
 /* A sparse matrix on its way between the first rank, which has the file, and all ranks. */
+#include "base/memory.h"
 #include "io/matrix_csr.h"
 #include <math.h>
 
@@ -10,9 +11,10 @@ PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, Mp
   else if (rows != columns)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
                             "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows, columns));
-  else if (rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
+  else if (rows != rint(rows) || rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g",
                             rows, n, PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES));
+  if (!why[0]) PetscCall(MpmMemoryRoom(n * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   e->rows    = (PetscInt64)rows;
   e->columns = (PetscInt64)columns;

@@ -1,9 +1,16 @@
 /* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
+#include "base/memory.h"
+#include "base/textfile.h"
 #include "io/hdf5.h"
 #include "io/matrix_file.h"
 #include <mpmstab/errors.h>
 #include <errno.h>
+#include <math.h>
 #include <string.h>
+
+/* What the spectrum of a sparse matrix was measured to take at least; LAPACK, up to order 4096, takes 0.3 GB more. */
+#define UNKNOWN_BYTES 500
+#define ENTRY_BYTES 36
 
 static const char *const formats = "allowed: Matrix Market, PETSc's binary, HDF5, or .npz of scipy.sparse.save_npz";
 
@@ -14,6 +21,12 @@ typedef struct {
   const MpmArray *data, *inner, *pointer;
   PetscBool       by_columns;
 } Compressed;
+
+/* A row or column as PetscInt; what is none becomes -1, which is refused later. */
+static PetscInt Index(PetscReal number)
+{
+  return number >= 0 && number < PETSC_MAX_INT && number == rint(number) ? (PetscInt)number : -1;
+}
 
 static PetscErrorCode ReadCompressed(const Compressed *c, const MpmArray *shape, MpmEntries *e, char why[MPM_WHY_TEXT])
 {
@@ -34,8 +47,7 @@ static PetscErrorCode ReadCompressed(const Compressed *c, const MpmArray *shape,
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 i = 0; i < outer; i++) {
     for (PetscInt64 k = (PetscInt64)at[i]; k < (PetscInt64)at[i + 1]; k++) {
-      const PetscReal number = c->inner->real[k];
-      const PetscInt  inner  = number >= 0 && number < PETSC_MAX_INT ? (PetscInt)number : -1;
+      const PetscInt inner = Index(c->inner->real[k]);
 
       e->row[k]    = c->by_columns ? inner : (PetscInt)i;
       e->column[k] = c->by_columns ? (PetscInt)i : inner;
@@ -57,8 +69,8 @@ static PetscErrorCode ReadCoo(const MpmArrays *arrays, const MpmArray *data, con
   if (!why[0]) PetscCall(MpmEntriesRoom(shape->real[0], shape->real[1], (PetscReal)data->n, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 k = 0; k < data->n; k++) {
-    e->row[k]    = row->real[k] >= 0 && row->real[k] < PETSC_MAX_INT ? (PetscInt)row->real[k] : -1;
-    e->column[k] = column->real[k] >= 0 && column->real[k] < PETSC_MAX_INT ? (PetscInt)column->real[k] : -1;
+    e->row[k]    = Index(row->real[k]);
+    e->column[k] = Index(column->real[k]);
     e->value[k]  = data->real[k];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,7 +85,11 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
   PetscFunctionBegin;
   if (!format) format = MpmArraysFind(arrays, "encoding-type");
   if (shape && shape->n != 2) shape = NULL;
-  if (steps && steps->n == 1 && MpmArrayIsWhole(steps, 1)) e->steps = (PetscInt64)steps->real[0];
+  if (steps && (steps->n != 1 || !MpmArrayIsWhole(steps, 1) || steps->real[0] > MPM_MATRIX_MOST_STEPS)) {
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (steps) e->steps = (PetscInt64)steps->real[0];
   if (!c.inner && MpmArraysFind(arrays, "ir")) {
     c.inner      = MpmArraysFind(arrays, "ir");
     c.pointer    = MpmArraysFind(arrays, "jc");
@@ -137,17 +153,32 @@ static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e,
 /* Reads the file on the first rank. */
 static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WHY_TEXT])
 {
-  FILE *stream = fopen(path, "rb");
+  int   error;
+  FILE *stream = MpmFileOpen(path, &error);
 
   PetscFunctionBegin;
-  /* a folder can be opened; reading it fails */
-  if (!stream || (getc(stream) == EOF && ferror(stream)))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", strerror(errno)));
+  if (stream && getc(stream) == EOF && ferror(stream)) error = errno;
+  if (error)
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", MpmFileReason(error)));
   else {
     rewind(stream);
     PetscCall(ReadFormat(path, stream, e, why));
   }
   if (stream) (void)fclose(stream);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses a matrix whose spectrum would not fit, before it is one. */
+static PetscErrorCode CheckRoom(MPI_Comm comm, const char path[], const MpmEntries *e)
+{
+  PetscReal size[2] = {(PetscReal)e->rows, (PetscReal)e->n};
+  char      what[PETSC_MAX_PATH_LEN];
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(size, 2, MPIU_REAL, 0, comm));
+  PetscCall(
+      PetscSNPrintf(what, sizeof what, "-matrix %.1000s: order %.10g with %.10g entries", path, size[0], size[1]));
+  PetscCall(MpmMemoryCheck(comm, what, UNKNOWN_BYTES * size[0] + ENTRY_BYTES * size[1], "its spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -167,6 +198,7 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
   if (why[0]) PetscCall(MpmEntriesFree(&entries));
   MpmCheckInput(!why[0], "-matrix %s: %s", path, why);
+  PetscCall(CheckRoom(comm, path, &entries));
   said = entries.steps;
   PetscCallMPI(MPI_Bcast(&said, 1, MPIU_INT64, 0, comm));
   MpmCheckInput(!said || !*steps || said == *steps,

@@ -5,32 +5,64 @@
    A comment '% steps: 8' says that the matrix covers 8 steps. For other comments see io/hooked.h.
 */
 #include "io/matrix_file.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define LINE 1025
+#define SHOWN 60   /* characters of a line in a message */
 #define SHORTEST 2 /* bytes of a line with a number */
-#define STEPS "steps:"
 
 /* What the first line says. */
 typedef struct {
-  PetscBool dense, symmetric, skew;
+  PetscBool dense, symmetric, skew, whole;
 } Banner;
 
-static PetscErrorCode ReadBanner(FILE *stream, Banner *b, char why[MPM_WHY_TEXT])
+/* The file, and its line that was read last. What is beyond LINE - 1 characters of a line is not kept. */
+typedef struct {
+  FILE      *stream;
+  PetscInt64 number;
+  char       text[LINE];
+  PetscBool  cut;
+} Line;
+
+/* Reads one line. A zero byte, where a C string would end, becomes a question mark. */
+static PetscBool Next(Line *line)
 {
-  char  line[LINE], *save, *word[5] = {NULL};
-  char *next;
+  size_t n = 0;
+  int    c = getc(line->stream);
+
+  if (c == EOF) return PETSC_FALSE;
+  for (; c != EOF && c != '\n'; c = getc(line->stream), n++)
+    if (n < LINE - 1) line->text[n] = c ? (char)c : '?';
+  line->text[PetscMin(n, LINE - 1)] = '\0';
+  line->cut                         = n > LINE - 1 ? PETSC_TRUE : PETSC_FALSE;
+  line->number++;
+  return PETSC_TRUE;
+}
+
+static PetscErrorCode Refuse(const Line *line, const char allowed[], char why[MPM_WHY_TEXT])
+{
+  PetscFunctionBegin;
+  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "line %" PetscInt64_FMT ": %.*s%s; allowed: %s", line->number, SHOWN,
+                          line->text, strlen(line->text) > SHOWN ? "..." : "", allowed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
+{
+  char *save, *next, *word[5] = {NULL};
 
   PetscFunctionBegin;
-  if (!fgets(line, sizeof line, stream)) line[0] = '\0';
-  for (char *c = line; *c; c++) *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 32 : *c);
-  next = strtok_r(line, " \t\r\n", &save);
+  if (!Next(line)) line->text[0] = '\0';
+  for (char *c = line->text; *c; c++) *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 32 : *c);
+  next = strtok_r(line->text, " \t\r", &save);
   for (int i = 0; i < 5 && next; i++) {
     word[i] = next;
-    next    = strtok_r(NULL, " \t\r\n", &save);
+    next    = strtok_r(NULL, " \t\r", &save);
   }
-  if (!word[4] || strcmp(word[1], "matrix") || (strcmp(word[2], "coordinate") && strcmp(word[2], "array")) ||
+  if (!word[4] || strcmp(word[0], "%%matrixmarket") || strcmp(word[1], "matrix") ||
+      (strcmp(word[2], "coordinate") && strcmp(word[2], "array")) ||
       (strcmp(word[3], "real") && strcmp(word[3], "double") && strcmp(word[3], "integer")) ||
       (strcmp(word[4], "general") && strcmp(word[4], "symmetric") && strcmp(word[4], "skew-symmetric"))) {
     PetscCall(
@@ -41,23 +73,28 @@ static PetscErrorCode ReadBanner(FILE *stream, Banner *b, char why[MPM_WHY_TEXT]
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   b->dense     = strcmp(word[2], "array") ? PETSC_FALSE : PETSC_TRUE;
+  b->whole     = strcmp(word[3], "integer") ? PETSC_FALSE : PETSC_TRUE;
   b->skew      = strcmp(word[4], "skew-symmetric") ? PETSC_FALSE : PETSC_TRUE;
   b->symmetric = strcmp(word[4], "general") ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Finds the next line that is no comment and not blank, and takes the comments before it. found: not the file's end. */
-static PetscErrorCode NextLine(FILE *stream, MpmEntries *e, char line[LINE], PetscBool *found)
+static PetscErrorCode NextEntry(Line *line, MpmEntries *e, PetscBool *found, char why[MPM_WHY_TEXT])
 {
+  const char *wrong = NULL;
+
   PetscFunctionBegin;
   *found = PETSC_FALSE;
-  while (!*found && fgets(line, LINE, stream)) {
-    const char *said = line[0] == '%' ? line + 1 + strspn(line + 1, " ") : "";
-
-    if (!strncmp(said, STEPS, strlen(STEPS))) e->steps = strtoll(said + strlen(STEPS), NULL, 10);
-    if (line[0] == '%') PetscCall(MpmHookedTake(said, &e->hooked));
-    if (line[0] != '%' && line[strspn(line, " \t\r\n")]) *found = PETSC_TRUE;
+  while (!*found && !why[0] && Next(line)) {
+    if (line->text[0] == '%')
+      PetscCall(MpmHookedTake(line->text + 1, &e->hooked, &wrong));
+    else if (line->text[strspn(line->text, " \t\r")])
+      *found = PETSC_TRUE;
+    if (*found && line->cut) wrong = "a shorter line";
+    if (wrong) PetscCall(Refuse(line, wrong, why));
   }
+  e->steps = (PetscInt64)e->hooked.steps;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -71,13 +108,12 @@ static PetscBool Numbers(const char line[], int n, PetscReal number[])
     if (end == line) return PETSC_FALSE;
     line = end;
   }
-  return line[strspn(line, " \t\r\n")] ? PETSC_FALSE : PETSC_TRUE;
+  return line[strspn(line, " \t\r")] ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* A row or column of the file as PetscInt; what is none becomes -1, which is refused later. */
-static PetscInt Index(PetscReal number)
+static PetscBool IsWhole(PetscReal number, PetscReal from, PetscReal to)
 {
-  return number >= 1 && number <= PETSC_MAX_INT && number == (PetscReal)(PetscInt)number ? (PetscInt)number - 1 : -1;
+  return number >= from && number <= to && number == rint(number) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static void Put(MpmEntries *e, PetscInt row, PetscInt column, PetscReal value)
@@ -87,82 +123,99 @@ static void Put(MpmEntries *e, PetscInt row, PetscInt column, PetscReal value)
   e->value[e->n++] = value;
 }
 
+/* What is allowed in the place of an entry; NULL: nothing is wrong with it. number: row and column from 1, and the value. */
+static const char *WrongEntry(const Banner *b, const MpmEntries *e, const PetscReal number[])
+{
+  if (!IsWhole(number[0], 1, (PetscReal)e->rows) || !IsWhole(number[1], 1, (PetscReal)e->columns))
+    return "rows and columns from 1 to the order";
+  if (!isfinite(number[2])) return "finite numbers";
+  if (b->whole && number[2] != rint(number[2])) return "whole numbers, as the first line says";
+  if (b->skew && number[0] <= number[1]) return "of a skew-symmetric matrix the entries below the diagonal";
+  if (b->symmetric && number[0] < number[1])
+    return "of a symmetric matrix the entries on and below the diagonal, or 'general' in the first line";
+  return NULL;
+}
+
 /* Reads the entries. Of a symmetric matrix the file has those below the diagonal, and of a skew one not the diagonal. */
-static PetscErrorCode ReadEntries(FILE *stream, const Banner *b, PetscInt64 listed, MpmEntries *e,
-                                  char why[MPM_WHY_TEXT])
+static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed, MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   PetscInt64 row = b->skew, column = 0;
-  char       line[LINE];
   PetscBool  found;
 
   PetscFunctionBegin;
-  for (PetscInt64 i = 0; i < listed; i++) {
-    PetscReal number[3];
-    PetscInt  r, c;
+  for (PetscInt64 i = 0; i < listed && !why[0]; i++) {
+    PetscReal   number[3] = {(PetscReal)row + 1, (PetscReal)column + 1};
+    const char *wrong     = NULL;
 
-    PetscCall(NextLine(stream, e, line, &found));
-    if (!found || !Numbers(line, b->dense ? 1 : 3, number)) {
+    PetscCall(NextEntry(line, e, &found, why));
+    if (why[0]) break;
+    if (!found || !Numbers(line->text, b->dense ? 1 : 3, b->dense ? number + 2 : number)) {
       PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1,
                               listed, b->dense ? "a line with one number" : "a line with row, column and value"));
-      PetscFunctionReturn(PETSC_SUCCESS);
+      break;
     }
-    r = b->dense ? (PetscInt)row : Index(number[0]);
-    c = b->dense ? (PetscInt)column : Index(number[1]);
-    Put(e, r, c, number[b->dense ? 0 : 2]);
-    if (b->symmetric && r != c) Put(e, c, r, (b->skew ? -1 : 1) * number[b->dense ? 0 : 2]);
+    wrong = WrongEntry(b, e, number);
+    if (wrong) PetscCall(Refuse(line, wrong, why));
+    if (wrong) break;
+    Put(e, (PetscInt)number[0] - 1, (PetscInt)number[1] - 1, number[2]);
+    if (b->symmetric && number[0] != number[1])
+      Put(e, (PetscInt)number[1] - 1, (PetscInt)number[0] - 1, (b->skew ? -1 : 1) * number[2]);
     if (b->dense && ++row == e->rows) {
       column++;
       row = b->symmetric ? column + b->skew : 0;
     }
   }
-  PetscCall(NextLine(stream, e, line, &found));
-  if (found)
+  if (!why[0]) PetscCall(NextEntry(line, e, &found, why));
+  if (!why[0] && found)
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "something follows its %" PetscInt64_FMT " entries; allowed: no more",
                             listed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_TEXT])
+/* Refuses more entries than the file has room for. */
+static PetscErrorCode CheckLength(FILE *stream, PetscReal listed, char why[MPM_WHY_TEXT])
 {
-  Banner     b = {PETSC_FALSE, PETSC_FALSE, PETSC_FALSE};
-  char       line[LINE];
-  PetscBool  found;
-  PetscReal  size[3];
-  PetscInt64 listed;
-  struct {
-    off_t at, end;
-  } place;
+  const off_t at  = ftello(stream);
+  off_t       end = 0;
 
   PetscFunctionBegin;
-  PetscCall(ReadBanner(stream, &b, why));
+  if (at >= 0 && !fseeko(stream, 0, SEEK_END)) end = ftello(stream);
+  if (at < 0 || fseeko(stream, at, SEEK_SET) || !(listed * SHORTEST - 1 <= (PetscReal)(end - at)))
+    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "it is too short for %.10g entries; allowed: a whole file", listed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  Banner    b    = {.dense = PETSC_FALSE};
+  Line      line = {.stream = stream};
+  PetscBool found;
+  PetscReal size[3] = {0};
+
+  PetscFunctionBegin;
+  PetscCall(ReadBanner(&line, &b, why));
+  if (!why[0]) PetscCall(NextEntry(&line, e, &found, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(NextLine(stream, e, line, &found));
-  if (!found || !Numbers(line, b.dense ? 2 : 3, size)) {
+  if (!found || !Numbers(line.text, b.dense ? 2 : 3, size)) {
     PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "no line with its sizes; allowed: rows and columns%s",
                             b.dense ? "" : ", and the number of entries"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  for (int i = 0; i < 3 && !why[0]; i++)
+    if (!IsWhole(size[i], 0, 1e18)) PetscCall(Refuse(&line, "whole numbers from 0", why));
   if (b.dense) size[2] = !b.symmetric ? size[0] * size[1] : size[0] * (size[0] + (b.skew ? -1 : 1)) / 2;
-  place.at = ftello(stream);
-  if (fseeko(stream, 0, SEEK_END)) place.at = -1;
-  place.end = ftello(stream);
-  if (place.at < 0 || fseeko(stream, place.at, SEEK_SET) ||
-      !(size[2] >= 0 && size[2] * SHORTEST - 1 <= (PetscReal)(place.end - place.at))) {
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "it is too short for %.10g entries; allowed: a whole file", size[2]));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmEntriesRoom(size[0], size[1], (b.symmetric ? 2 : 1) * size[2], e, why));
+  if (!why[0]) PetscCall(CheckLength(stream, size[2], why));
+  if (!why[0]) PetscCall(MpmEntriesRoom(size[0], size[1], (b.symmetric ? 2 : 1) * size[2], e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  listed = (PetscInt64)size[2];
-  e->n   = 0;
-  PetscCall(ReadEntries(stream, &b, listed, e, why));
+  e->n = 0;
+  PetscCall(ReadEntries(&line, &b, (PetscInt64)size[2], e, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMatrixWriteText(const MpmCsr *c, PetscInt steps, FILE *stream)
 {
   PetscFunctionBegin;
-  (void)fprintf(stream, "%%%%MatrixMarket matrix coordinate real general\n%% " STEPS " %" PetscInt_FMT "\n", steps);
+  (void)fprintf(stream, "%%%%MatrixMarket matrix coordinate real general\n%% steps: %" PetscInt_FMT "\n", steps);
   (void)fprintf(stream, "%" PetscInt_FMT " %" PetscInt_FMT " %" PetscInt_FMT "\n", c->order, c->order,
                 c->begin[c->order]);
   for (PetscInt i = 0; i < c->order; i++)

@@ -2,6 +2,7 @@
    Checks that MpmModesWrite has written a file, for this scene. The first rank alone reads it; whatever it finds, all
    ranks refuse together. mode_file.c then reads what is known to be there.
 */
+#include "base/textfile.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "io/mode_file.h"
@@ -9,7 +10,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define WRITTEN "allowed: a file that 'mpmstab spectrum -output' has written"
 
@@ -162,12 +162,11 @@ static PetscErrorCode Mode(Check *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Examines the file. A pipe is refused, since opening it would wait for its writer. */
 static PetscErrorCode Examine(Check *c, const char path[])
 {
-  struct stat is;
-  PetscBool   failed;
-  FILE       *file = !stat(path, &is) && S_ISREG(is.st_mode) ? fopen(path, "rb") : NULL;
+  PetscBool failed;
+  int       error;
+  FILE     *file = MpmFileOpen(path, &error);
 
   PetscFunctionBegin;
   if (!file) {

@@ -2,6 +2,8 @@
    numpy's .npz: a zip archive whose members NAME.npy are arrays (NEP 1). An array is a line of Python that says type and
    shape, and then its numbers.
 */
+#include "base/memory.h"
+#include "base/textfile.h"
 #include "io/arrays.h"
 #include "io/zip.h"
 #include <stdlib.h>
@@ -163,6 +165,8 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s is shorter than its shape says; allowed: a whole file", name));
   if (n * (PetscReal)type.width > (PetscReal)size) PetscFunctionReturn(PETSC_SUCCESS);
   why[0] = '\0';
+  PetscCall(MpmMemoryRoom(sizeof(PetscReal) * n, MPM_WHY_TEXT, why));
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmArraysAdd(arrays, name, dims, shape, &a));
   Fill(bytes, &type, *order == 'T' ? PETSC_TRUE : PETSC_FALSE, a);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -183,6 +187,8 @@ static PetscErrorCode ReadMembers(FILE *stream, const char *const names[], MpmAr
 
       if (strncmp(members[i].name, names[k], length) || strcmp(members[i].name + length, ".npy")) continue;
       if (MpmArraysFind(arrays, names[k])) continue;
+      PetscCall(MpmMemoryRoom((PetscReal)members[i].size + (PetscReal)members[i].packed, MPM_WHY_TEXT, why));
+      if (why[0]) break;
       PetscCall(MpmZipRead(stream, &members[i], &bytes, &wrong));
       if (wrong) break;
       PetscCall(ParseNpy(names[k], bytes, (size_t)members[i].size, arrays, why));
@@ -197,7 +203,8 @@ static PetscErrorCode ReadMembers(FILE *stream, const char *const names[], MpmAr
 
 PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
 {
-  FILE *stream = fopen(path, "rb");
+  int   error;
+  FILE *stream = MpmFileOpen(path, &error);
 
   PetscFunctionBegin;
   *arrays = (MpmArrays){.n = 0};

@@ -175,7 +175,7 @@ PetscErrorCode MpmEigenResidual(const MpmEigen *e, PetscReal re, PetscReal im, V
     PetscCall(VecAXPBYPCZ(r, -re, part ? -im : im, 1, x[part], x[1 - part]));
     PetscCall(VecNorm(r, NORM_2, &rest[part]));
   }
-  *residual = hypot(rest[0], rest[1]) / (e->norm * hypot(norm[0], norm[1]));
+  *residual = hypot(rest[0], rest[1]) / ((e->norm > 0 ? e->norm : 1) * hypot(norm[0], norm[1])); /* 0: A is zero */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,10 +47,26 @@ PetscErrorCode MpmSingularTryOptions(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether a matrix is zero: it maps a random vector to 0 exactly. SLEPc breaks down on it. */
+static PetscErrorCode IsZero(Mat matrix, Vec start, PetscBool *zero)
+{
+  Vec       image;
+  PetscReal norm;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(start, &image));
+  PetscCall(MatMult(matrix, start, image));
+  PetscCall(VecNorm(image, NORM_INFINITY, &norm));
+  PetscCall(VecDestroy(&image));
+  *zero = norm == 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSingularLargest(Mat matrix, Vec start, PetscInt basis, PetscReal tolerance, PetscReal *sigma)
 {
   SVD            svd;
   PetscInt       order, found = 0;
+  PetscBool      zero = PETSC_FALSE;
   PetscErrorCode error;
 
   PetscFunctionBegin;
@@ -63,7 +79,8 @@ PetscErrorCode MpmSingularLargest(Mat matrix, Vec start, PetscInt basis, PetscRe
   error = SVDSolve(svd);
   PetscCall(PetscPopErrorHandler());
   if (!error) PetscCall(SVDGetConverged(svd, &found));
-  *sigma = NAN;
+  if (!found) PetscCall(IsZero(matrix, start, &zero));
+  *sigma = zero ? 0 : NAN;
   if (found) PetscCall(SVDGetSingularTriplet(svd, 0, sigma, NULL, NULL));
   PetscCall(SVDDestroy(&svd));
   PetscFunctionReturn(PETSC_SUCCESS);

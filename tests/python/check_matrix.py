@@ -35,7 +35,7 @@ def run(*words, ranks=1):
 
 def refuse(says, *words, ranks=1):
     launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False)
+    done = subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
     check_one_line(done, words, says)
 
 
@@ -250,8 +250,104 @@ def coo(A):
     return "bad.npz"
 
 
+HEAD = "%%MatrixMarket matrix coordinate real general\n"
+ONE = "1 1 1\n1 1 0.5\n"
+
+
+def check_text():
+    """What a Matrix Market file says is taken as it says it, or refused with the line."""
+    symmetric, skew = (HEAD.replace("general", kind) for kind in ("symmetric", "skew-symmetric"))
+    whole = "a whole number from 1"
+    wrong = [(f"line 2: % steps: {text}; allowed: {whole}", f"{HEAD}% steps: {text}\n{ONE}")
+             for text in ("0", "abc", "2.5", "-3", "8 x", "8 9", "nan", "inf", "")]
+    wrong += [(f"line 2: % {name}: {text}; allowed: {says}", f"{HEAD}% {name}: {text}\n{ONE}") for name, text, says in [
+        ("numbers", "three", whole), ("numbers", "1.5", whole), ("single", "yes", "0 or 1"), ("single", "0.5", "0 or 1"),
+        ("size", "small", "a finite number from 0"), ("cell_width", "-1", "a finite number from 0"),
+        ("cell_width", "1/16", "a finite number from 0"), ("period", "1 x", "a finite number from 0"),
+        ("period", "1 1 1 1", "a finite number from 0"), ("scale", "0", "a finite number above 0"),
+        ("scale", "inf", "a finite number above 0"), ("at", "here", "finite numbers"), ("at", "", "finite numbers"),
+        ("moved", "no", "a number from 0, inf or nan"), ("repeat", "-1", "a number from 0, inf or nan"),
+        ("one_sided", "", "a number from 0, inf or nan"), ("two_sizes", "1e-9 !", "a number from 0, inf or nan"),
+        ("additivity", "1,5", "a number from 0, inf or nan")]]
+    wrong += [
+        ("it says that it covers 1000001 steps", f"{HEAD}% steps: 1000001\n{ONE}"),
+        ("line 4: % steps: 2; allowed: once", f"{HEAD}% steps: 2\n% other: 3\n% steps: 2\n{ONE}"),
+        ("line 3: % at: 1 2; allowed: as many numbers", f"{HEAD}% at: 1\n% at: 1 2\n{ONE}"),
+        ("line 5: % steps: x; allowed", f"{HEAD}1 1 1\n\n1 1 0.5\n% steps: x\n"),
+        ("line 5: 1 2 1; allowed: of a symmetric matrix the entries on and below", f"{symmetric}2 2 3\n1 1 1\n2 1 1\n1 2 1\n"),
+        ("line 3: 1 1 0; allowed: of a skew-symmetric matrix the entries below", f"{skew}2 2 1\n1 1 0\n"),
+        ("line 3: 1 2 1; allowed: of a skew-symmetric matrix the entries below", f"{skew}2 2 1\n1 2 1\n"),
+        ("line 3: 0 1 5; allowed: rows and columns from 1", f"{HEAD}2 2 1\n0 1 5\n"),
+        ("line 3: 1 3 5; allowed: rows and columns from 1", f"{HEAD}2 2 1\n1 3 5\n"),
+        ("line 3: 1.5 1 5; allowed: rows and columns from 1", f"{HEAD}2 2 1\n1.5 1 5\n"),
+        ("line 3: 1 1 1e999; allowed: finite numbers", f"{HEAD}1 1 1\n1 1 1e999\n"),
+        ("line 3: 1 1 0.5; allowed: whole numbers", HEAD.replace("real", "integer") + ONE),
+        ("line 2: 1.5 1.5 1; allowed: whole numbers", f"{HEAD}1.5 1.5 1\n1 1 1\n"),
+        ("line 2: 2 2 0.5; allowed: whole numbers", f"{symmetric}2 2 0.5\n2 1 1\n"),
+        ("allowed: a shorter line", f"{HEAD}1 1 1\n1 1 0.{'5' * 2000}\n"),
+        ("entry 1 of 1", f"{HEAD}1 1 1\n1 1 0.5\0\n1 1 0.5\n"),
+        ("kind coordinate real hermitian", HEAD.replace("general", "hermitian") + ONE),
+        ("kind coordinate real general", HEAD.replace("Market", "Shop") + ONE),
+    ]
+    for says, text in wrong:
+        refuse(says, "spectrum", "-matrix", write("bad.mtx", text))
+    refuse("line 2: % steps: abc", "symbol", "-matrix_blocks", write("bad.mtx", f"{HEAD}% steps: abc\n{ONE}"), ranks=2)
+    for text, growth in [(f"{HEAD}% steps: 1e3\n{ONE}", 0.5**1e-3), (f"{HEAD}%steps:8\r\n{ONE}", 0.5**0.125),
+                         (f"{HEAD}% note: {'1 1 1 ' * 1000}\n{ONE}", 0.5),
+                         (f"{HEAD}% moved: nan\n% repeat: inf\n{ONE}", 0.5),
+                         (f"{HEAD}1 1 2\n1 1 0.25\n1 1 0.5\n", 0.75),
+                         (f"{symmetric}2 2 2\n1 1 0\n2 1 0.7\n", 0.7), (f"{skew}2 2 1\n2 1 0.7\n", 0.7),
+                         (HEAD.replace("coordinate", "array").replace("general", "skew-symmetric") + "2 2\n0.7\n", 0.7)]:
+        near(run("spectrum", "-matrix", write("good.mtx", text))["growth"], growth, 1e-12, text[:200])
+
+
+def check_nothing():
+    """All eigenvalues of a matrix that is zero, or strictly triangular, are 0."""
+    for n in (1, 3, 40):
+        for path, A in (("zero.npz", numpy.zeros((n, n))), ("below.npz", numpy.tril(numpy.ones((n, n)), -1))):
+            scipy.sparse.save_npz(path, scipy.sparse.csr_matrix(A))
+            for ranks in (1, 2):
+                result = run("spectrum", "-matrix", path, "-expect", "stable", "-powers", 2, ranks=ranks)
+                check(result["growth"] == 0 and result["spectrum"]["listed"] == n, f"{path}, {n}: {result}")
+                norms = result["transient"]["norm"]
+                near(norms, [numpy.linalg.norm(numpy.linalg.matrix_power(A, k), 2) for k in range(len(norms))], 1e-6 * n * n,
+                     f"{path}, {n}: norms of powers")
+            numpy.savez("nothing.npz", d=[[0], [1]], A=[A, 2 * A])
+            result = run("symbol", "-matrix_blocks", "nothing.npz", "-expect", "stable")
+            check(result["growth"] == 0 and result["symbol"]["growth"] == 0, f"blocks of {path}, {n}: {result}")
+    big = scipy.sparse.csr_matrix((5000, 5000))
+    scipy.sparse.save_npz("zero.npz", big)
+    check(run("spectrum", "-matrix", "zero.npz", "-expect", "stable")["growth"] == 0, "zero matrix of order 5000")
+
+
+def check_sizes():
+    """Nothing is read that never ends, and nothing begun that cannot fit."""
+    if not os.path.exists("pipe"):
+        os.mkfifo("pipe")
+    for path in ("pipe", "/dev/zero", "/dev/null"):
+        refuse(f"{path}: not a regular file", "spectrum", "-matrix", path)
+        refuse(f"{path}: not a regular file", "symbol", "-matrix_blocks", path, ranks=2)
+    huge = 10**9
+    write("huge.mtx", f"{HEAD}{huge} {huge} 1\n1 1 0.5\n")
+    for ranks in (1, 2):
+        refuse("order 1000000000 with 1 entries: its spectrum needs about", "spectrum", "-matrix", "huge.mtx", ranks=ranks)
+    scipy.sparse.save_npz("huge.npz", scipy.sparse.coo_matrix(([1.0], ([0], [0])), (huge, huge)))
+    refuse("order 1000000000 with 1 entries: its spectrum needs about", "spectrum", "-matrix", "huge.npz")
+    with h5py.File("huge.h5", "w") as file:
+        file.create_dataset("data", (10**11,), "f8", chunks=(10**6,))
+    with open("huge.h5", "ab") as file:
+        file.truncate(10**10)  # a hole, so that the file is as large as compressed data of the array may be
+    refuse("to read it takes about", "spectrum", "-matrix", "huge.h5")
+    with open("huge.petsc", "wb") as file:
+        file.write(struct.pack(">4q", 1211216, 20, 20, 10**10))
+        file.truncate(2 * 10**11)
+    refuse("entries; allowed: up to", "spectrum", "-matrix", "huge.petsc")
+    for path in ("huge.h5", "huge.petsc"):
+        os.remove(path)
+
+
 def check_refusals():
-    head = "%%MatrixMarket matrix coordinate real general\n"
+    head = HEAD
     npz, nan = content("b.npz"), numpy.array([[1, numpy.nan], [0, 1]])
     petsc = content("d.petsc")
     broken = bytearray(npz)
@@ -273,7 +369,10 @@ def check_refusals():
         ("kind coordinate complex general", lambda: write("bad.mtx", head.replace("real", "complex") + "1 1 1\n1 1 1 0\n")),
         ("kind coordinate pattern general", lambda: write("bad.mtx", head.replace("real", "pattern") + "1 1 1\n1 1\n")),
         ("it is empty, 0 x 0", lambda: write("bad.mtx", head + "0 0 0\n")),
-        ("entry 1 is in row -1 and column 0", lambda: write("bad.mtx", head + "2 2 1\n0 1 5\n")),
+        ("steps; allowed: one whole number from 1", lambda: savez("bad.npz", data=[1.0], indices=[0], indptr=[0, 1], steps=2.5)),
+        ("entry 1 is in row -1 and column 0", lambda: savez("bad.npz", data=[1.0], row=[0.5], col=[0], shape=[2, 2],
+                                                            format="coo")),
+        ("order 2.5 with 1 entries", lambda: savez("bad.npz", data=[1.0], row=[0], col=[0], shape=[2.5, 2.5], format="coo")),
         ("entry 2 of 2; allowed: a line with row, column and value", lambda: write("bad.mtx", head + "2 2 2\n1 1 5\n1 2\n")),
         ("something follows its 1 entries", lambda: write("bad.mtx", head + "2 2 1\n1 1 5\n2 2 5\n")),
         ("too short for 1e+12 entries", lambda: write("bad.mtx", head + "9 9 1000000000000\n1 1 5\n")),
@@ -346,6 +445,9 @@ def main():
     check_narrow()
     check_wave()
     check_example()
+    check_text()
+    check_nothing()
+    check_sizes()
     check_refusals()
 
 

@@ -77,7 +77,14 @@ def check_option_files():
         check(done.returncode == 2 and done.stderr.count(
             "mpmstab: .petscrc: PETSc looks for options there, and it is not a regular file") == 1, done.stderr)
     check(run(["list"], env={**os.environ, "HOME": os.getcwd()}).returncode == 2, "~/.petscrc")
-    os.remove(".petscrc")
+    os.rename(".petscrc", "pipe")
+    with open("large", "wb") as file:
+        file.truncate(2**21)
+    for name, says in (("pipe", "not a regular file"), ("/dev/zero", "not a regular file"), ("large", "larger than 1 MiB")):
+        for ranks in (1, 2):
+            done = run(["run", "-options_file", name], ranks)
+            check(done.returncode == 2 and done.stderr.count(
+                f"mpmstab: {name}: PETSc looks for options there, and it is {says}; allowed: a text file") == 1, done.stderr)
 
 
 def check_closed_output():

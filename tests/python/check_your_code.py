@@ -370,11 +370,11 @@ def check_blocks_refused(path):
             ("it does not say where its particles are", ("% cell_width: 0.0625", "% cell_width: 0")),
             ("32 particles with 2 numbers, and order 96", ("% numbers: 3", "% numbers: 2")),
             ("31 particles with 3 numbers, and order 96", (places[3] + "\n", "")),
-            ("it covers -2 steps", ("% steps: 1", "% steps: -2")),
+            ("line 2: % steps: -2; allowed", ("% steps: 1", "% steps: -2")),
             ("other places in them", (places[3], "% at: 0.11")),
             ("different numbers of particles", (places[3], "% at: 0.13")),
             ("some cells have none", ("% period: 1", "% period: 3")),
-            ("not finite", (places[3], "% at: inf")),
+            ("% at: inf; allowed: finite numbers", (places[3], "% at: inf")),
             ("its cells differ by", (lines[-1], f"{last[0]} {last[1]} {float(last[2]) + 1e-4}")),
             ("no cell away from its edges", *far)):
         done = subprocess.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
