@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """One HTML page that answers for each scene: is it stable, for which time step, how accurate for what cost, and why?
 
-report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work-precision]
+report.py [SCENE.yaml...] [-o report.html] [-n RANKS] [--work FOLDER] [--no-work-precision] [--trust-scenes]
 
 The script runs the tasks spectrum, symbol, critical, run and map of mpmstab on each scene (by default the examples)
 and measures error against run time on three grids. Where a task does not support a scene, the page quotes its refusal.
-A scene may name a program or a plugin: the page then says which time steps the code takes, and how well that is known.
+A scene may name a program or a plugin, which --trust-scenes starts: the page then says which time steps the code takes,
+and how well that is known.
 The page holds its pictures and needs no network. The pictures are also saved in the folder report-pictures beside it.
 The files of the runs stay in FOLDER (by default report-files beside
 the page). The environment variable MPMSTAB names the program (by default build/mpmstab).
@@ -41,6 +42,8 @@ def parse():
     parser.add_argument("--work", metavar="FOLDER", help="where the files of the runs stay")
     parser.add_argument("--no-work-precision", action="store_true",
                         help="leave out error against run time, which takes longest")
+    parser.add_argument("--trust-scenes", action="store_true",
+                        help="start the programs and plugins that scenes name: for scenes whose writers you trust")
     arguments = parser.parse_args()
     if arguments.ranks < 1:
         refuse(f"-n {arguments.ranks}: allowed: 1 or more ranks")
@@ -149,7 +152,8 @@ def main():
     entries, codes = [], []
     for scene, name, text in zip(arguments.scenes, names, texts):
         if re.search(r"^(program|plugin)\s*:", text, re.M):
-            found = report_code.ask_all(scene, os.path.join(arguments.work, name), arguments.ranks)
+            found = report_code.ask_all(scene, os.path.join(arguments.work, name), arguments.ranks,
+                                        arguments.trust_scenes)
             codes.append({"name": name, "file": os.path.abspath(scene), "text": text, **found})
         else:
             entries.append(examine(scene, name, text, arguments, known))

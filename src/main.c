@@ -69,6 +69,7 @@ int main(int argc, char **argv)
   if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
   if (MpmWordsRead(&argc, &argv)) return MPM_EXIT_FAILED; /* PETSc would answer -help and -version by itself */
   words = argv;
+  if (!MpmWordsCheckViewers(argc, argv)) return MPM_EXIT_REFUSED;
   if (MpmInitialize(&argc, &argv)) return MPM_EXIT_REFUSED;
   (void)signal(SIGPIPE, SIG_IGN); /* '| head' ends the reader, not the work; PETSc would print a stack trace */
   (void)signal(SIGXFSZ, SIG_IGN); /* writing beyond 'ulimit -f' then fails like any other write */

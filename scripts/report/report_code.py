@@ -15,14 +15,16 @@ LIMITS = {"interior": "cells alike in all directions, without an edge", "block":
           "lone_particle": "a particle with nothing around it", "state": "the particles that the code describes"}
 
 
-def ask_all(scene, folder, ranks):
-    """Runs the tasks on a code, in the folder from which the report is called, as a command of a code may need it."""
-    asker = Asker(os.path.abspath(scene), folder, ranks, os.getcwd())
-    answers = {"symbol": asker.ask("symbol", files=("json", "h5")),
-               "spectrum": asker.ask("spectrum", files=("json", "h5")), "critical": asker.ask("critical")}
+def ask_all(scene, folder, ranks, trusted):
+    """Runs the tasks on a code, in the folder from which the report is called, as a command of a code may need it. The
+    program refuses to start what a scene names that is not trusted."""
+    asker, trust = Asker(os.path.abspath(scene), folder, ranks, os.getcwd()), ["-trust_scene"] if trusted else []
+    answers = {"symbol": asker.ask("symbol", options=trust, files=("json", "h5")),
+               "spectrum": asker.ask("spectrum", options=trust, files=("json", "h5")),
+               "critical": asker.ask("critical", options=trust)}
     spectrum = answers["spectrum"]
     if spectrum.done and spectrum.result["spectrum"].get("unknowns", SMALL + 1) <= SMALL:
-        answers["powers"] = asker.ask("spectrum", "powers", ["-powers", "200"])
+        answers["powers"] = asker.ask("spectrum", "powers", [*trust, "-powers", "200"])
     return {"asker": asker, "answers": answers}
 
 

@@ -45,6 +45,9 @@ typedef enum { MPM_OF_SCENE, MPM_OF_REQUEST } MpmOwner;
 /* The records that show values: HDF5 attributes, JSON, a checkpoint's text, and what a mode file is compared by. */
 typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MPM_RECORDS } MpmRecord;
 
+/* What is done with the file that an option names: nothing (it names none), or it is read, or written. */
+typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
+
 /*S
    MpmField - one field of a scene or of a request.
 
@@ -69,6 +72,9 @@ typedef enum { MPM_IN_FILE, MPM_IN_JSON, MPM_IN_CHECKPOINT, MPM_IN_MODE_FILE, MP
    shown      - whether a record of this scene shows it (NULL: always)
    json       - its key there when that is not its name; 'object.key' is a key inside an object
    exact      - headings show the fraction as such
+   file       - what is done with the file that it names; endings: of one that is written, what its name may end in where
+                a scene gives it, as in ".h5 or .hdf5"
+   no_key     - the option stands on the command line only
 S*/
 typedef struct {
   const char   *name;
@@ -88,7 +94,9 @@ typedef struct {
   int place[MPM_RECORDS];
   PetscBool (*shown)(const MpmScene *scene, MpmRecord record);
   const char *json;
-  PetscBool   exact;
+  PetscBool   exact, no_key;
+  MpmFileUse  file;
+  const char *endings;
 } MpmField;
 
 /* Not collective. The fields that are options, and those that follow from others; each ended by one without a name. */

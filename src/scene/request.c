@@ -539,6 +539,7 @@ static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmReque
   PetscBool matrix;
 
   PetscFunctionBegin;
+  PetscCall(MpmSettingsCheckTrust(settings));
   PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
   if (matrix) {
     PetscCall(MpmSceneDestroy(scene));

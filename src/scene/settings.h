@@ -187,6 +187,15 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene);
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
+/*
+   MpmSettingsCheckTrust - refuses a scene that is merely read and would act: it names a program or a plugin, or files that
+   are not below the current folder or not of its own kind. The option trust_scene, which must stand on the command line,
+   lets it.
+
+   Collective. Call it before anything that a scene names is used.
+*/
+PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings);
+
 /* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
 PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 

@@ -2,24 +2,35 @@
    Names of files. They are refused before any work is done when they cannot be written, or would overwrite one
    another.
 */
+#include "base/file_names.h"
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
+#include "scene/settings_place.h"
 #include <string.h>
-#include <sys/stat.h>
 
+#define MESSAGE 4096
+#define BETWEEN_WORDS " \t\n'\"=;|&<>()"
 #define LONGEST 1024 /* characters, so that a message of PETSc's length can name it and the remedy */
 
-static PetscErrorCode ReadPath(const MpmSettings *settings, const char name[], PetscBool written, char path[])
+/* Whether the task reads an option that names a file which is used so, and the option was given. */
+static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt option, MpmFileUse use)
 {
-  const char *text;
+  const MpmField *o = &MpmOptions[option];
+
+  return o->file == use && settings->text[option] && (!o->tasks || strstr(o->tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], const char name[], char path[])
+{
+  const PetscInt option = MpmOptionIndex(name);
+  const char    *text;
 
   PetscFunctionBegin;
+  if (!IsUsed(settings, task, option, MpmOptions[option].file)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPath(settings, name, &text));
-  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
   if (strlen(text) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter name"));
   PetscCall(PetscStrncpy(path, text, LONGEST));
-  if (written) PetscCall(MpmFileCheck(name, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -31,135 +42,168 @@ static const char *Ending(const char path[])
   return strrchr(slash ? slash : path, '.');
 }
 
-/* HDF5 under the name of another kind of file would be taken for that kind. */
-static PetscErrorCode ReadOutput(const MpmSettings *settings, char path[])
+/* HDF5 under the name of another kind of file would be taken for that kind. XDMF names datasets as FILE:PATH inside XML. */
+static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *request)
 {
-  const char *text, *ending;
+  const char *const path = request->output;
+  const char       *ending;
+  int               length;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsPath(settings, "output", &text));
-  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
-  ending = Ending(text);
-  if (ending && strcmp(ending, ".h5") && strcmp(ending, ".hdf5"))
+  PetscCall(ReadPath(settings, request->task, "output", request->output));
+  if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  ending = Ending(path);
+  length = (int)(ending ? (size_t)(ending - path) : strlen(path));
+  if (ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings))
     PetscCall(MpmSettingsRefuse(settings, "output",
                                 "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending"));
-  PetscCall(ReadPath(settings, "output", PETSC_TRUE, path));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* XDMF names its datasets as FILE:PATH inside XML. */
-static PetscErrorCode NameXmf(const MpmSettings *settings, MpmRequest *request)
-{
-  const char *ending = Ending(request->output);
-  const int   length = (int)(ending ? (size_t)(ending - request->output) : strlen(request->output));
-
-  PetscFunctionBegin;
-  if (strpbrk(request->output, "<>&\":"))
+  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strpbrk(path, "<>&\":"))
     PetscCall(MpmSettingsRefuse(settings, "output", "allowed: a name without < > & : and quotes"));
-  PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, request->output));
-  PetscCall(MpmFileCheck("output", request->xmf));
+  PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Whether two names are of one file: the same in the same folder, however that is spelt. */
-static PetscBool IsSameName(const char a[], const char b[])
-{
-  const char *const paths[2] = {a, b};
-  const char       *names[2];
-  struct stat       folder[2];
-
-  for (int i = 0; i < 2; i++) {
-    const char *slash = strrchr(paths[i], '/');
-    char        text[PETSC_MAX_PATH_LEN];
-
-    names[i] = slash ? slash + 1 : paths[i];
-    (void)snprintf(text, sizeof text, "%.*s.", (int)(names[i] - paths[i]), paths[i]);
-    if (stat(text, &folder[i])) return PETSC_FALSE;
-  }
-  return !strcmp(names[0], names[1]) && folder[0].st_ino == folder[1].st_ino && folder[0].st_dev == folder[1].st_dev
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/* Whether a file that would be written is one that is read, under this name or another. */
-static PetscBool IsInput(const char written[], const char read[])
-{
-  struct stat a, b;
-
-  return written[0] && read[0] && !stat(written, &a) && !stat(read, &b) && a.st_ino == b.st_ino && a.st_dev == b.st_dev
-             ? PETSC_TRUE
-             : PETSC_FALSE;
 }
 
 /* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
-static PetscErrorCode ReadWritten(const MpmSettings *settings, const char name[], PetscBool blocks, char path[])
+static PetscErrorCode ReadWritten(const MpmSettings *settings, const char task[], const char name[], char path[])
 {
-  static const char *const endings[] = {".npz", ".h5", ".hdf5", ".mtx", ".petsc"};
-  const char              *text, *ending;
-  PetscBool                known = PETSC_FALSE;
+  char why[128];
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsPath(settings, name, &text));
-  if (!text) PetscFunctionReturn(PETSC_SUCCESS);
-  ending = Ending(text);
-  for (int i = 0; i < (blocks ? 3 : 5) && ending; i++)
-    if (!strcmp(ending, endings[i])) known = PETSC_TRUE;
-  if (!known)
-    PetscCall(MpmSettingsRefuse(settings, name,
-                                blocks ? "allowed: a name that ends in .npz, .h5 or .hdf5"
-                                       : "allowed: a name that ends in .mtx, .npz, .h5, .hdf5 or .petsc"));
-  PetscCall(ReadPath(settings, name, PETSC_TRUE, path));
+  PetscCall(ReadPath(settings, task, name, path));
+  PetscCall(
+      PetscSNPrintf(why, sizeof why, "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings));
+  if (path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings))
+    PetscCall(MpmSettingsRefuse(settings, name, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-enum { CHECKPOINT = 4, FILES = 7 }; /* of those written */
-enum { RESTART = 2, INPUTS = 5 };   /* of those read */
+/* ---- no file is overwritten that is read, or that is written already ---- */
 
-/* The first rank alone looks at the files, so that all ranks refuse the same. */
+/* Finds a word of a command that is the same file. */
+static PetscBool HasWord(const char command[], const char path[])
+{
+  char word[LONGEST];
+
+  for (size_t n; *command; command += n + strspn(command + n, BETWEEN_WORDS)) {
+    n = strcspn(command, BETWEEN_WORDS);
+    (void)snprintf(word, sizeof word, "%.*s", (int)n, command);
+    if (n < sizeof word && MpmFileIsSame(word, path)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Says as what a file is read; "": it is not. */
+static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], const char path[], size_t room,
+                                char role[])
+{
+  char      file[PETSC_MAX_PATH_LEN];
+  PetscBool there = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  role[0] = '\0';
+  if (MpmFileIsSame(settings->scene, path)) PetscCall(PetscStrncpy(role, "scene", room));
+  for (PetscInt i = 0; MpmOptions[i].name; i++)
+    if (IsUsed(settings, task, i, MPM_FILE_READ) && MpmFileIsSame(settings->text[i], path))
+      PetscCall(PetscStrncpy(role, MpmOptions[i].name, room));
+  if (MpmSettingsGiven(settings, "program") && HasWord(MpmSettingsText(settings, "program"), path))
+    PetscCall(PetscStrncpy(role, "program", room));
+  for (int i = 0; there; i++) {
+    PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
+    if (there && MpmFileIsSame(file, path)) PetscCall(PetscStrncpy(role, "file of options", room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A run that goes on from a checkpoint may put the next one in its place. */
+static PetscErrorCode CheckWritten(const MpmSettings *settings, const MpmRequest *request, PetscInt n,
+                                   const char *const names[], const char *const paths[], char why[MESSAGE])
+{
+  char role[64];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n && !why[0]; i++) {
+    for (PetscInt j = 0; j < i && !why[0]; j++)
+      if (MpmFileIsSame(paths[j], paths[i]))
+        PetscCall(PetscSNPrintf(why, MESSAGE, "%s and %s would both write %s; allowed: different files", names[j],
+                                names[i], paths[j]));
+    if (why[0]) break;
+    PetscCall(FindInput(settings, request->task, paths[i], sizeof role, role));
+    if (role[0] && (strcmp(role, "restart") || strcmp(names[i], "checkpoint")))
+      PetscCall(PetscSNPrintf(why, MESSAGE, "-%s %s: that is the %s; allowed: another file", names[i], paths[i], role));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first rank alone looks at the files, so that all ranks refuse the same. Nothing is written before all are known. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
-  static const char *const names[] = {"output", "output", "json", "csv", "checkpoint", "write_matrix", "write_blocks"};
-  static const char *const roles[] = {"scene", "mode_file", "checkpoint to restart from", "matrix", "matrix_blocks"};
-
-  const char *const paths[]   = {request->output,     request->xmf,          request->json,        request->csv,
-                                 request->checkpoint, request->write_matrix, request->write_blocks};
-  const char *const inputs[]  = {settings->scene, request->mode_file, request->restart, request->matrix,
-                                 request->matrix_blocks};
-  char              why[4096] = "";
+  const char *const task = request->task;
+  const char       *names[MPM_MAX_OPTIONS + 1], *paths[MPM_MAX_OPTIONS + 1];
+  char              why[MESSAGE] = "";
+  PetscInt          n            = 0;
   PetscMPIInt       rank;
 
   PetscFunctionBegin;
-  PetscCall(ReadOutput(settings, request->output));
-  PetscCall(ReadPath(settings, "json", PETSC_TRUE, request->json));
-  PetscCall(ReadPath(settings, "csv", PETSC_TRUE, request->csv));
-  if (!strcmp(request->task, "run")) {
-    PetscCall(ReadPath(settings, "checkpoint", PETSC_TRUE, request->checkpoint));
-    PetscCall(ReadPath(settings, "restart", PETSC_FALSE, request->restart));
+  PetscCall(ReadOutput(settings, request));
+  PetscCall(ReadPath(settings, task, "json", request->json));
+  PetscCall(ReadPath(settings, task, "csv", request->csv));
+  PetscCall(ReadPath(settings, task, "checkpoint", request->checkpoint));
+  PetscCall(ReadPath(settings, task, "restart", request->restart));
+  PetscCall(ReadPath(settings, task, "matrix", request->matrix));
+  PetscCall(ReadPath(settings, task, "matrix_blocks", request->matrix_blocks));
+  PetscCall(ReadWritten(settings, task, "write_matrix", request->write_matrix));
+  PetscCall(ReadWritten(settings, task, "write_blocks", request->write_blocks));
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    if (!IsUsed(settings, task, i, MPM_FILE_WRITTEN)) continue;
+    names[n]   = MpmOptions[i].name;
+    paths[n++] = settings->text[i];
+    if (strcmp(MpmOptions[i].name, "output") || !request->xmf[0]) continue;
+    names[n]   = "output";
+    paths[n++] = request->xmf;
   }
-  if (!strcmp(request->task, "spectrum")) {
-    PetscCall(ReadPath(settings, "matrix", PETSC_FALSE, request->matrix));
-    PetscCall(ReadWritten(settings, "write_matrix", PETSC_FALSE, request->write_matrix));
-  }
-  if (!strcmp(request->task, "symbol")) {
-    PetscCall(ReadPath(settings, "matrix_blocks", PETSC_FALSE, request->matrix_blocks));
-    PetscCall(ReadWritten(settings, "write_blocks", PETSC_TRUE, request->write_blocks));
-  }
-  if (request->output[0] && !strcmp(request->task, "run")) PetscCall(NameXmf(settings, request));
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  for (int i = 0; i < FILES && rank == 0; i++) {
-    for (int j = 0; j < i && !why[0]; j++) {
-      if (paths[i][0] && paths[j][0] && IsSameName(paths[j], paths[i]))
-        PetscCall(PetscSNPrintf(why, sizeof why, "%s and %s would both write %s; allowed: different files", names[j],
-                                names[i], paths[j]));
-    }
-    for (int j = 0; j < INPUTS && !why[0]; j++) {
-      if (i == CHECKPOINT && j == RESTART) continue; /* the next one may take its place */
-      if (IsInput(paths[i], inputs[j]))
-        PetscCall(PetscSNPrintf(why, sizeof why, "-%s %s: that is the %s; allowed: another file", names[i], paths[i],
-                                roles[j]));
-    }
-  }
+  if (rank == 0) PetscCall(CheckWritten(settings, request, n, names, paths, why));
   PetscCallMPI(MPI_Bcast(why, sizeof why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!why[0], "%s", why);
+  for (PetscInt i = 0; i < n; i++) PetscCall(MpmFileCheck(names[i], paths[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what a scene may do ---- */
+
+PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings)
+{
+  static const char *const run[] = {"program", "plugin"};
+
+  char        why[256];
+  PetscBool   trusted;
+  int         here = 1;
+  PetscMPIInt rank;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  for (PetscInt i = 0; MpmOptions[i].name; i++)
+    if (MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT && settings->source[i] != MPM_FROM_COMMAND_LINE)
+      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, "allowed: on the command line only"));
+  PetscCall(MpmSettingsSwitch(settings, "trust_scene", &trusted));
+  if (trusted) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(run); i++)
+    if (MpmSettingsSource(settings, run[i]) == MPM_FROM_SCENE)
+      PetscCall(MpmSettingsRefuse(settings, run[i],
+                                  "a scene that is read runs nothing; allowed: on the command line, or with "
+                                  "-trust_scene if you trust who wrote the scene"));
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const MpmField *o = &MpmOptions[i];
+
+    if (o->file != MPM_FILE_WRITTEN || settings->source[i] != MPM_FROM_SCENE) continue;
+    if (rank == 0) here = MpmFileIsHere(settings->text[i]) && MpmFileHasEnding(settings->text[i], o->endings);
+    PetscCallMPI(MPI_Bcast(&here, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+    PetscCall(PetscSNPrintf(why, sizeof why,
+                            "a scene may write to the current folder and below it; allowed: a name there that ends in "
+                            "%s and is not hidden; any on the command line, or with -trust_scene",
+                            o->endings));
+    if (!here) PetscCall(MpmSettingsRefuse(settings, o->name, why));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -48,8 +48,7 @@ static PetscErrorCode Gives(const char file[], const char name[], const char val
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The names of the files of options, the one that overrules the others first; the command line may name one. */
-static PetscErrorCode FileName(int i, size_t room, char file[], PetscBool *there)
+PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there)
 {
   char **argv;
   int    skipped, at;
@@ -80,7 +79,7 @@ PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char plac
   PetscCall(Gives(NULL, name, value, &is));
   if (is) PetscCall(PetscStrncpy(place, ", from PETSC_OPTIONS", MPM_PLACE_TEXT));
   for (int i = 0; !is && there; i++) {
-    PetscCall(FileName(i, sizeof file, file, &there));
+    PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
     if (there) PetscCall(Gives(file, name, value, &is));
     if (is) PetscCall(PetscSNPrintf(place, MPM_PLACE_TEXT, ", from %s", file));
   }

@@ -11,3 +11,11 @@
    Collective on PETSC_COMM_WORLD. name: without its '-'. value: NULL or "" for none.
 */
 PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char place[MPM_PLACE_TEXT]);
+
+/*
+   MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
+   line may name one. there: whether there is an i-th name. There need be no such file.
+
+   Not collective.
+*/
+PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);

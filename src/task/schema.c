@@ -100,6 +100,7 @@ PetscErrorCode MpmPrintSchema(void)
   for (const MpmField *o = MpmOptions; o->name; o++) {
     const char *inside = strncmp(o->name, "expect_", 7) ? NULL : o->name + 7;
 
+    if (o->no_key) continue;
     if (inside)
       json_object_set_new(expect, inside, Described(o));
     else

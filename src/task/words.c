@@ -1,8 +1,11 @@
 /* From the words of the command line to those that were meant. */
 #include "task/words.h"
+#include "base/file_names.h"
+#include "base/launch.h"
 #include "scene/fields.h"
 #include "task/task.h"
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -111,4 +114,39 @@ int MpmWordsRead(int *argc, char ***argv)
   *argc = words.n;
   *argv = words.word;
   return 0;
+}
+
+/* The file that the value of a viewer's option names, as in ascii:FILE:format; "": none. */
+static void FileOf(const char option[], const char value[], char file[PETSC_MAX_PATH_LEN])
+{
+  const char *colon = strchr(value, ':');
+  const char *name  = !strcmp(option, "-history") ? value : colon ? colon + 1 : "";
+
+  (void)snprintf(file, PETSC_MAX_PATH_LEN, "%.*s", (int)strcspn(name, ":"), name);
+}
+
+/* The word that names a file of ours: the scene, and the values of options that name files. */
+static int NamesFile(char **argv, int i)
+{
+  const PetscInt option = i > 2 && IsOption(argv[i - 1]) ? MpmOptionIndex(argv[i - 1] + 1) : MPM_NOT_AN_OPTION;
+
+  if (i == 2) return !IsOption(argv[i]);
+  return option != MPM_NOT_AN_OPTION && MpmOptions[option].file != MPM_FILE_NONE;
+}
+
+int MpmWordsCheckViewers(int argc, char **argv)
+{
+  char file[PETSC_MAX_PATH_LEN];
+
+  for (int i = 2; i + 1 < argc; i++) {
+    if (!IsOption(argv[i]) || MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION) continue;
+    FileOf(argv[i], argv[i + 1], file);
+    for (int k = 2; k < argc; k++) {
+      if (!NamesFile(argv, k) || !MpmFileIsSame(argv[k], file)) continue;
+      MpmLaunchRefuse(argv[i],
+                      "PETSc would write over a file that this command names otherwise; allowed: another file");
+      return 0;
+    }
+  }
+  return 1;
 }

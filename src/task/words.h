@@ -13,3 +13,11 @@
    Not collective. Returns 0, or 1 when memory ends. The new *argv is freed with free, after MpmFinalize.
 */
 int MpmWordsRead(int *argc, char ***argv);
+
+/*
+   MpmWordsCheckViewers - returns whether no option of PETSc's, such as -log_view :FILE, names the file of another word: the
+   scene, or a file that is read or written. Otherwise the first rank prints which one does.
+
+   Not collective; call it before PetscInitialize, which empties such a file.
+*/
+int MpmWordsCheckViewers(int argc, char **argv);

@@ -165,7 +165,7 @@ def check_refusals():
     check_refused(".", "checkpoint .: cannot be read: Is a directory")
     if not os.path.exists("pipe.h5"):
         os.mkfifo("pipe.h5")
-    check_refused("pipe.h5", "checkpoint pipe.h5: cannot be read: Invalid argument")
+    check_refused("pipe.h5", "checkpoint pipe.h5: cannot be read: not a regular file")
     check_refused("good.h5", "checkpoint good.h5: its jitter is 0.5, the scene's is 0.25; allowed: the scene that it "
                   "is of", "-jitter", "0.25")
     check_refused("good.h5", "checkpoint good.h5: its drift is 3/10, the scene's is 1/3", "-drift", "1/3")

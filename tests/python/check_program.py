@@ -248,7 +248,7 @@ def check_map():
     check(found["map"]["undecided"] == 3, f"{found['map']}")
     with open("code.yaml", "w", encoding="utf-8") as scene:
         scene.write(f"program: {steps[1]}\n")
-    check(run("map", "code.yaml", *axes[:-1], "2,2")["map"]["unstable"] == 1, "a map of a code that a file names")
+    check(run("map", "code.yaml", "-trust_scene", *axes[:-1], "2,2")["map"]["unstable"] == 1, "a map of a code that a file names")
     particles = run("map", *steps, *axes[:-1], "2,2", "-probe", "coloured")["map"]
     check("phases" not in particles and particles["unstable"] == 1, f"{particles}")
     for words, said in ((["dt,F", "-map_dt", "1,2", "-map_F", "1,2"], "no such parameter; allowed: dt, E"),

@@ -257,6 +257,8 @@ def check_code():
     with open("probed.yaml", "w", encoding="utf-8") as scene:
         scene.write(f"program: {sys.executable} {adapter}\n")
     done = report("probed.yaml", "-o", "probed.html")
+    check(done.returncode == 0 and "a scene that is read runs nothing" in text_of("probed.html"), f"not trusted: {done.stderr}")
+    done = report("probed.yaml", "-o", "probed.html", "--trust-scenes")
     check(done.returncode == 0, done.stderr)
     text = article(text_of("probed.html"), "probed")
     for words in ("dt up to <data value=", ">0.000306186<", "65.32%", "two sizes", "holds"):
