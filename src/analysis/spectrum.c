@@ -236,6 +236,8 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   f->growth    = s->growth;
   if (s->eigen->complete) {
     evidence = "all eigenvalues";
+  } else if (s->eigen->nilpotent) {
+    evidence = "the matrix is strictly triangular in some order of its unknowns, so that all eigenvalues are 0";
   } else if (!s->symbol && s->eigen->largest) {
     evidence = "eigenvalues of largest magnitude (no proof that none is larger)";
   } else if (!s->symbol && s->eigen->leftmost && s->growth >= 1) {

@@ -46,7 +46,7 @@ void MpmEntriesToScales(MpmEntries *e)
   const MpmHooked *h     = &e->hooked;
   const PetscInt   width = (PetscInt)h->scales;
 
-  if (width < 1 || h->numbers != (PetscReal)width || e->rows % width) return;
+  if (width < 1 || width > MPM_HOOKED_NUMBERS || h->numbers != (PetscReal)width || e->rows % width) return;
   for (PetscInt64 k = 0; k < e->n; k++) e->value[k] *= h->scale[e->column[k] % width] / h->scale[e->row[k] % width];
 }
 

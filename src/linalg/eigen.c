@@ -5,6 +5,7 @@
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
 #include "linalg/eigen_target.h"
+#include "linalg/nilpotent.h"
 #include "base/errors_private.h"
 #include "linalg/ritz.h"
 #include <math.h>
@@ -184,7 +185,13 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscReal norm[2];
 
   PetscFunctionBegin;
-  if (e->vector) {
+  if (e->nilpotent) {
+    PetscCall(VecZeroEntries(re));
+    PetscCall(VecZeroEntries(im));
+    PetscCall(VecSetValue(re, e->unit, 1, INSERT_VALUES));
+    PetscCall(VecAssemblyBegin(re));
+    PetscCall(VecAssemblyEnd(re));
+  } else if (e->vector) {
     PetscCall(e->vector(e, j, re, im));
   } else if (e->ritz) {
     PetscInt n;
@@ -364,6 +371,18 @@ PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Lists the one eigenvalue of a matrix that is strictly triangular in some order of its unknowns. */
+static PetscErrorCode ListNilpotent(MpmEigen *e)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc4(1, &e->re, 1, &e->im, 1, &e->residual, 1, &e->place));
+  e->n         = 1;
+  e->complete  = e->order == 1 ? PETSC_TRUE : PETSC_FALSE;
+  e->converged = e->largest = e->leftmost = PETSC_TRUE;
+  PetscCall(PetscStrncpy(e->solver, "none: strictly triangular in some order of its unknowns", sizeof e->solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen)
 {
@@ -381,6 +400,13 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
   PetscCall(MpmEigenNorm(A, &e->norm));
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmRitzMatrix(A, target, &T));
   PetscCall(CreateSolver(T, prefix, method, &e->eps));
+  if (method == MPM_EIGEN_LARGEST) PetscCall(MpmNilpotentFind(A, &e->unit));
+  e->nilpotent = method == MPM_EIGEN_LARGEST && e->unit >= 0 ? PETSC_TRUE : PETSC_FALSE;
+  if (e->nilpotent) {
+    PetscCall(ListNilpotent(e));
+    e->solve_s = MPI_Wtime() - begin;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (method == MPM_EIGEN_DENSE) PetscCall(MpmEigenDenseIsPlain(e->eps, &dense));
   PetscCall(dense ? SolveDense(e, &found) : SolveOrFail(e, &found));
   PetscCall(EPSGetDimensions(e->eps, &wanted, NULL, NULL));

@@ -30,7 +30,8 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    complete: all eigenvalues are listed. converged: as many were found as were asked for. largest: the solver has
    converged, it sought the largest abs of all eigenvalues, and no result was rejected. leftmost: the same of the least
    real part. failed: the solver gave up,
-   since a factorization broke down or A is not finite. small: of a solve by a smaller matrix (reduced), its eigenvalues;
+   since a factorization broke down or A is not finite. nilpotent: all eigenvalues are 0, and one of them is listed, with the
+   unit vector of the unknown unit (nilpotent.h). small: of a solve by a smaller matrix (reduced), its eigenvalues;
    else NULL. vector: gives the vector of listed pair j of such a solve, before it is scaled.
 S*/
 typedef struct MpmEigen MpmEigen;
@@ -38,7 +39,7 @@ struct MpmEigen {
   Mat               A;
   PetscInt          order, n;
   PetscReal        *re, *im, *residual, norm, solve_s;
-  PetscBool         complete, converged, largest, leftmost, failed;
+  PetscBool         complete, converged, largest, leftmost, failed, nilpotent;
   char              solver[160];
   MpmEigen         *small;
   const MpmReduced *reduced;
@@ -46,6 +47,7 @@ struct MpmEigen {
   /* where the eigenvectors are kept */
   EPS        eps;
   BV         ritz;
+  PetscInt   unit;
   PetscInt  *place;                                      /* of the listed pair in eps or dense, or of its Ritz vector */
   PetscReal *coefficients, *dense_re, *dense_im, *dense; /* dense: as MpmEigenDenseSolve sets it */
 };

@@ -315,9 +315,22 @@ def check_nothing():
             numpy.savez("nothing.npz", d=[[0], [1]], A=[A, 2 * A])
             result = run("symbol", "-matrix_blocks", "nothing.npz", "-expect", "stable")
             check(result["growth"] == 0 and result["symbol"]["growth"] == 0, f"blocks of {path}, {n}: {result}")
-    big = scipy.sparse.csr_matrix((5000, 5000))
-    scipy.sparse.save_npz("zero.npz", big)
-    check(run("spectrum", "-matrix", "zero.npz", "-expect", "stable")["growth"] == 0, "zero matrix of order 5000")
+    n, rng = 5000, numpy.random.default_rng(3)  # beyond what LAPACK solves
+    order = rng.permutation(n)
+    below = scipy.sparse.diags([1.0, -2.0, 0.5], [-1, -2, -70], shape=(n, n), format="csr")[order][:, order]
+    ring = scipy.sparse.csr_matrix(([0.5], ([order.argsort()[0]], [order.argsort()[n - 1]])), (n, n))
+    for ranks in (1, 2, 3):
+        for what, A, growth in (("zero", scipy.sparse.csr_matrix((n, n)), 0), ("triangular", below, 0),
+                                ("of one ring", below + ring, None)):
+            scipy.sparse.save_npz("big.npz", A)
+            result = run("spectrum", "-matrix", "big.npz", "-output", "big.h5", ranks=ranks)
+            if growth is None:
+                check("triangular" not in result["evidence"], f"{what}: {result}")
+                continue
+            check(result["growth"] == growth and result["verdict"] == "stable", f"{what}, {ranks} ranks: {result}")
+            with h5py.File("big.h5") as file:
+                mode = file["modes/0001/vector_re"][:]
+            check(numpy.linalg.norm(mode) == 1 and not (A @ mode).any(), f"{what}, {ranks} ranks: mode 1")
 
 
 def check_sizes():
