@@ -43,14 +43,16 @@ static hid_t Try(MpmHdf5 *f, hid_t result)
 }
 
 /*
-   Comes before HDF5's first call, which reads the variable. Its locks are switched off. Some file systems do not have them, and they are not needed: no other program uses the
-   temporary name of a file that is being written.
+   Comes before HDF5's first call, which reads the variable. Its locks are switched off. Some file systems do not have
+   them, and they are not needed: no other program uses the temporary name of a file that is being written. Links to other
+   files are not followed: a file that is read must not open others, of which one may be a pipe that never ends.
 */
 static PetscErrorCode Prepare(void)
 {
   PetscFunctionBegin;
   (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   PetscCheck(H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "HDF5 cannot be kept silent");
+  (void)H5Lunregister(H5L_TYPE_EXTERNAL); /* fails where it has been done already */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -356,6 +358,18 @@ PetscBool MpmHdf5ReadAttribute(const MpmHdf5 *f, const char object[], const char
   return ok;
 }
 
+/* Opens an array whose numbers are in this file; -1: there is none. */
+static hid_t OpenArray(const MpmHdf5 *f, const char name[])
+{
+  const hid_t array   = H5Dopen2(f->file, name, H5P_DEFAULT);
+  const hid_t made    = array < 0 ? -1 : H5Dget_create_plist(array);
+  const int   is_here = made >= 0 && H5Pget_layout(made) != H5D_VIRTUAL && H5Pget_external_count(made) == 0;
+
+  if (made >= 0) (void)H5Pclose(made);
+  if (array >= 0 && !is_here) (void)H5Dclose(array);
+  return is_here ? array : -1;
+}
+
 /*
    Opens an array of one dimension whose numbers have the right class, and finds its length. The length is -1 when there
    is no such array, or when it claims to be longer than the file.
@@ -367,7 +381,7 @@ static hid_t Find(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
 
   *length = -1;
   if (H5Lexists(f->file, name, H5P_DEFAULT) <= 0) return -1;
-  array = H5Dopen2(f->file, name, H5P_DEFAULT);
+  array = OpenArray(f, name);
   if (array < 0) return -1;
   space = H5Dget_space(array);
   has   = H5Dget_type(array);
@@ -421,7 +435,7 @@ PetscBool MpmHdf5Array(const MpmHdf5 *f, const char name[], int room, int *dims,
   PetscBool ok;
 
   if (!MpmHdf5Has(f, name)) return PETSC_FALSE;
-  array = H5Dopen2(f->file, name, H5P_DEFAULT);
+  array = OpenArray(f, name);
   if (array < 0) return PETSC_FALSE; /* a group */
   space   = H5Dget_space(array);
   type    = H5Dget_type(array);
@@ -446,7 +460,7 @@ PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers
   hid_t array;
 
   PetscFunctionBegin;
-  array = Try(f, H5Dopen2(f->file, name, H5P_DEFAULT));
+  array = Try(f, OpenArray(f, name));
   (void)Try(f, H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
   if (array >= 0) (void)H5Dclose(array);
   PetscFunctionReturn(PETSC_SUCCESS);

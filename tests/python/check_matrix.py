@@ -340,6 +340,15 @@ def check_sizes():
     for path in ("pipe", "/dev/zero", "/dev/null"):
         refuse(f"{path}: not a regular file", "spectrum", "-matrix", path)
         refuse(f"{path}: not a regular file", "symbol", "-matrix_blocks", path, ranks=2)
+    layout = h5py.VirtualLayout((1,), "f8")
+    layout[:] = h5py.VirtualSource("pipe", "data", (1,))
+    for says, put in (("array data; allowed", lambda file: file.create_dataset("data", (1,), "f8", external=[("pipe", 0, 8)])),
+                      ("array data; allowed", lambda file: file.create_virtual_dataset("data", layout)),
+                      ("array data; allowed", lambda file: file.__setitem__("data", h5py.ExternalLink("pipe", "/data"))),
+                      ("it has no matrix", lambda file: file.__setitem__("group", h5py.ExternalLink("pipe", "/")))):
+        with h5py.File("elsewhere.h5", "w") as file:
+            put(file)
+        refuse(says, "spectrum", "-matrix", "elsewhere.h5")
     huge = 10**9
     write("huge.mtx", f"{HEAD}{huge} {huge} 1\n1 1 0.5\n")
     for ranks in (1, 2):
