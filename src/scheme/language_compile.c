@@ -51,7 +51,7 @@ static PetscErrorCode Emit(MpmCompiler *c, MpmOp op)
   if (traits.src == MPM_ON_PARTICLES && !itself) c->particle_read[op.src] = PETSC_TRUE;
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES && !itself) Link(c, op.dst, op.src);
   if (traits.dst == MPM_ON_NODES) {
-    c->holds[op.dst]      = op.kind == MPM_P2G && !op.accumulates ? op.src : MPM_NONE;
+    c->holds[op.dst] = op.kind == MPM_P2G && !op.accumulates && !op.coefficient && op.factor == 1 ? op.src : MPM_NONE;
     c->written_to[op.dst] = PETSC_TRUE;
     c->lost[op.dst]       = PETSC_FALSE;
   }
@@ -125,7 +125,7 @@ static const char *WordOf(const MpmTerm *term)
                                       [MPM_GRAD] = "GRAD", [MPM_LAP] = "LAP", [MPM_SOLVE] = "SOLVE"};
 
   if (term->kind == MPM_COPY || term->kind == MPM_ADD) return "";
-  if (term->kind == MPM_GRAD && (term->dot || term->stress)) return term->dot ? "GRAD . " : "STRESS GRAD ";
+  if (term->kind == MPM_GRAD && (term->dot || term->stress)) return term->dot ? "GRAD ." : "STRESS GRAD";
   return words[term->kind];
 }
 
@@ -133,10 +133,10 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
 {
   static const char *const makes[] = {"a scalar of a vector, or a vector of a stress or a scalar",
                                       "a stress or a scalar of a vector, or a vector of a scalar",
-                                      "a field of the same rank"};
+                                      "a field of the same rank", "a scalar of a vector", "a stress of a vector"};
 
   const MpmOpTraits traits = MpmOpTraitsOf(term->kind);
-  const char       *word = WordOf(term), *blank = *word && word[strlen(word) - 1] != ' ' ? " " : "";
+  const char       *word = WordOf(term), *blank = *word ? " " : "";
   const char       *dst = NameOf(c, line->place, line->field), *src = NameOf(c, term->place, term->field);
   const MpmRank     to = RankOf(c, line->place, line->field), from = RankOf(c, term->place, term->field);
 
@@ -148,7 +148,9 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
   if (!Fits(term, to, from))
     Refuse(c, "%s is a %s and %s a %s; %s%sallowed: %s makes %s", dst, rank_names[to], src, rank_names[from], word,
            *word ? " does not fit; " : "", *word ? word : "a term",
-           makes[term->kind == MPM_DIV    ? 0
+           makes[term->dot                ? 3
+                 : term->stress           ? 4
+                 : term->kind == MPM_DIV  ? 0
                  : term->kind == MPM_GRAD ? 1
                                           : 2]);
   if (term->place == MPM_ON_NODES && (!c->written_to[term->field] || c->lost[term->field]))
@@ -411,6 +413,7 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
   c->node_read[line->other] = PETSC_TRUE;
   c->reacts[line->field]    = PETSC_TRUE;
   c->at_wall[line->field]   = PETSC_FALSE; /* it is the reaction there */
+  c->holds[line->field]     = MPM_NONE;
   PetscCall(Emit(c, (MpmOp)REACT(line->field, line->other)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

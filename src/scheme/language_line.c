@@ -391,7 +391,13 @@ static PetscErrorCode ReadProduct(Reader *r, Value *product)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds the terms of a product; those of the same kind and field become one. */
+static PetscBool IsSame(const MpmTerm *a, const MpmTerm *b)
+{
+  return a->kind == b->kind && a->field == b->field && a->dot == b->dot && a->stress == b->stress ? PETSC_TRUE
+                                                                                                  : PETSC_FALSE;
+}
+
+/* Adds the terms of a product; those of the same operation and field become one. */
 static PetscErrorCode AddTerms(const Reader *r, Value *sum, const Value *product, PetscReal sign)
 {
   PetscFunctionBegin;
@@ -399,7 +405,7 @@ static PetscErrorCode AddTerms(const Reader *r, Value *sum, const Value *product
     const MpmTerm *more = &product->term[t];
     PetscInt       same = 0;
 
-    while (same < sum->n && (sum->term[same].kind != more->kind || sum->term[same].field != more->field)) same++;
+    while (same < sum->n && !IsSame(&sum->term[same], more)) same++;
     if (same == MPM_MOST_TERMS) MpmRefuseLine(r->written, r->text, "allowed: at most %d terms", MPM_MOST_TERMS);
     if (same == sum->n) {
       sum->term[sum->n++]    = *more;

@@ -13,11 +13,11 @@ const char *const MpmMoveNames[]       = {"grid", "projected", NULL};
 
 /* ---- what particles take from nodes ---- */
 
-PetscBool MpmTableWrites(const MpmTable *t, PetscInt first, MpmPlace place, PetscInt reg)
+/* Whether an operation from number first on writes to a register at a place. */
+static PetscBool Writes(const MpmTable *t, PetscInt first, MpmPlace place, PetscInt reg)
 {
   for (PetscInt o = first; o < t->nops; o++)
-    if (t->ops[o].kind != MPM_WALL && MpmOpTraitsOf(t->ops[o].kind).dst == place && t->ops[o].dst == reg)
-      return PETSC_TRUE;
+    if (MpmOpTraitsOf(t->ops[o].kind).dst == place && t->ops[o].dst == reg) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -26,7 +26,7 @@ PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sh
   PetscFunctionBegin;
   *sharp = node;
   if (!b->transfer->sharpen) PetscFunctionReturn(PETSC_SUCCESS);
-  if (b->sharp[node] == MPM_NONE || MpmTableWrites(b->table, b->sharp_at[node], MPM_ON_NODES, node)) {
+  if (b->sharp[node] == MPM_NONE || Writes(b->table, b->sharp_at[node], MPM_ON_NODES, node)) {
     b->sharp_at[node] = b->table->nops;
     PetscCall(b->transfer->sharpen(b->table, b->numbers, node, &b->sharp[node]));
   }
@@ -276,14 +276,21 @@ static PetscErrorCode Expand(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a node register holds P2G of a particle register as it is now. */
+/* Whether a node register holds P2G of a particle register as it is now, with its affine part and its walls. */
 static PetscBool Holds(const MpmTable *t, PetscInt node, PetscInt particle)
 {
-  PetscInt taken = MPM_NONE;
+  PetscBool holds = PETSC_FALSE;
 
-  for (PetscInt o = 0; o < t->nops; o++)
-    if (t->ops[o].kind == MPM_P2G && t->ops[o].dst == node && t->ops[o].src == particle) taken = o;
-  return taken != MPM_NONE && !MpmTableWrites(t, taken + 1, MPM_ON_PARTICLES, particle) ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp   *op = &t->ops[o];
+    const MpmPlace to = MpmOpTraitsOf(op->kind).dst;
+
+    if (op->kind == MPM_P2G_AFFINE || (op->kind == MPM_WALL && op->factor == 0)) continue;
+    if (to == MPM_ON_NODES && op->dst == node)
+      holds = op->kind == MPM_P2G && op->src == particle && !op->accumulates && !op->coefficient && op->factor == 1;
+    if (to == MPM_ON_PARTICLES && op->dst == particle) holds = PETSC_FALSE;
+  }
+  return holds;
 }
 
 /* Whether an operation is a filter that acts in the space. */
@@ -314,7 +321,7 @@ static PetscErrorCode Filter(MpmTableBuilder *b, const MpmOp *op)
     const PetscInt before = t->nops;
 
     PetscCall(b->transfer->filter(t, b->numbers, first + c, node + c));
-    if (!MpmTableWrites(t, before, MPM_ON_PARTICLES, first + c)) continue;
+    if (!Writes(t, before, MPM_ON_PARTICLES, first + c)) continue;
     t->filtered[first + c] = PETSC_TRUE;
     t->unfiltered--;
   }

@@ -55,9 +55,6 @@ PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt f
 PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, PetscBool wanted);
 PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
 
-/* Not collective. Whether an operation from number first on, but a WALL, writes to a register at a place. */
-PetscBool MpmTableWrites(const MpmTable *table, PetscInt first, MpmPlace place, PetscInt reg);
-
 /*
    Not collective. MpmBuilderAppend appends an operation. Where it goes from nodes to particles, it reads what the
    transfer's sharpen makes of the nodes. MpmBuilderSharpen makes it, if the transfer has one, and says where it is.
