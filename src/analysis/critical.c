@@ -205,6 +205,7 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
     PetscCall(MpmCriticalAssembled(of, c));
   else
     PetscCall(line ? BySymbol(of, alone, c) : MpmCriticalInSpace(of, alone, c));
+  MpmZoomFold(of->layout->dim, c->beta);
   if (line) PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
   if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
   PetscCall(CheckRounding(of, c));

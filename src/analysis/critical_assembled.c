@@ -135,7 +135,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
     c->null_share      = modes.null_share[0];
   }
   PetscCallMPI(MPI_Bcast(found, MPM_MAX_DIM + 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  for (PetscInt a = 0; a < modes.dim; a++) c->beta[a] = found[a] > PETSC_PI ? found[a] - 2 * PETSC_PI : found[a];
+  PetscCall(PetscArraycpy(c->beta, found, modes.dim));
   if (!isnan(found[MPM_MAX_DIM])) c->wave = MpmCriticalWaveOf(found[MPM_MAX_DIM], found[MPM_MAX_DIM]);
   PetscCall(MpmModesDestroy(&modes));
   PetscCall(MpmEigenDestroy(&eigen));

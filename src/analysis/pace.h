@@ -44,6 +44,12 @@ typedef struct {
   PetscInt64 changes, taken[MPM_PACE_REASONS];
 } MpmPace;
 
+/* Not collective. Whether a step counts in least and largest. */
+static inline PetscBool MpmPaceHasChosen(const MpmPace *pace)
+{
+  return pace->taken[MPM_PACE_WAVES] + pace->taken[MPM_PACE_MOTION] > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
    MpmPaceCreate - finds K for a scene, and begins.
 

@@ -32,6 +32,18 @@ static PetscReal Wrap(PetscReal beta)
   return beta <= -PETSC_PI ? PETSC_PI : beta;
 }
 
+void MpmZoomFold(PetscInt dim, PetscReal beta[])
+{
+  PetscReal sign = 0;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    beta[a] = Wrap(beta[a]);
+    if (beta[a] < -PETSC_PI * (1 - 8 * PETSC_MACHINE_EPSILON)) beta[a] = PETSC_PI;
+    if (sign == 0 && beta[a] != PETSC_PI) sign = beta[a];
+  }
+  for (PetscInt a = 0; a < dim && sign < 0; a++) beta[a] = Wrap(0 - beta[a]);
+}
+
 /* Values that are not known or belong to too long waves count as infinite. */
 static PetscErrorCode Value(const MpmZoom *zoom, MpmZoomFunction f, void *context, const PetscReal beta[],
                             PetscReal *value)
@@ -289,6 +301,7 @@ static PetscErrorCode Choose(const MpmZoom *zoom, PetscInt n, PetscReal found[][
     *value = found[s][MPM_MAX_DIM];
     PetscCall(PetscArraycpy(beta, found[s], zoom->dim));
   }
+  MpmZoomFold(zoom->dim, beta);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -47,6 +47,12 @@ typedef struct {
 */
 PetscErrorCode MpmZoomLeast(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal beta[], PetscReal *value);
 
+/*
+   Not collective. Of beta and -beta, whose waves are conjugate, that of which the first phase other than 0 and pi is
+   positive, in (-pi, pi]; -pi but for rounding is pi.
+*/
+void MpmZoomFold(PetscInt dim, PetscReal beta[]);
+
 /* Not collective. The same from one start alone: the phases in beta and the value there. step: the first step. */
 PetscErrorCode MpmZoomFrom(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal step, PetscReal beta[],
                            PetscReal *value);

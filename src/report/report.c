@@ -23,8 +23,11 @@ static PetscErrorCode PrintPace(const MpmRun *run)
   const MpmPace  *pace = run->pace;
 
   PetscFunctionBegin;
-  MpmPrint("dt from %.6g to %.6g, changed %" PetscInt64_FMT " times\n", MpmSceneTimeStep(s, pace->least),
-           MpmSceneTimeStep(s, pace->largest), pace->changes);
+  if (MpmPaceHasChosen(pace))
+    MpmPrint("dt from %.6g to %.6g, changed %" PetscInt64_FMT " times\n", MpmSceneTimeStep(s, pace->least),
+             MpmSceneTimeStep(s, pace->largest), pace->changes);
+  else
+    MpmPrint("dt: every step is what is left to the end\n");
   MpmPrint("  %-10s %-9" PetscInt64_FMT
            " steps: %g of the largest stable step of particles at rest (%s), %.6g h / c, with the "
            "fastest waves' c\n",

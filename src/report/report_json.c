@@ -78,8 +78,10 @@ static json_t *Pace(const MpmRun *run)
   MpmJsonSet(object, "limit", pace->limit);
   json_object_set_new(object, "limited_by", json_string(MpmNeighbourhoodNames[pace->where]));
   MpmJsonSet(object, "safety", run->scene->safety);
-  MpmJsonSet(object, "dt_least", MpmSceneTimeStep(run->scene, pace->least));
-  MpmJsonSet(object, "dt_largest", MpmSceneTimeStep(run->scene, pace->largest));
+  if (MpmPaceHasChosen(pace)) {
+    MpmJsonSet(object, "dt_least", MpmSceneTimeStep(run->scene, pace->least));
+    MpmJsonSet(object, "dt_largest", MpmSceneTimeStep(run->scene, pace->largest));
+  }
   json_object_set_new(object, "changes", json_integer(pace->changes));
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++)
     json_object_set_new(steps, MpmPaceReasonNames[r], json_integer(pace->taken[r]));

@@ -189,6 +189,34 @@ static PetscErrorCode CheckDrift(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Phases are in (-pi, pi], and of a wave and its conjugate the first phase other than 0 and pi is positive. */
+static PetscErrorCode CheckPhases(void)
+{
+  static const char *const options[] = {"-formulation usl -cells %d -boundary fixed,free",
+                                        "-formulation musl -cells %d -jitter 0.9 -seed %d",
+                                        "-formulation musl -transfer pic -cells %d -jitter 0.9 -drift 1/2 -seed %d",
+                                        "-formulation usl -dim 2 -cells 2,%d -ppc 2,1 -jitter 0.9 -seed %d",
+                                        "-formulation gas2 -dim 2 -cells 2,%d -ppc 1 -jitter 0.9 -seed %d"};
+
+  PetscFunctionBegin;
+  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(options); o++)
+    for (int cells = o ? 3 : 20; cells < (o ? 7 : 30); cells++) {
+      char        text[128];
+      PetscReal   sign = 0;
+      MpmCritical c;
+
+      (void)snprintf(text, sizeof text, options[o], cells, cells);
+      PetscCall(FindLimit(text, PETSC_FALSE, &c));
+      for (int a = 0; a < 2 && !isnan(c.beta[a]); a++) {
+        CHECK(c.beta[a] > -3.14159 && c.beta[a] <= PETSC_PI, "%s: beta %.17g", text, c.beta[a]);
+        if (sign == 0 && fabs(c.beta[a] - PETSC_PI) > 1e-9) sign = c.beta[a];
+      }
+      CHECK(sign >= 0, "%s: beta %g, %g", text, c.beta[0], c.beta[1]);
+      if (o == 0) CHECK_NEAR(c.beta[0], PETSC_PI, 1e-12 + 0.2 * (cells % 2 == 0));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -212,6 +240,7 @@ static PetscErrorCode Test(int argc, char **argv)
   for (PetscReal xi = 0.3; xi > 1e-6; xi /= 7) PetscCall(CheckIsolated(xi));
   PetscCall(CheckPartlyFilled());
   PetscCall(CheckDrift());
+  PetscCall(CheckPhases());
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

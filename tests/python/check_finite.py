@@ -124,6 +124,14 @@ def check_chosen_steps():
                   and most / LEVEL * (1 - 1e-12) <= dt <= most * (1 + 1e-12), f"{row}: dt {dt}, at most {most}")
 
 
+def check_none_chosen():
+    """A run that ends in one step has chosen none by waves or motion: there is no least and no largest of such steps."""
+    auto = result(1, *PACED, "-time", "0.001")["run"]["courant_auto"]
+    check(auto["steps"] == {"waves": 0, "motion": 0, "end": 1} and "dt_least" not in auto and "dt_largest" not in auto, f"{auto}")
+    said = done(1, *PACED, "-time", "0.001")
+    check("\ndt: every step is what is left to the end\n" in said, said)
+
+
 def check_alike():
     """Waves in an isothermal gas have one speed. So the steps that are chosen are those of a Courant number."""
     scene = ("-kinematics finite -formulation usl -basis quadratic -material gas -cells 12 -initial mode -amplitude 0.1 "
@@ -275,6 +283,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_refusals()
     check_json()
     check_chosen_steps()
+    check_none_chosen()
     check_alike()
     check_chosen_restart(1, 1)
     check_chosen_restart(2, 2)
