@@ -142,14 +142,14 @@ static const char *Subject(MpmNeighbourhoodKind kind)
   return said[kind];
 }
 
-/* A limit of 0 is that of a place which particles may never come to. So the limit without surfaces is said again. */
+/* A limit of 0 is that of a place which particles may never come to. So the limit of the scene's own layout is said again. */
 static void PrintAway(const MpmScene *s, const MpmNeighbourhoods *all)
 {
   for (PetscInt i = 0; i < all->n; i++) {
     if (all->of[i].kind != MPM_IN_BULK || !(all->of[i].courant > 0) || isinf(all->of[i].courant)) continue;
-    MpmPrint("where no cell is empty the limit of the bulk holds: %.6g", all->of[i].courant);
+    MpmPrint("in the scene's own layout the limit of the bulk holds: %.6g", all->of[i].courant);
     if (MpmSceneIsPhysical(s)) MpmPrint(", a time step of %.6g", MpmSceneTimeStep(s, all->of[i].courant));
-    MpmPrint("\n");
+    MpmPrint("; others may have a smaller one, even where no cell is empty\n");
   }
 }
 
