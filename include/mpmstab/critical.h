@@ -118,8 +118,9 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 
    On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and refines the least of them over all
    phases by golden section, so that the result does not depend on the phases it began with. At rest a phase that is
-   unstable stays so with flip, pic, blend, xpic and apic. Under drift windows of instability open where two amplification factors meet, and close again. So
-   amplification factors are followed as the Courant number grows, and the places where two of them meet are solved for.
+   unstable stays so with flip, pic, blend, xpic and apic. Under drift windows of instability open where two amplification
+   factors meet, and close again. So amplification factors are followed as the Courant number grows, and the places where
+   two of them meet are solved for.
 
    In two and three dimensions it takes the least limit of the closed form over all phases at rest, and confirms it with
    the symbol there and on a grid of phases. Under drift, and for formulations without a closed form, it samples: the
