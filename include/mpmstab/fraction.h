@@ -64,3 +64,6 @@ MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most);
    Not collective. abs(value) may be at most 1e6, and most at most 1e4: then rounding decides nothing but ties.
 @*/
 MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most);
+
+/* Not collective. The greatest common divisor of two numbers; of a and 0 it is abs(a). */
+PetscInt64 MpmCommonDivisor(PetscInt64 a, PetscInt64 b);

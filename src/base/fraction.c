@@ -10,7 +10,7 @@ __extension__ typedef __int128 Wide;
 /* Numerator and denominator stay below this, so that n times the numerator fits 128 bits for every n. */
 #define LARGEST_TERM ((PetscInt64)1000000000000000)
 
-static PetscInt64 Gcd(PetscInt64 a, PetscInt64 b)
+PetscInt64 MpmCommonDivisor(PetscInt64 a, PetscInt64 b)
 {
   while (b) {
     const PetscInt64 r = a % b;
@@ -33,7 +33,7 @@ static PetscBool ParseInteger(const char text[], const char **end, PetscInt64 *v
 
 static void Reduce(MpmFraction *f, PetscInt64 num, PetscInt64 den)
 {
-  const PetscInt64 g = Gcd(num, den);
+  const PetscInt64 g = MpmCommonDivisor(num, den);
 
   f->num   = num / g;
   f->den   = den / g;
@@ -136,7 +136,7 @@ MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
   }
   for (PetscInt i = 0; i < n && f.den; i++) /* common factors are cancelled before the products become large */
     for (PetscInt j = 0; j < n; j++) {
-      const PetscInt64 g = Gcd(num[i], den[j]);
+      const PetscInt64 g = MpmCommonDivisor(num[i], den[j]);
 
       num[i] /= g;
       den[j] /= g;

@@ -196,6 +196,10 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
 */
 PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings);
 
+/* Collective. Reads what a task is to do with a scene, and with a matrix in its place. */
+PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
+PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request);
+
 /* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
 PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 

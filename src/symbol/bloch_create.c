@@ -24,11 +24,6 @@ static void FindUsed(const MpmScheme *scheme, PetscBool used[])
   }
 }
 
-static PetscInt GreatestCommonDivisor(PetscInt a, PetscInt b)
-{
-  return b ? GreatestCommonDivisor(b, a % b) : a;
-}
-
 static PetscInt FloorOver(PetscInt a, PetscInt b)
 {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
@@ -46,9 +41,9 @@ static PetscErrorCode FindTurn(const MpmFraction drift[], MpmBloch *b)
   b->turn = 1;
   for (PetscInt a = 0; a < b->layout->dim; a++) {
     const PetscInt steps =
-        drift[a].value == 0 ? 1 : (PetscInt)drift[a].den / GreatestCommonDivisor((PetscInt)drift[a].den, ppc[a]);
+        drift[a].value == 0 ? 1 : (PetscInt)drift[a].den / (PetscInt)MpmCommonDivisor(drift[a].den, ppc[a]);
 
-    b->turn *= steps / GreatestCommonDivisor(b->turn, steps);
+    b->turn *= steps / (PetscInt)MpmCommonDivisor(b->turn, steps);
   }
   PetscCall(PetscMalloc2(b->ppc, &b->place, b->ppc, &b->beyond));
   for (PetscInt j = 0; j < b->ppc; j++) {

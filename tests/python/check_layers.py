@@ -26,8 +26,11 @@ FAULTS = {  # what is added to the good tree, and what layers.py must say
         {"src/scene/scene.c": "#include <mpmstab/grid.h>\n"},
         ["scene/scene.c (scene) includes mpmstab/grid.h (march), which is of a later layer"]),
     "a circle": ({"src/io/one.h": '#include "io/two.h"\n', "src/io/two.h": '#include "io/one.h"\n'},
-                 ["circle: io/one.h -> io/two.h -> io/one.h"]),
-    "a file that includes itself": ({"src/io/one.h": '#include "io/one.h"\n'}, ["circle: io/one.h -> io/one.h"]),
+                 ["circle: io/one -> io/two -> io/one"]),
+    "a circle of a source and two headers": (
+        {"src/io/one.h": "", "src/io/one.c": '#include "io/two.h"\n', "src/io/two.h": '#include "io/one.h"\n'},
+        ["circle: io/one -> io/two -> io/one"]),
+    "a file that includes itself": ({"src/io/one.h": '#include "io/one.h"\n'}, ["circle: io/one -> io/one"]),
     "an unknown folder": ({"src/misc/odd.c": ""}, ["misc/odd.c: belongs to no layer"]),
     "a public header of no layer": ({"include/mpmstab/odd.h": ""}, ["mpmstab/odd.h: belongs to no layer"]),
     "a header that is not there": ({"src/io/one.c": '#include "io/lost.h"\n'},

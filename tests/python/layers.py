@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Reads the #include lines of src/ and include/ and fails when a layer includes a later one, or files form a circle.
+"""Reads the #include lines of src/ and include/ and fails when a layer includes a later one, or units form a circle.
 
 layers.py [--root FOLDER]: FOLDER holds src/ and include/ (this project).
 
 LAYERS names the layers, which are the folders of src/, from the first to the last. A file may include headers of its
 own layer and of those before it. A public header, include/mpmstab/NAME.h, belongs to the layer whose folder has NAME.c,
-or to the one that PUBLIC names. Silent when all is well.
+or to the one that PUBLIC names. A unit is a header and the .c file of the same name in the same folder. Silent when all is
+well.
 """
 import argparse
 import pathlib
@@ -46,11 +47,22 @@ def find_faults(files):
                 faults.append(f"{name} includes {other}, which does not exist")
             elif layer in LAYERS and files[other][0] in LAYERS[LAYERS.index(layer) + 1:]:
                 faults.append(f"{name} ({layer}) includes {other} ({files[other][0]}), which is of a later layer")
-    return faults + [f"circle: {' -> '.join(circle)}" for circle in find_circles(files)]
+    return faults + [f"circle: {' -> '.join(circle)}" for circle in find_circles(units_of(files))]
+
+
+def units_of(files):
+    """Returns what each unit includes: other units, and itself where a header does."""
+    units = {}
+    for name, (layer, includes) in files.items():
+        unit = name[:-2]
+        others = {other[:-2] for other in includes if other in files}
+        units.setdefault(unit, (layer, set()))[1].update(
+            others if name.endswith(".h") else others - {unit})
+    return {unit: (layer, sorted(others)) for unit, (layer, others) in units.items()}
 
 
 def find_circles(files):
-    """Returns the circles of #include lines, each as the files along it."""
+    """Returns the circles of #include lines, each as the units along it."""
     circles, done = [], set()
 
     def follow(name, way):

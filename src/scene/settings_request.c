@@ -1,5 +1,5 @@
 /* From settings to a request: what a task is to do with its scene. */
-#include "scene/request.h"
+#include "scene/settings.h"
 #include "scene/solution.h"
 #include <math.h>
 #include <string.h>
@@ -477,7 +477,7 @@ static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++)
@@ -508,7 +508,7 @@ static PetscErrorCode ReadRequest(const MpmSettings *settings, const MpmScene *s
    Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one number
    of phases is for all of them.
 */
-static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
+PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
   PetscInt dim;
 
@@ -520,57 +520,5 @@ static PetscErrorCode ReadMatrixRequest(const MpmSettings *settings, MpmRequest 
   if (!strcmp(request->task, "map")) PetscCall(MpmSettingsReadProgramAxes(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Who asks for a limit means that of a scheme. The default's would be taken for an answer. */
-static PetscErrorCode AskFormulation(const MpmSettings *settings, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (strcmp(request->task, "critical") || settings->scene[0] || request->survey ||
-      MpmSettingsSource(settings, "formulation") != MPM_FROM_DEFAULT || MpmSettingsGiven(settings, "scheme"))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRefuse("critical: of which scheme? allowed: with a formulation, as in 'mpmstab critical usl' or 'mpmstab critical "
-            "musl -basis quadratic'; 'mpmstab list formulations' shows them, -survey compares them");
-}
-
-static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
-{
-  PetscBool matrix;
-
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsCheckTrust(settings));
-  PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
-  if (matrix) {
-    PetscCall(MpmSceneDestroy(scene));
-    PetscCall(MpmSettingsReadScheme(settings));
-    PetscCall(ReadMatrixRequest(settings, request));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmSettingsReadProblem(settings, *scene));
-  PetscCall(ReadRequest(settings, *scene, request));
-  PetscCall(AskFormulation(settings, request));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A refusal frees what there is, since a program such as the fuzzer reads one scene after another. */
-PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
-{
-  MpmSettings   *settings = NULL;
-  MpmRequest     unwanted;
-  PetscErrorCode ierr;
-
-  PetscFunctionBegin;
-  if (!request) request = &unwanted;
-  *request = (MpmRequest){.task = task};
-  PetscCall(PetscNew(scene));
-  (*scene)->law = &MpmLawLinear;
-  ierr          = MpmSettingsCreate(&settings);
-  if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
-  if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
-  if (!ierr) ierr = ReadBoth(settings, scene, request);
-  PetscCall(MpmSettingsDestroy(&settings));
-  if (ierr) PetscCall(MpmSceneDestroy(scene));
-  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
