@@ -188,7 +188,9 @@ def check_blocks(scene, ranks, verdict):
                      "j.csv", ranks=ranks)
         steps = result["lattice"]["period_steps"]
         # a scene may take the symbol of a part of a period, of which the blocks' is a power
-        near(result["symbol"]["growth"], whole["symbol"]["growth"], 1e-12, f"{scene}, {source}")
+        # and a double eigenvalue 1 is known to the root of rounding
+        near(result["symbol"]["growth"], whole["symbol"]["growth"], 1e-12 if whole["symbol"]["growth"] > 1 + 1e-6 else 1e-7,
+             f"{scene}, {source}")
         check(result["symbol"]["phases"] == whole["symbol"]["phases"] and result["verdict"] == verdict and
               result["growth"] >= result["symbol"]["growth"] and "cells" not in result and "predicted" not in result,
               f"{scene}, {source}: {result}")
