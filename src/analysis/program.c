@@ -43,7 +43,7 @@ PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
   if (request->program[0])
     PetscCall(MpmStepperStartProgram(request->program, request->program_timeout, &p->stepper));
   else
-    PetscCall(MpmStepperStartPlugin(request->plugin, &p->stepper));
+    PetscCall(MpmStepperStartPlugin(request->plugin, request->program_timeout, &p->stepper));
   PetscCall(SetParameters(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

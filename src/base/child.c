@@ -2,7 +2,7 @@
    A child process with three pipes. All reading and writing waits in one place, Wait, so that a child that writes while
    it should read, or that floods standard error, cannot block both sides.
 */
-#define _GNU_SOURCE /* pipe2, prctl */
+#define _GNU_SOURCE /* pipe2, ppoll, prctl */
 #include "base/child.h"
 #include <mpmstab/errors.h>
 #include <ctype.h>
@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,9 +22,17 @@
 #define LONGEST_LINE 4194304 /* bytes of an answer's line */
 #define PIECE 65536          /* bytes read at once */
 #define LAST_WAIT 1.0        /* seconds in which a child may end by itself */
+#define KILLED 5.0           /* seconds in which it must be gone when it is killed */
+#define MOST_FILES 65536     /* that a process has open */
+
+/* Signals that this process may handle, which end a watcher. */
+static const int ending[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGABRT, SIGSEGV,
+                             SIGBUS,  SIGFPE, SIGILL, SIGUSR1, SIGUSR2};
+#define ENDING ((int)(sizeof ending / sizeof *ending))
 
 struct MpmChild_ {
-  pid_t     pid;
+  pid_t     pid;          /* of its watcher */
+  int       life;         /* open while the child shall live */
   int       in, out, err; /* our ends of its standard input, output and error; -1: closed */
   PetscReal timeout, until;
   char      failure[MPM_FAILURE_TEXT], errors[ERRORS_ROOM + 1], *line;
@@ -50,6 +59,12 @@ static void Fail(MpmChild *c, const char format[], ...)
   va_start(arguments, format);
   (void)vsnprintf(c->failure, sizeof c->failure, format, arguments);
   va_end(arguments);
+}
+
+/* A time in seconds as poll wants it. */
+static int Milliseconds(PetscReal seconds)
+{
+  return (int)(PetscMin(seconds, 1e6) * 1000) + 1;
 }
 
 /* ---- the command ---- */
@@ -82,25 +97,22 @@ static int Split(char *text, int room, char *words[])
 
 /* ---- start ---- */
 
-/* In the child, between fork and exec: only calls that are safe there. It ends when its parent does. */
-static void Become(char *words[], const int pipes[3][2], int report, pid_t parent)
+/* In the program, between fork and exec: only calls that are safe there. It ends when its watcher does. */
+static void Become(char *words[], const int pipes[3][2], int report)
 {
   sigset_t none;
+  int      error;
 
   (void)setpgid(0, 0);
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);
   (void)sigemptyset(&none);
   (void)sigprocmask(SIG_SETMASK, &none, NULL);
   (void)signal(SIGPIPE, SIG_DFL);
+  (void)signal(SIGCHLD, SIG_DFL);
   if (dup2(pipes[0][0], 0) < 0 || dup2(pipes[1][1], 1) < 0 || dup2(pipes[2][1], 2) < 0) _exit(127);
   (void)execvp(words[0], words);
-  {
-    const int     error = errno;
-    const ssize_t told  = write(report, &error, sizeof error);
-
-    _exit(told == (ssize_t)sizeof error ? 127 : 126);
-  }
+  error = errno;
+  _exit(write(report, &error, sizeof error) == (ssize_t)sizeof error ? 127 : 126);
 }
 
 static void CloseBoth(const int pipe[2])
@@ -109,40 +121,111 @@ static void CloseBoth(const int pipe[2])
     if (pipe[i] >= 0) (void)close(pipe[i]);
 }
 
-/* Forks. The pipe report closes when exec succeeds; else it brings errno. */
+static void Note(int number)
+{
+  (void)number; /* that SIGCHLD came ends ppoll */
+}
+
+/* Kills the program's group, and then all that has become the watcher's because its parent has ended, until none is left. */
+static void KillAll(pid_t program)
+{
+  char children[64], text[4096];
+
+  (void)snprintf(children, sizeof children, "/proc/self/task/%d/children", (int)getpid());
+  (void)kill(-program, SIGKILL);
+  do {
+    const int     file = open(children, O_RDONLY);
+    const ssize_t n    = file < 0 ? 0 : read(file, text, sizeof text - 1);
+    char         *at = text, *end = text;
+
+    if (file >= 0) (void)close(file);
+    text[n > 0 ? n : 0] = '\0';
+    for (long pid = strtol(at, &end, 10); end > at; pid = strtol(at = end, &end, 10)) (void)kill((pid_t)pid, SIGKILL);
+  } while (waitpid(-1, NULL, 0) > 0);
+}
+
+/*
+   The watcher: a process between this one and the program. It waits for the end of the program, whose status it ends with, or
+   until the pipe 'life' closes, which it does when this process ends in whatever way. In both cases it kills what is left of the
+   program and of all that the program has started, also what has left the program's process group.
+*/
+static void Watch(char *words[], const int pipes[3][2], int report, int life)
+{
+  struct sigaction note = {.sa_handler = Note};
+  struct pollfd    end  = {.fd = 0, .events = POLLIN};
+  sigset_t         chld, none;
+  pid_t            program;
+  int              status = 0;
+
+  (void)setpgid(0, 0);
+  (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+  (void)sigemptyset(&none);
+  (void)sigemptyset(&chld);
+  (void)sigaddset(&chld, SIGCHLD);
+  (void)sigprocmask(SIG_SETMASK, &chld, NULL);
+  (void)sigaction(SIGCHLD, &note, NULL);
+  for (int i = 0; i < ENDING; i++) (void)signal(ending[i], SIG_DFL);
+  program = fork();
+  if (program == 0) Become(words, pipes, report);
+  if (program < 0) _exit(write(report, &errno, sizeof errno) > 0 ? 127 : 126);
+  (void)dup2(life, 0);
+  for (int i = (int)PetscMin(sysconf(_SC_OPEN_MAX), MOST_FILES) - 1; i > 0; i--) (void)close(i);
+  while (!end.revents && waitpid(program, &status, WNOHANG) == 0) (void)ppoll(&end, 1, NULL, &none);
+  KillAll(program);
+  if (WIFSIGNALED(status)) {
+    (void)setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0}); /* the program has left one, if it was to */
+    (void)signal(WTERMSIG(status), SIG_DFL);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL);
+    (void)raise(WTERMSIG(status));
+  }
+  _exit(WEXITSTATUS(status));
+}
+
+/* Whether the program runs: the pipe report closes when exec succeeds; else it brings errno. */
+static void TakeReport(MpmChild *c, int report)
+{
+  struct pollfd started = {.fd = report, .events = POLLIN};
+  int           error   = 0;
+
+  if (poll(&started, 1, Milliseconds(c->timeout)) == 0)
+    Fail(c, "has not started within %g s (program_timeout)", c->timeout);
+  else if (read(report, &error, sizeof error) == (ssize_t)sizeof error)
+    Fail(c, "cannot be started: %s; allowed: a program that can be run from this folder", strerror(error));
+}
+
 static void Launch(MpmChild *c, char *words[])
 {
-  int         pipes[3][2] = {{-1, -1}, {-1, -1}, {-1, -1}}, report[2] = {-1, -1}, error = 0;
-  const pid_t parent = getpid();
+  int pipes[3][2] = {{-1, -1}, {-1, -1}, {-1, -1}}, report[2] = {-1, -1}, life[2] = {-1, -1}, error = 0;
 
   for (int i = 0; i < 3 && !error; i++) error = pipe2(pipes[i], O_CLOEXEC) ? errno : 0;
-  if (!error && pipe2(report, O_CLOEXEC)) error = errno;
+  if (!error && (pipe2(report, O_CLOEXEC) || pipe2(life, O_CLOEXEC))) error = errno;
   if (!error) {
     fflush(NULL);
     c->pid = fork();
-    if (c->pid == 0) Become(words, (const int(*)[2])pipes, report[1], parent);
+    if (c->pid == 0) Watch(words, (const int(*)[2])pipes, report[1], life[0]);
     if (c->pid < 0) error = errno;
   }
-  if (!error) {
-    (void)close(report[1]);
-    report[1] = -1;
-    if (read(report[0], &error, sizeof error) != (ssize_t)sizeof error) error = 0;
-  }
-  CloseBoth(report);
   if (error) {
     for (int i = 0; i < 3; i++) CloseBoth(pipes[i]);
-    Fail(c, "cannot be started: %s; allowed: a program that can be run from this folder", strerror(error));
+    CloseBoth(report);
+    CloseBoth(life);
+    Fail(c, "cannot be started: %s", strerror(error));
     return;
   }
-  c->in  = pipes[0][1];
-  c->out = pipes[1][0];
-  c->err = pipes[2][0];
+  c->life = life[1];
+  c->in   = pipes[0][1];
+  c->out  = pipes[1][0];
+  c->err  = pipes[2][0];
+  (void)close(life[0]);
+  (void)close(report[1]);
   (void)close(pipes[0][0]);
   (void)close(pipes[1][1]);
   (void)close(pipes[2][1]);
   (void)fcntl(c->in, F_SETFL, O_NONBLOCK);
   (void)fcntl(c->out, F_SETFL, O_NONBLOCK);
   (void)fcntl(c->err, F_SETFL, O_NONBLOCK);
+  TakeReport(c, report[0]);
+  (void)close(report[0]);
 }
 
 PetscErrorCode MpmChildStart(const char command[], PetscReal timeout, MpmChild **child)
@@ -153,7 +236,7 @@ PetscErrorCode MpmChildStart(const char command[], PetscReal timeout, MpmChild *
 
   PetscFunctionBegin;
   PetscCall(PetscNew(child));
-  **child = (MpmChild){.pid = -1, .in = -1, .out = -1, .err = -1, .timeout = timeout};
+  **child = (MpmChild){.pid = -1, .life = -1, .in = -1, .out = -1, .err = -1, .timeout = timeout};
   PetscCall(PetscStrallocpy(command, &text));
   PetscCall(PetscMalloc1(room, &words));
   n = Split(text, room, words);
@@ -174,16 +257,18 @@ static void Close(int *file)
   *file = -1;
 }
 
-/* Keeps the end of what comes on standard error. */
+/* Keeps the end of what comes on standard error. Takes no more at once than a pipe holds: a child may write without end. */
 static void ReadErrors(MpmChild *c)
 {
   char    piece[4096];
   ssize_t n;
 
-  while (c->err >= 0 && (n = read(c->err, piece, sizeof piece)) != 0) {
+  for (int pieces = 0; c->err >= 0 && pieces < PIECE / (int)sizeof piece; pieces++) {
     size_t have = strlen(c->errors), most;
 
+    n = read(c->err, piece, sizeof piece);
     if (n < 0) return;
+    if (n == 0) Close(&c->err);
     most = have + (size_t)n > ERRORS_ROOM ? have + (size_t)n - ERRORS_ROOM : 0;
     for (ssize_t i = 0; i < n; i++)
       if (!piece[i]) piece[i] = '?';
@@ -198,21 +283,27 @@ static void ReadErrors(MpmChild *c)
       c->errors[have - most + (size_t)n] = '\0';
     }
   }
-  Close(&c->err);
 }
 
-/* How the child has ended, after its output has. A child that only closed its output is ended. */
-static void FailByEnd(MpmChild *c)
+/* Waits for the watcher's end, up to a time. */
+static pid_t Ended(const MpmChild *c, PetscReal until, int *status)
 {
-  const PetscReal until  = MPI_Wtime() + LAST_WAIT;
-  int             status = 0;
-  pid_t           done;
+  pid_t done;
 
-  while ((done = waitpid(c->pid, &status, WNOHANG)) == 0 && MPI_Wtime() < until) (void)poll(NULL, 0, 10);
+  while ((done = waitpid(c->pid, status, WNOHANG)) == 0 && MPI_Wtime() < until) (void)poll(NULL, 0, 5);
+  return done;
+}
+
+/* How the child has ended, after a pipe to it or from it has. A child that only closed the pipe is ended. */
+static void FailByEnd(MpmChild *c, const char pipe[])
+{
+  int         status = 0;
+  const pid_t done   = Ended(c, MPI_Wtime() + LAST_WAIT, &status);
+
   ReadErrors(c);
   if (done == c->pid) c->pid = -1;
   if (done <= 0)
-    Fail(c, "has closed its standard output");
+    Fail(c, "has closed its standard %s", pipe);
   else if (WIFSIGNALED(status))
     Fail(c, "was ended by signal %d (%s)", WTERMSIG(status), strsignal(WTERMSIG(status)));
   else
@@ -231,7 +322,7 @@ static PetscErrorCode ReadOutput(MpmChild *c)
   }
   n = read(c->out, c->got + c->end, c->room - c->end);
   if (n > 0) c->end += (size_t)n;
-  if (n == 0) FailByEnd(c);
+  if (n == 0) FailByEnd(c, "output");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -244,7 +335,7 @@ static PetscErrorCode Wait(MpmChild *c, PetscBool writes, PetscBool *ready)
   const PetscReal left     = c->until - MPI_Wtime();
 
   PetscFunctionBegin;
-  if (left <= 0 || poll(files, 3, (int)(left * 1000) + 1) == 0) {
+  if (left <= 0 || poll(files, 3, Milliseconds(left)) == 0) {
     if (c->until <= MPI_Wtime()) Fail(c, "has not answered within %g s (program_timeout)", c->timeout);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -271,7 +362,7 @@ static PetscErrorCode Send(MpmChild *c, const void *bytes, size_t size)
       from += n;
       size -= (size_t)n;
     } else if (errno != EAGAIN && errno != EINTR)
-      FailByEnd(c);
+      FailByEnd(c, "input");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -353,11 +444,11 @@ PetscErrorCode MpmChildEnd(MpmChild **child, const char line[])
     PetscCall(Send(c, "\n", 1));
   }
   Close(&c->in);
-  if (c->pid > 0) {
-    while (!c->failure[0] && waitpid(c->pid, NULL, WNOHANG) == 0 && MPI_Wtime() < until) (void)poll(NULL, 0, 5);
-    (void)kill(-c->pid, SIGKILL); /* with what it has started */
-    (void)waitpid(c->pid, NULL, 0);
+  if (c->pid > 0 && (c->failure[0] || Ended(c, until, NULL) == 0)) {
+    Close(&c->life); /* the watcher kills all that is left */
+    (void)Ended(c, MPI_Wtime() + KILLED, NULL);
   }
+  Close(&c->life);
   Close(&c->out);
   Close(&c->err);
   PetscCall(PetscFree(c->line));

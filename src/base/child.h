@@ -22,7 +22,8 @@ typedef struct MpmChild_ MpmChild;
    MpmChildStart - starts a command.
 
    Not collective. The command is split at blanks. Quotation marks and backslashes keep blanks in a word, as a shell
-   would; there is no shell. The child ends when this process ends, in whatever way, and takes no terminal signals.
+   would; there is no shell. The child and all that it has started end when
+   this process ends, in whatever way, and take no terminal signals.
 
    Input Parameters: command; timeout - in seconds, of each talk.
 

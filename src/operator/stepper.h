@@ -73,12 +73,13 @@ struct MpmStepper_ {
    MpmStepperStartProgram - starts a command that speaks protocol 1, and asks it to describe itself.
    MpmStepperStartPlugin  - loads a shared library with the functions of <mpmstab/plugin.h>.
 
-   Collective on PETSC_COMM_WORLD: each rank has one of its own.
+   Collective on PETSC_COMM_WORLD: each rank has one of its own. timeout: seconds that an answer, or a function, may take. A library
+   that ends the process, or does not come back, is named, and the process ends with status 2.
 
    Errors: PETSC_ERR_USER_INPUT with the reason, and the last lines of the child's standard error.
 */
 PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper);
-PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper);
+PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper);
 
 /* Not collective. The place of a particle in the base state, dim numbers; NULL if no field is the place. */
 const PetscReal *MpmStepperPlace(const MpmStepper *stepper, PetscInt64 particle);

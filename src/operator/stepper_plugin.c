@@ -2,8 +2,11 @@
 #include "operator/stepper.h"
 #include <mpmstab/errors.h>
 #include <dlfcn.h>
+#include <math.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 typedef struct {
@@ -12,32 +15,79 @@ typedef struct {
   int (*set)(const char name[], double value);
   int (*step)(int steps, int64_t particles, double state[]);
   const char *(*error)(void);
+  PetscReal timeout; /* seconds that a function may take */
 } Plugin;
 
-/* What a library that crashes would say, and whether one of its functions is running. */
-static char                  last_words[PETSC_MAX_PATH_LEN + 64];
+/*
+   What is said of a library that does not come back from one of its functions, and whether one is running. The texts are made
+   before, since a handler of a signal may not make any.
+*/
+enum { CRASHED, EXITED, LATE, ENDS };
+static char                 *last_words[ENDS];
 static volatile sig_atomic_t inside;
 
-/* A crash in the library is not one of mpmstab: it is said whose it is, and the process ends as for other bad input. */
+/* It is said whose end it is, and the process ends as for other bad input. */
+static void EndInside(int how)
+{
+  const ssize_t told = write(STDERR_FILENO, last_words[how], strlen(last_words[how]));
+
+  _exit(told > 0 ? 2 : 1);
+}
+
 static void Crash(int number)
 {
-  if (inside) {
-    const ssize_t told = write(STDERR_FILENO, last_words, strlen(last_words));
-
-    _exit(told > 0 ? 2 : 1);
-  }
+  if (inside) EndInside(CRASHED);
   (void)signal(number, SIG_DFL);
   (void)raise(number);
 }
 
-static PetscErrorCode CatchCrashes(const char where[])
+static void Exit(void)
 {
-  static const int numbers[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  if (inside) EndInside(EXITED);
+}
+
+static void Alarm(int number)
+{
+  (void)number;
+  if (inside) EndInside(LATE);
+}
+
+/* Before and after a function of the library runs, which may take so many seconds. */
+static void Enter(PetscReal timeout)
+{
+  struct itimerval limit = {
+      .it_value = {.tv_sec = (time_t)timeout, .tv_usec = 1 + (suseconds_t)(fmod(timeout, 1) * 999998)}};
+
+  inside = 1;
+  (void)setitimer(ITIMER_REAL, &limit, NULL);
+}
+
+static void Leave(void)
+{
+  (void)setitimer(ITIMER_REAL, &(struct itimerval){{0, 0}, {0, 0}}, NULL);
+  inside = 0;
+}
+
+static PetscErrorCode CatchEnds(const char where[], PetscReal timeout)
+{
+  static const int   numbers[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  static const char *how[ENDS] = {"it has crashed in one of its functions",
+                                  "it has ended the process in one of its functions",
+                                  "a function of it has not come back within"};
 
   PetscFunctionBegin;
-  PetscCall(
-      PetscSNPrintf(last_words, sizeof last_words, "mpmstab: %s: it has crashed in one of its functions\n", where));
+  for (int i = 0; i < ENDS; i++) {
+    const size_t room      = strlen(where) + strlen(how[i]) + 64;
+    char         limit[48] = "";
+
+    PetscCall(PetscFree(last_words[i]));
+    PetscCall(PetscMalloc1(room, &last_words[i]));
+    if (i == LATE) (void)snprintf(limit, sizeof limit, " %g s (program_timeout)", (double)timeout);
+    PetscCall(PetscSNPrintf(last_words[i], room, "mpmstab: %s: %s%s\n", where, how[i], limit));
+  }
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) (void)signal(numbers[i], Crash);
+  (void)signal(SIGALRM, Alarm);
+  PetscCheck(!atexit(Exit) && !at_quick_exit(Exit), PETSC_COMM_SELF, PETSC_ERR_SYS, "atexit");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -54,9 +104,9 @@ static PetscErrorCode Set(MpmStepper *s, const char name[], PetscReal value)
   int           failed;
 
   PetscFunctionBegin;
-  inside = 1;
+  Enter(p->timeout);
   failed = p->set(name, value);
-  inside = 0;
+  Leave();
   if (failed) PetscCall(MpmStepperFail(s, "set %s to %.17g: %.400s", name, (double)value, Said(p)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -67,9 +117,9 @@ static PetscErrorCode Step(MpmStepper *s, PetscInt steps, PetscInt64 particles, 
   int           failed;
 
   PetscFunctionBegin;
-  inside = 1;
+  Enter(p->timeout);
   failed = p->step((int)steps, particles, state);
-  inside = 0;
+  Leave();
   if (failed) PetscCall(MpmStepperFail(s, "step: %.400s", Said(p)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -114,7 +164,7 @@ static PetscErrorCode Open(MpmStepper *s, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper)
+PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper)
 {
   MpmStepper   *s;
   Plugin       *p;
@@ -126,16 +176,17 @@ PetscErrorCode MpmStepperStartPlugin(const char path[], MpmStepper **stepper)
   PetscCall(PetscNew(&p));
   s          = *stepper;
   s->context = p;
+  p->timeout = timeout;
   s->set     = Set;
   s->step    = Step;
   s->end     = End;
   PetscCall(PetscSNPrintf(s->where, sizeof s->where, "plugin %s", path));
   PetscCall(Open(s, path));
   if (!s->failure[0]) {
-    PetscCall(CatchCrashes(s->where));
-    inside = 1;
-    line   = p->describe(&state);
-    inside = 0;
+    PetscCall(CatchEnds(s->where, timeout));
+    Enter(timeout);
+    line = p->describe(&state);
+    Leave();
     if (line)
       PetscCall(MpmStepperDescribe(s, line));
     else

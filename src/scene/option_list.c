@@ -214,7 +214,7 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_set), IN(65, 47, 0, 0), OF_MATRIX},
   {"program_dt", MPM_PATH, NULL, "parameter of program or plugin that is its time step (default: dt)",
    NO_RANGE, .tasks = "critical, spectrum, symbol", OF_MATRIX},
-  {"program_timeout", MPM_REAL, "60", "seconds in which program must answer",
+  {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
    .word = MpmProbeWord, .tasks = "spectrum, symbol, critical, map", OF_MATRIX},

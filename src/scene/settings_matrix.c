@@ -18,7 +18,7 @@ static const struct {
     {"matrix_steps", "matrix", "matrix_blocks"},
     {"program_set", "program", "plugin"},
     {"program_dt", "program", "plugin"},
-    {"program_timeout", "program", "program"},
+    {"program_timeout", "program", "plugin"},
     {"probe", "program", "plugin"},
     {"at", "program", "plugin"},
     {"compare", "program", "plugin"},
@@ -40,9 +40,7 @@ static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[],
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
     if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
     if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s%s%s", needs[i].first,
-                            strcmp(needs[i].first, needs[i].second) ? " or " : "",
-                            strcmp(needs[i].first, needs[i].second) ? needs[i].second : ""));
+    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s or %s", needs[i].first, needs[i].second));
     PetscCall(MpmSettingsRefuse(settings, needs[i].name, why));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
