@@ -17,7 +17,8 @@
 #include <math.h>
 
 #define STEADY 1e-9 /* relative change of a limit with depth that is none */
-#define DEEPEST 32  /* cells */
+#define DEEPEST 80  /* cells behind one surface */
+#define DEEP_TWO 32 /* behind two, or where growth is looked at in a row */
 #define JUST 1e-3   /* relative distance from a limit at which growth is looked at */
 #define CHECKS 240  /* the most spots of the grid at which growth is looked at */
 #define AWAY 0.02   /* they are so far from the ends of their panels */
@@ -29,12 +30,14 @@
 #define FALLS 0.5   /* it goes to 0 if it is less than this then */
 #define A_JUMP 1e-3 /* relative; from the margin of a panel to its end values that are continuous change less */
 #define SAME 1e-6   /* relative difference of values that are the same but for rounding */
+#define SETS (1 << MPM_MAX_DIM)
 
 /* What is sought on one lattice. slow: by rows of Courant numbers. */
 typedef struct {
   MpmPatchLattice lattice;
   MpmPatchSearch  search;
   PetscBool       slow;
+  PetscInt        surfaces, shallow;  /* shallow: the depth at which growth is looked at first */
   PetscReal       courant, tolerance; /* courant: at which growth is sought or checked */
   PetscReal       worst;              /* growth below a limit */
   PetscReal       least;              /* value on faces, of this rank's spots */
@@ -240,6 +243,22 @@ static MpmPatchSpot Inner(const MpmPatchSpot *spot)
   return in;
 }
 
+/* Growth at a Courant number. That of a shallow lattice may come of its other end. */
+static PetscErrorCode CheckAt(Patch *p, const MpmPatchSpot *spot, PetscReal courant)
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  p->lattice.depth = p->shallow;
+  PetscCall(Visible(&p->lattice, spot, courant, &growth));
+  if (growth > 1 + p->tolerance && p->search.deep > p->shallow) {
+    p->lattice.depth = p->search.deep;
+    PetscCall(Visible(&p->lattice, spot, courant, &growth));
+  }
+  p->worst = PetscMax(p->worst, growth);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Growth just below the limit, and at one other Courant number below it, which differs from spot to spot. */
 static PetscErrorCode CheckPart(void *context, PetscInt i)
 {
@@ -248,15 +267,12 @@ static PetscErrorCode CheckPart(void *context, PetscInt i)
   const PetscInt         size = MpmPatchGridSize(&p->search), stride = PetscMax(1, size / CHECKS);
   const PetscReal        share = shares[i % (PetscInt)PETSC_STATIC_ARRAY_LENGTH(shares)];
   MpmPatchSpot           spot;
-  PetscReal              growth;
 
   PetscFunctionBegin;
   if (!MpmPatchGridSpot(&p->search, i * stride, &spot)) PetscFunctionReturn(PETSC_SUCCESS);
   spot = Inner(&spot);
-  PetscCall(Visible(&p->lattice, &spot, p->courant * (1 - JUST), &growth));
-  p->worst = PetscMax(p->worst, growth);
-  PetscCall(Visible(&p->lattice, &spot, p->courant * share, &growth));
-  p->worst = PetscMax(p->worst, growth);
+  PetscCall(CheckAt(p, &spot, p->courant * (1 - JUST)));
+  PetscCall(CheckAt(p, &spot, p->courant * share));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -267,12 +283,11 @@ static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit,
   PetscReal      below, above;
 
   PetscFunctionBegin;
-  p->lattice.depth = p->search.coarse;
-  p->courant       = limit;
-  p->worst         = 0;
+  p->courant = limit;
+  p->worst   = 0;
   PetscCall(MpmFarm("place", n, CheckPart, p));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->worst, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
-  p->lattice.depth = p->search.fine;
+  p->lattice.depth = p->search.deep;
   *holds           = p->worst <= 1 + p->tolerance ? PETSC_TRUE : PETSC_FALSE;
   if (!*holds || AtMargin(&p->lattice, spot)) PetscFunctionReturn(PETSC_SUCCESS);
   p->courant = limit * (1 - JUST);
@@ -285,19 +300,35 @@ static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit,
 
 /* ---- one lattice ---- */
 
-/* Deepens the lattice until its limit moves no more. */
+/* Deepens the lattice until its limit moves no more. It need not come from above: see MpmPatchOperator. */
 static PetscErrorCode Deepen(Patch *p, const MpmPatchSpot *spot, PetscReal *limit)
 {
-  PetscReal deeper;
+  const PetscInt deepest = p->surfaces > 1 || p->slow ? DEEP_TWO : DEEPEST;
 
   PetscFunctionBegin;
-  for (PetscInt depth = 2 * p->search.fine; depth <= DEEPEST; depth *= 2) {
-    p->lattice.depth = depth;
-    PetscCall(Once(p, LimitOfSpot, spot, &deeper));
-    if (fabs(deeper - *limit) <= STEADY * *limit) break;
-    *limit = PetscMin(deeper, *limit);
+  while (2 * p->lattice.depth <= deepest) {
+    const PetscReal before = *limit;
+
+    p->lattice.depth *= 2;
+    PetscCall(Once(p, LimitOfSpot, spot, limit));
+    if (fabs(*limit - before) <= STEADY * before) break;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The depths of a search. In one dimension deep lattices cost little. Where limits are sought by rows of Courant numbers
+   they cost much.
+*/
+static void SetDepths(Patch *p)
+{
+  const PetscInt  n    = p->surfaces;
+  const PetscBool bars = p->lattice.plan->dim == 1 && !p->slow ? PETSC_TRUE : PETSC_FALSE;
+
+  p->shallow       = n == 2 ? 4 : bars ? 7 : 5;
+  p->search.coarse = bars ? 12 : p->shallow;
+  p->search.fine   = n == 2 ? 7 : bars ? 20 : 10;
+  p->search.deep   = n == 2 ? 7 : bars ? 40 : p->slow ? 10 : 20;
 }
 
 /* Whether some spots of the grid have the limit 0: no limit is less. */
@@ -313,16 +344,15 @@ static PetscErrorCode FindNone(Patch *p, MpmPatchSpot *spot, PetscReal *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The limit of a lattice with so many surfaces. */
-static PetscErrorCode Find(Patch *p, PetscInt surfaces, MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
+/* The limit of a lattice. */
+static PetscErrorCode Find(Patch *p, MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
 {
   PetscBool holds = PETSC_FALSE;
 
   PetscFunctionBegin;
-  *approached      = PETSC_FALSE;
-  p->search.coarse = surfaces == 2 ? 4 : 5;
-  p->search.fine   = surfaces == 2 ? 7 : 10;
+  *approached = PETSC_FALSE;
   for (p->slow = PETSC_FALSE;; p->slow = PETSC_TRUE) {
+    SetDepths(p);
     p->search.f       = LimitOfSpot;
     p->search.context = p;
     if (p->slow) PetscCall(FindNone(p, spot, limit));
@@ -331,12 +361,15 @@ static PetscErrorCode Find(Patch *p, PetscInt surfaces, MpmPatchSpot *spot, Pets
     if (p->slow && !(*limit > 0)) break;
     PetscCall(Least(p, spot, limit));
     if (p->slow) break;
-    if (isfinite(*limit)) PetscCall(Check(p, spot, *limit, &holds));
+    if (!isfinite(*limit)) continue;
+    p->lattice.depth = p->search.deep;
+    if (p->surfaces > 0) PetscCall(Once(p, LimitOfSpot, spot, limit));
+    PetscCall(Check(p, spot, *limit, &holds));
     if (holds) break;
   }
-  p->lattice.depth = p->search.fine;
   if (!isfinite(*limit) || *limit == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  if (surfaces > 0) PetscCall(Deepen(p, spot, limit));
+  p->lattice.depth = p->slow ? p->search.fine : p->search.deep;
+  if (p->surfaces > 0) PetscCall(Deepen(p, spot, limit));
   if (AtMargin(&p->lattice, spot)) PetscCall(AtFace(p, spot, limit, approached));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -350,15 +383,17 @@ static PetscErrorCode Growth(Patch *p, PetscReal courant, PetscReal limit, const
   PetscFunctionBegin;
   p->courant       = courant;
   p->search.f      = MinusGrowth;
-  p->lattice.depth = p->search.fine;
+  p->lattice.depth = p->search.deep;
   *growth          = NAN;
   if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Once(p, GrowthThere, &spot, growth));
   if (courant > limit) {
-    p->search.fine = p->search.coarse; /* waves that grow stay near the surface */
-    PetscCall(Least(p, &spot, growth));
-    *growth = -*growth;
-  } else
-    PetscCall(Once(p, GrowthThere, &spot, growth));
+    PetscReal found;
+
+    p->search.coarse = p->search.fine = p->shallow; /* waves that grow fast stay near the surface */
+    PetscCall(Least(p, &spot, &found));
+    *growth = PetscMax(*growth, -found);
+  }
   if (courant > limit && AtMargin(&p->lattice, &spot)) {
     near = Move(&p->lattice, &spot, NEARER);
     PetscCall(Once(p, GrowthThere, &near, &nearer));
@@ -400,9 +435,33 @@ static void Keep(const Patch *p, const MpmPatchSpot *spot, PetscReal limit, Pets
   }
 }
 
+/* The worst spot of each lattice with fewer surfaces, by the set of its surfaces. */
+typedef struct {
+  MpmPatchSpot worst[SETS];
+  PetscBool    known[SETS];
+} Fewer;
+
+/*
+   A mode that fades slowly is nearly a wave of the lattice with one surface less. So it has that wave's place in a
+   spacing, or by reflection the one opposite. In which particle the surface cuts the lattice is open.
+*/
+static void StartFrom(const Fewer *fewer, PetscInt set, MpmPatchSearch *search)
+{
+  for (PetscInt a = 0; a < search->lattice->plan->dim; a++)
+    for (PetscInt i = 0; i < 2 * search->lattice->of->layout->ppc[a]; i++) {
+      const PetscInt parent = set & ~(1 << a);
+      MpmPatchSpot   spot   = fewer->worst[parent];
+
+      if (parent == set || !fewer->known[parent] || search->nmore == MPM_PATCH_MORE) continue;
+      spot.j[a] = i / 2;
+      if (i % 2) spot.t[a] = 1 - spot.t[a];
+      search->more[search->nmore++] = spot;
+    }
+}
+
 /* The limit of the lattice that has ends in the directions of a set of bits. */
 static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *plan, MpmPatchEnd end, PetscInt set,
-                               PetscInt wanted, MpmPatchLimit *out)
+                               PetscInt wanted, Fewer *fewer, MpmPatchLimit *out)
 {
   Patch        p = {.lattice = {.of = of, .plan = plan}, .tolerance = of->tolerance};
   PetscBool    approached;
@@ -413,7 +472,11 @@ static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *pl
   PetscFunctionBegin;
   p.search = (MpmPatchSearch){.lattice = &p.lattice, .alike = Alike(of->layout)};
   for (PetscInt a = 0; a < plan->dim; a++) p.lattice.end[a] = set >> a & 1 ? end : MPM_PATCH_ENDLESS;
-  PetscCall(Find(&p, end == MPM_PATCH_SINGLE ? 0 : Bits(set), &spot, &limit, &approached));
+  p.surfaces = end == MPM_PATCH_SINGLE ? 0 : Bits(set);
+  if (p.surfaces > 0) StartFrom(fewer, set, &p.search);
+  PetscCall(Find(&p, &spot, &limit, &approached));
+  fewer->worst[set] = spot;
+  fewer->known[set] = isfinite(limit);
   Keep(&p, &spot, limit, approached, Bits(set) < wanted ? PETSC_TRUE : PETSC_FALSE, out);
   if (Bits(set) == wanted || limit == 0) {
     PetscCall(Growth(&p, of->step.courant, limit, &spot, &growth));
@@ -431,6 +494,7 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
   const PetscInt  dim = of->layout->dim, all = (1 << dim) - 1;
   const PetscInt  wanted = kind == MPM_PATCH_LONE ? dim : PetscMin(dim, kind == MPM_PATCH_CORNER ? 2 : 1);
   MpmNodalPlan   *plan;
+  Fewer           fewer = {.known = {PETSC_FALSE}};
 
   PetscFunctionBegin;
   MpmCheckInput(!MpmTableHas(of->scheme->table, MPM_SOLVE),
@@ -441,12 +505,12 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) out->place[a] = out->beta[a] = NAN;
   PetscCall(MpmPatchPlanCreate(of->scheme, &plan));
   if (kind == MPM_PATCH_LONE)
-    PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, out));
+    PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, &fewer, out));
   else
     for (PetscInt n = 0; n <= wanted && out->courant > 0; n++) /* no limit is less than 0 */
       for (PetscInt set = 0; set <= all; set++) {
         if (Bits(set) != n) continue;
-        PetscCall(FindEnds(of, plan, MPM_PATCH_SURFACE, set, wanted, out));
+        PetscCall(FindEnds(of, plan, MPM_PATCH_SURFACE, set, wanted, &fewer, out));
         if (Alike(of->layout)) break;
       }
   PetscCall(MpmNodalPlanDestroy(&plan));

@@ -12,7 +12,7 @@
 #include "scheme/maps.h"
 #include <math.h>
 
-#define MOST_NODES 64  /* along a direction */
+#define MOST_NODES 128 /* along a direction */
 #define ROUNDING 1e-14 /* what a field has besides others is rounding below this part of it */
 
 /*
@@ -143,6 +143,15 @@ static PetscErrorCode LineDestroy(Line *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The nodes that a particle gives to or reads: from first up to but not end. */
+static void Reach(PetscInt n, const double complex row[], PetscInt *first, PetscInt *end)
+{
+  for (*first = 0; *first < n && row[*first] == 0; ++*first)
+    ;
+  for (*end = n; *end > *first && row[*end - 1] == 0; --*end)
+    ;
+}
+
 /* Most maps of a plan have the same kinds along most directions, so each T is computed once. */
 static PetscErrorCode Product(Line *line, MpmOpKind to_nodes, MpmOpKind to_particles, const double complex **T)
 {
@@ -153,14 +162,17 @@ static PetscErrorCode Product(Line *line, MpmOpKind to_nodes, MpmOpKind to_parti
   PetscFunctionBegin;
   *T = *known;
   if (*T) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(n * n, known));
-  for (PetscInt j = 0; j < n; j++)
-    for (PetscInt i = 0; i < n; i++) {
-      double complex sum = 0;
+  PetscCall(PetscCalloc1(n * n, known));
+  for (PetscInt p = 0; p < line->particles; p++) {
+    PetscInt i0, i1, j0, j1;
 
-      for (PetscInt p = 0; p < line->particles; p++) sum += conj(P[p * n + i]) * W[p * n + j];
-      (*known)[j * n + i] = sum / (line->root[i] * line->root[j]);
-    }
+    Reach(n, P + p * n, &i0, &i1);
+    Reach(n, W + p * n, &j0, &j1);
+    for (PetscInt j = j0; j < j1; j++)
+      for (PetscInt i = i0; i < i1; i++) (*known)[j * n + i] += conj(P[p * n + i]) * W[p * n + j];
+  }
+  for (PetscInt j = 0; j < n; j++)
+    for (PetscInt i = 0; i < n; i++) (*known)[j * n + i] /= line->root[i] * line->root[j];
   *T = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

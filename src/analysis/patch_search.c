@@ -25,8 +25,9 @@ typedef struct {
 typedef struct {
   MpmPatchSearch *search;
   PetscReal      *value, *found; /* by spot of the grid; VARIABLES + MPM_MAX_DIM + 1 numbers by start */
-  Point           start[MOST];
-  PetscReal       finest;
+  PetscReal       deep[MOST + MPM_PATCH_MORE];
+  Point           start[MOST + MPM_PATCH_MORE];
+  PetscReal       step, finest;
 } Work;
 
 #define NUMBERS (VARIABLES + MPM_MAX_DIM + 1)
@@ -93,6 +94,25 @@ static void Confine(const MpmPatchSearch *s, Point *at)
       at->u[v] -= copysign(2, at->u[v]);
     v++;
   }
+}
+
+static Point PointOf(const MpmPatchSearch *s, const MpmPatchSpot *spot)
+{
+  Point    at = {.panel = {0}};
+  PetscInt v  = 0;
+
+  for (PetscInt a = 0; a < Dim(s); a++)
+    if (HasEnd(s, a)) {
+      const PetscInt half = spot->t[a] < 0.5 ? 0 : 1;
+
+      at.panel[a] = 2 * spot->j[a] + half;
+      at.u[v++]   = 2 * spot->t[a] - (PetscReal)half;
+    } else {
+      at.u[v++] = spot->t[a];
+      at.u[v++] = spot->beta[a] / PETSC_PI;
+    }
+  Confine(s, &at);
+  return at;
 }
 
 /* ---- the grid ---- */
@@ -279,27 +299,51 @@ static PetscErrorCode StartPart(void *context, PetscInt i)
   PetscReal *found = w->found + i * NUMBERS;
 
   PetscFunctionBegin;
-  PetscCall(Descend(w->search, w->finest == FINEST ? ROUGH : FIRST_STEP, w->finest, &at, &found[0]));
+  PetscCall(Descend(w->search, w->step, w->finest, &at, &found[0]));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) found[1 + a] = (PetscReal)at.panel[a];
   for (PetscInt v = 0; v < VARIABLES; v++) found[1 + MPM_MAX_DIM + v] = at.u[v];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From each of n starts; the best becomes the first start. */
-static PetscErrorCode FromStarts(Work *w, PetscInt n, PetscReal finest, PetscReal *value)
+/* From each of n starts, which become the places that were come to. value: that of the first. */
+static PetscErrorCode FromStarts(Work *w, PetscInt n, PetscReal step, PetscReal finest, PetscReal *value)
 {
-  PetscInt best = 0;
-
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(w->found, MOST * NUMBERS));
+  w->step   = step;
   w->finest = finest;
   PetscCall(MpmFarm("start", n, StartPart, w));
   PetscCall(MpmFarmSumReals(n * NUMBERS, w->found));
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal *found = w->found + i * NUMBERS;
+
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) w->start[i].panel[a] = (PetscInt)found[1 + a];
+    for (PetscInt v = 0; v < VARIABLES; v++) w->start[i].u[v] = found[1 + MPM_MAX_DIM + v];
+  }
+  *value = w->found[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DeepPart(void *context, PetscInt i)
+{
+  Work *w = (Work *)context;
+
+  PetscFunctionBegin;
+  PetscCall(ValueAt(w->search, &w->start[i], &w->deep[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Which of n starts is the best on a deep lattice. */
+static PetscErrorCode Compare(Work *w, PetscInt n, PetscInt *best)
+{
+  PetscFunctionBegin;
+  w->search->lattice->depth = w->search->deep;
+  PetscCall(PetscArrayzero(w->deep, n));
+  PetscCall(MpmFarm("start", n, DeepPart, w));
+  PetscCall(MpmFarmSumReals(n, w->deep));
+  *best = 0;
   for (PetscInt i = 1; i < n; i++)
-    if (w->found[i * NUMBERS] < w->found[best * NUMBERS]) best = i;
-  *value = w->found[best * NUMBERS];
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) w->start[0].panel[a] = (PetscInt)w->found[best * NUMBERS + 1 + a];
-  for (PetscInt v = 0; v < VARIABLES; v++) w->start[0].u[v] = w->found[best * NUMBERS + 1 + MPM_MAX_DIM + v];
+    if (w->deep[i] < w->deep[*best] - (isfinite(w->deep[*best]) ? FLAT * fabs(w->deep[*best]) : 0)) *best = i;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -320,7 +364,8 @@ PetscErrorCode MpmPatchLeast(MpmPatchSearch *s, MpmPatchSpot *spot, PetscReal *v
 {
   const PetscInt size = MpmPatchGridSize(s);
   Work           w    = {.search = s};
-  PetscInt       n;
+  PetscBool      flat;
+  PetscInt       n, best = 0;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc2(size, &w.value, MOST * NUMBERS, &w.found));
@@ -328,15 +373,17 @@ PetscErrorCode MpmPatchLeast(MpmPatchSearch *s, MpmPatchSpot *spot, PetscReal *v
   PetscCall(MpmFarm("place", size, GridPart, &w));
   PetscCall(MpmFarmSumReals(size, w.value));
   n      = Starts(&w);
+  flat   = IsFlat(&w, size);
   *value = INFINITY;
   (void)MpmPatchGridSpot(s, 0, spot);
   if (n > 0) {
-    if (IsFlat(&w, size))
-      *value = w.value[0];
-    else
-      PetscCall(FromStarts(&w, n, ROUGH, value));
+    *value = w.value[0];
+    if (!flat) PetscCall(FromStarts(&w, n, FIRST_STEP, ROUGH, value));
+    for (PetscInt i = 0; i < s->nmore; i++) w.start[n + i] = PointOf(s, &s->more[i]);
+    PetscCall(Compare(&w, n + s->nmore, &best));
+    w.start[0]        = w.start[best];
     s->lattice->depth = s->fine;
-    if (!IsFlat(&w, size)) PetscCall(FromStarts(&w, 1, FINEST, value));
+    if (!flat || best > 0) PetscCall(FromStarts(&w, 1, best < n ? ROUGH : FIRST_STEP, FINEST, value));
     *spot = SpotOf(s, &w.start[0]);
   }
   PetscCall(PetscFree2(w.value, w.found));

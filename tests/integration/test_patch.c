@@ -139,7 +139,7 @@ static PetscErrorCode LimitAt(const MpmScene *scene, PetscInt surfaces, PetscInt
 {
   const MpmCriticalCase of      = MpmCriticalCaseOf(scene, TOLERANCE);
   const MpmPatchSpot    spot    = {.j = {j, j}, .t = {t, t}};
-  MpmPatchLattice       lattice = {.of = &of, .depth = scene->layout.dim == 1 ? 20 : 5};
+  MpmPatchLattice       lattice = {.of = &of, .depth = scene->layout.dim == 1 ? 80 : 5};
   MpmNodalPlan         *plan;
 
   PetscFunctionBegin;
