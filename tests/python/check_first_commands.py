@@ -107,8 +107,9 @@ def check_demo():
 
 
 def check_test():
-    done = ran("test.sh", "-R", "unit_fraction")
-    check(done.returncode == 0 and done.stdout.endswith(" --parallel 2 -R unit_fraction\n"), f"test.sh: {done}")
+    for given, passed in (((), " -LE nightly"), (("--all",), ""), (("-R", "unit_fraction"), " -R unit_fraction")):
+        done = ran("test.sh", *given)
+        check(done.returncode == 0 and done.stdout.endswith(f" --parallel 2{passed}\n"), f"test.sh {given}: {done}")
 
 
 def check_refused(what, says, name="setup.sh", lines=1, **environment):
