@@ -280,7 +280,11 @@ static PetscErrorCode AddMap(MpmRegisters *registers, const MpmOp *op, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register. */
+/*
+   Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register.
+   The map is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an isothermal
+   gas that is stretched: in one dimension its force does not depend on the stretch.
+*/
 static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscInt n, Mat *map)
 {
   const MpmTable *table                 = registers->scheme->table;
@@ -297,7 +301,7 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
 
     if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || op->src < first || op->src >= first + n)
       continue;
-    if (IsRepeated(table, o)) continue;
+    if (op->factor == 0 || IsRepeated(table, o)) continue;
     if (row_of[op->dst] == MPM_NONE) {
       factor[rows]    = op->factor;
       row_of[op->dst] = rows++;
@@ -306,6 +310,8 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
     PetscCall(
         AddMap(registers, op, op->factor / factor[row_of[op->dst]], &block[row_of[op->dst] * n + op->src - first]));
   }
+  *map = NULL;
+  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateNest(registers->comm, rows, NULL, n, NULL, block, &nest));
   PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, map));
   PetscCall(MatDestroy(&nest));
@@ -328,12 +334,11 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
     n = 1;
     while (f + n < table->nstate && table->field[f] != MPM_NONE && table->field[f + n] == table->field[f]) n++;
     if (table->filtered[f]) continue;
-    if (!MpmTableSeenBy(table, f)) { /* no node feels any of this field */
-      *nullity += n * (PetscInt)op->layout->particles;
-      continue;
-    }
     PetscCall(MapOfField(&registers, f, n, &map));
-    PetscCall(MpmDenseNullity(map, RANK, &unseen));
+    if (map)
+      PetscCall(MpmDenseNullity(map, RANK, &unseen));
+    else
+      unseen = n * (PetscInt)op->layout->particles;
     PetscCall(MatDestroy(&map));
     *nullity += unseen;
   }
