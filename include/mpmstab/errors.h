@@ -58,9 +58,14 @@ int MpmFinalize(PetscErrorCode error, int status);
    process prints the message, as one line.
 
    Input Parameters: a printf format and its arguments. The message names the option or file, the value and what is
-   allowed.
+   allowed; it is printed at its whole length.
 M*/
-#define MpmRefuse(...) SETERRQ(PETSC_COMM_WORLD, PETSC_ERR_USER_INPUT, __VA_ARGS__)
+#define MpmRefuse(...) return MpmRefusal(__VA_ARGS__)
+
+/* Collective. Refuses as MpmRefuse does, and gives the error to a function that has to free something before it returns. */
+#define MpmRefusal(...) (MpmErrorsRefuse(__LINE__, PETSC_FUNCTION_NAME, __FILE__, __VA_ARGS__), PETSC_ERR_USER_INPUT)
+void MpmErrorsRefuse(int line, const char function[], const char file[], const char format[], ...)
+    __attribute__((format(printf, 4, 5)));
 
 /* Collective. Calls MpmRefuse with the rest of the arguments, unless the condition holds. */
 #define MpmCheckInput(condition, ...)                                                                                  \

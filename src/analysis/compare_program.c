@@ -6,6 +6,7 @@
 #include "analysis/compare_program.h"
 #include "analysis/worst_phase.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "scene/settings.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -52,7 +53,7 @@ static PetscErrorCode Lines(const char text[], size_t room, char yaml[])
     if (!fits) break;
     PetscCall(
         PetscSNPrintf(part, sizeof part, "%.*s: %.*s\n", (int)(equals - at), at, (int)(end - equals - 1), equals + 1));
-    PetscCall(PetscStrlcat(yaml, part, room));
+    PetscCall(MpmTextJoin(yaml, part, room));
     at = *end ? end + 1 : end;
   }
   MpmCheckInput(fits && yaml[0] && strlen(yaml) + 512 < room,
@@ -63,13 +64,13 @@ static PetscErrorCode Lines(const char text[], size_t room, char yaml[])
 static PetscErrorCode Add(char yaml[], const char key[], PetscInt n, const char *const value[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrlcat(yaml, key, TEXT));
-  PetscCall(PetscStrlcat(yaml, ": ", TEXT));
+  PetscCall(MpmTextJoin(yaml, key, TEXT));
+  PetscCall(MpmTextJoin(yaml, ": ", TEXT));
   for (PetscInt a = 0; a < n; a++) {
-    if (a) PetscCall(PetscStrlcat(yaml, ",", TEXT));
-    PetscCall(PetscStrlcat(yaml, value[a], TEXT));
+    if (a) PetscCall(MpmTextJoin(yaml, ",", TEXT));
+    PetscCall(MpmTextJoin(yaml, value[a], TEXT));
   }
-  PetscCall(PetscStrlcat(yaml, "\n", TEXT));
+  PetscCall(MpmTextJoin(yaml, "\n", TEXT));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,6 +7,7 @@
    phase at which it is widest.
 */
 #include "analysis/critical_parts.h"
+#include "base/text.h"
 #include "linalg/small_eigen.h"
 #include "base/progress.h"
 #include "symbol/bloch.h"
@@ -425,7 +426,7 @@ PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *findin
   if (finding->verdict == MPM_STABLE && isfinite(p->follow.doubtful)) {
     finding->verdict = MPM_UNDECIDED;
     PetscCall(
-        PetscStrlcat(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence));
+        MpmTextJoin(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence));
   }
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);

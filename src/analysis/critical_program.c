@@ -310,7 +310,8 @@ static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
 PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
 {
   const MpmStepper *stepper = p->stepper;
-  char              names[512];
+  MpmText           names   = {NULL, 0};
+  PetscErrorCode    ierr;
   PetscBool         found;
 
   PetscFunctionBegin;
@@ -318,10 +319,14 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
       .name = p->request->program_dt[0] ? p->request->program_dt : "dt", .dim = stepper->dim, .critical = NAN};
   for (int i = 0; i < MPM_LIMIT_KINDS; i++) c->limit[i] = NAN;
   PetscCall(MpmStepperParameterOf(stepper, c->name, &c->given, &found));
-  PetscCall(MpmStepperParameterNames(stepper, sizeof names, names));
-  MpmCheckInput(
-      found, "-program_dt %s: the code has no parameter of this name, and so no time step to search for; allowed: %s",
-      c->name, names);
+  if (!found) {
+    PetscCall(MpmStepperParameterNames(stepper, &names));
+    ierr = MpmRefusal(
+        "-program_dt %s: the code has no parameter of this name, and so no time step to search for; allowed: %s",
+        c->name, names.text);
+    PetscCall(MpmTextFree(&names));
+    PetscCall(ierr);
+  }
   MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,
                 (double)c->given);
   PetscCall(MpmProgramPrepare(p));

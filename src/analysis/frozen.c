@@ -1,5 +1,6 @@
 /* The spectrum of a frozen tangent. */
 #include "analysis/frozen.h"
+#include "base/text.h"
 #include "operator/tangent_march.h"
 #include "scene/layout.h"
 
@@ -33,7 +34,7 @@ PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *reques
   finding = &(*spectrum)->finding;
   if (!(*mismatch <= MPM_MISMATCH)) {
     finding->verdict = MPM_UNDECIDED;
-    PetscCall(PetscStrlcat(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence));
+    PetscCall(MpmTextJoin(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

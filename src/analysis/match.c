@@ -1,6 +1,7 @@
 /* Which numbers of two operators go with one another, by which factors, and where the operators differ. */
 #include "analysis/match.h"
 #include "base/hash.h"
+#include "base/text.h"
 #include "linalg/small_eigen.h"
 #include <math.h>
 #include <stdlib.h>
@@ -323,12 +324,12 @@ static PetscErrorCode ListFields(const MpmMatchSide *one, const MpmMatchSide *ot
 
   PetscFunctionBegin;
   for (int s = 0; s < 2; s++) {
-    PetscCall(PetscStrlcat(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not));
+    PetscCall(MpmTextJoin(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not));
     for (PetscInt f = 0; f < sides[s]->nfields; f++) {
-      PetscCall(PetscStrlcat(m->why_not, f ? ", " : " ", sizeof m->why_not));
-      PetscCall(PetscStrlcat(m->why_not, sides[s]->fields[f].name, sizeof m->why_not));
+      PetscCall(MpmTextJoin(m->why_not, f ? ", " : " ", sizeof m->why_not));
+      PetscCall(MpmTextJoin(m->why_not, sides[s]->fields[f].name, sizeof m->why_not));
       PetscCall(PetscSNPrintf(text, sizeof text, " (%" PetscInt_FMT ")", sides[s]->fields[f].size));
-      PetscCall(PetscStrlcat(m->why_not, text, sizeof m->why_not));
+      PetscCall(MpmTextJoin(m->why_not, text, sizeof m->why_not));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

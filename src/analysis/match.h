@@ -11,6 +11,7 @@
 
 #define MPM_MATCH_NAME 64
 #define MPM_MATCH_WIDTH 32   /* numbers of a particle */
+#define MPM_MATCH_WHY 8192   /* names all fields of both sides */
 #define MPM_DIFFERENCES 1024 /* that are kept */
 
 /*E
@@ -60,7 +61,7 @@ typedef struct {
 S*/
 typedef struct {
   PetscBool     fits;
-  char          why_not[256];
+  char          why_not[MPM_MATCH_WHY];
   PetscInt      number[MPM_MATCH_WIDTH], n, more[2];
   PetscReal     factor[MPM_MATCH_WIDTH], differ, factors, most;
   MpmDifference differences[MPM_DIFFERENCES];

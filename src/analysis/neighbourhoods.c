@@ -4,6 +4,7 @@
 #include "analysis/neighbourhoods.h"
 #include "analysis/patch.h"
 #include "analysis/random_layouts.h"
+#include "base/text.h"
 #include <math.h>
 
 #define SAME 1e-6 /* relative difference of limits that come of searches, which may be a little off */
@@ -230,8 +231,8 @@ static PetscErrorCode TakeFastest(PetscReal tolerance, MpmNeighbourhoods *all)
       all->fastest = i;
       f->growth    = one->growth;
     }
-    PetscCall(PetscStrlcat(f->evidence, i ? ", " : " ", sizeof f->evidence));
-    PetscCall(PetscStrlcat(f->evidence, MpmNeighbourhoodNames[one->kind], sizeof f->evidence));
+    PetscCall(MpmTextJoin(f->evidence, i ? ", " : " ", sizeof f->evidence));
+    PetscCall(MpmTextJoin(f->evidence, MpmNeighbourhoodNames[one->kind], sizeof f->evidence));
   }
   f->verdict = of_verdict[MPM_UNSTABLE] ? MPM_UNSTABLE : of_verdict[MPM_UNDECIDED] ? MPM_UNDECIDED : MPM_STABLE;
   if (f->verdict == MPM_UNDECIDED) f->uncertainty = f->defective_error = INFINITY;

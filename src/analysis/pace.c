@@ -2,6 +2,7 @@
 #include "analysis/pace.h"
 #include "analysis/lone.h"
 #include "analysis/patch.h"
+#include "base/text.h"
 #include "march/finite.h"
 #include <mpmstab/critical.h>
 #include <mpmstab/errors.h>
@@ -29,14 +30,14 @@ static PetscErrorCode LayoutAtRest(const MpmScene *scene, MpmScene **rest)
                           l->dim, CELLS, scene->scheme.basis->name));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", l->ppc[a]));
-    PetscCall(PetscStrlcat(text, part, sizeof text));
+    PetscCall(MpmTextJoin(text, part, sizeof text));
   }
-  PetscCall(PetscStrlcat(text, "', offset: '", sizeof text));
+  PetscCall(MpmTextJoin(text, "', offset: '", sizeof text));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.17g", a ? "," : "", l->offset[a].value));
-    PetscCall(PetscStrlcat(text, part, sizeof text));
+    PetscCall(MpmTextJoin(text, part, sizeof text));
   }
-  PetscCall(PetscStrlcat(text, "'}", sizeof text));
+  PetscCall(MpmTextJoin(text, "'}", sizeof text));
   PetscCall(MpmSceneFromText(text, rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,6 +2,7 @@
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 #include "base/farm.h"
+#include "base/text.h"
 #include "scene/layout.h"
 #include "scheme/language.h"
 #include "analysis/refined.h"
@@ -393,15 +394,15 @@ static PetscErrorCode Explain(MpmStabilityMap *map)
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt64_FMT " phases of each of %" PetscInt_FMT " points",
                           MpmStabilityMapPhases(map), map->points[0] * map->points[1]));
-  if (leaves_out) PetscCall(PetscStrlcat(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
+  if (leaves_out) PetscCall(MpmTextJoin(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
   if (map->request->refine)
-    PetscCall(PetscStrlcat(f->evidence, ", and refined phases between them", sizeof f->evidence));
+    PetscCall(MpmTextJoin(f->evidence, ", and refined phases between them", sizeof f->evidence));
   if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
     PetscCall(
-        PetscStrlcat(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));
+        MpmTextJoin(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));
   if (map->drift[0])
     PetscCall(
-        PetscStrlcat(f->evidence, "; drifts M k are rounded to fractions with small denominators", sizeof f->evidence));
+        MpmTextJoin(f->evidence, "; drifts M k are rounded to fractions with small denominators", sizeof f->evidence));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

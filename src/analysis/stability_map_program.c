@@ -5,20 +5,29 @@
 #include <mpmstab/errors.h>
 #include <math.h>
 
+static PetscErrorCode RefuseAxis(const MpmStepper *s, const char name[])
+{
+  MpmText        names = {NULL, 0};
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(MpmStepperParameterNames(s, &names));
+  ierr = MpmRefusal("-map_axes %s: %s has no such parameter; allowed: %s", name, s->where, names.text);
+  PetscCall(MpmTextFree(&names));
+  PetscFunctionReturn(ierr);
+}
+
 static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
 {
   const MpmStepper *s = map->program->stepper;
-  char              names[512];
 
   PetscFunctionBegin;
-  PetscCall(MpmStepperParameterNames(s, sizeof names, names));
   for (int a = 0; a < 2; a++) {
     PetscBool found;
     PetscReal value;
 
     PetscCall(MpmStepperParameterOf(s, map->request->axes[a].name, &value, &found));
-    MpmCheckInput(found, "-map_axes %s: %s has no such parameter; allowed: %s", map->request->axes[a].name, s->where,
-                  names);
+    if (!found) PetscCall(RefuseAxis(s, map->request->axes[a].name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

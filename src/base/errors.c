@@ -3,9 +3,11 @@
    Any other error keeps PETSc's stack trace.
 */
 #include "base/errors_private.h"
+#include "base/text.h"
 #include "base/unfinished.h"
 #include <ctype.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -37,41 +39,50 @@ static PetscBool IsForeign(const char word[])
    PETSc gives all options as words. A word that begins with '-' and a letter is the name of an option; the words up to
    the next name are its value.
 */
-PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[])
+PetscErrorCode MpmErrorsGivenOptions(MpmText *given)
 {
   char     *all, *next = NULL;
   PetscBool take = PETSC_FALSE;
 
   PetscFunctionBegin;
-  text[0] = '\0';
   PetscCall(PetscOptionsGetAll(NULL, &all));
   for (char *word = strtok_r(all, " ", &next); word; word = strtok_r(NULL, " ", &next)) {
     if (word[0] == '-' && isalpha((unsigned char)word[1])) take = IsForeign(word);
-    if (!take || strlen(text) + strlen(word) + 2 > room) continue;
-    if (text[0]) PetscCall(PetscStrlcat(text, " ", room));
-    PetscCall(PetscStrlcat(text, word, room));
+    if (take) PetscCall(MpmTextAdd(given, "%s%s", given->text ? " " : "", word));
   }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode explained; /* the code of an error that was told in one line although it is no refusal */
+static char          *refusal;   /* the last one at its length, of which PETSc hands the beginning to a handler */
 
-/* Writes one line about an error that is no fault of this program, and returns whether it is such an error. */
-static PetscBool Explain(PetscErrorCode code, const char function[], const char message[], size_t room, char why[])
+void MpmErrorsRefuse(int line, const char function[], const char file[], const char format[], ...)
 {
-  char given[512] = "";
+  va_list arguments;
+
+  free(refusal);
+  va_start(arguments, format);
+  refusal = MpmTextMade(format, arguments);
+  va_end(arguments);
+  (void)PetscError(PETSC_COMM_WORLD, line, function, file, PETSC_ERR_USER_INPUT, PETSC_ERROR_INITIAL, "%s",
+                   refusal ? refusal : format);
+}
+
+/* What is said in one line of an error that is no fault of this program; NULL: it is none. why is room for that. */
+static const char *Explain(PetscErrorCode code, const char function[], const char message[], MpmText *why)
+{
+  MpmText given = {NULL, 0};
 
   /* these two give a message with the name of their caller, and in some versions another code */
-  if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign")) {
-    (void)snprintf(why, room, "memory ends; allowed: fewer cells or particles, more ranks or more memory");
-    return PETSC_TRUE;
-  }
-  if (code == PETSC_ERR_PLIB || code == PETSC_ERR_SIG || MpmErrorsGivenOptions(sizeof given, given) || !given[0])
-    return PETSC_FALSE;
-  (void)snprintf(why, room, "PETSc cannot do what its options ask: %s; given: %s; allowed: see its manual pages",
-                 message, given);
-  return PETSC_TRUE;
+  if (code == PETSC_ERR_MEM || !strcmp(function, "PetscMallocAlign") || !strcmp(function, "PetscReallocAlign"))
+    return "memory ends; allowed: fewer cells or particles, more ranks or more memory";
+  if (code == PETSC_ERR_PLIB || code == PETSC_ERR_SIG || MpmErrorsGivenOptions(&given) || !given.text) return NULL;
+  if (MpmTextAdd(why, "PETSc cannot do what its options ask: %s; given: %s; allowed: see its manual pages", message,
+                 given.text))
+    return NULL;
+  (void)MpmTextFree(&given);
+  return why->text;
 }
 
 /*
@@ -90,18 +101,20 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
   PetscMPIInt rank = 0;
-  char        why[2048];
+  const char *said = NULL;
+  MpmText     why  = {NULL, 0};
 
   if (kind != PETSC_ERROR_INITIAL && (code == PETSC_ERR_USER_INPUT || code == explained)) return code;
   if (code == PETSC_ERR_USER_INPUT)
-    (void)snprintf(why, sizeof why, "%s", message);
-  else if (kind == PETSC_ERROR_INITIAL && Explain(code, function ? function : "", message, sizeof why, why))
-    explained = code;
-  else
-    return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
+    said = refusal && !strncmp(refusal, message, strlen(message)) ? refusal : message;
+  else if (kind == PETSC_ERROR_INITIAL)
+    said = Explain(code, function ? function : "", message, &why);
+  if (!said) return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
+  if (code != PETSC_ERR_USER_INPUT) explained = code;
   MPI_Comm_rank(comm, &rank);
   if (code == explained) WaitForFirst();
-  if (rank == 0) PrintLine(why);
+  if (rank == 0) PrintLine(said);
+  (void)MpmTextFree(&why);
   return code;
 }
 

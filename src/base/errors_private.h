@@ -1,5 +1,6 @@
 /* Handlers of errors: the parts that MpmInitialize, MpmFinalize and the files of a run use. */
 #pragma once
+#include "base/text.h"
 #include <mpmstab/errors.h>
 
 /*
@@ -19,11 +20,11 @@ PetscErrorCode MpmErrorsOutside(void);
 PetscBool MpmErrorsReportLost(void);
 
 /*
-   MpmErrorsGivenOptions - the options of PETSc and SLEPc that the user has given, as '-name value' with blanks between.
+   MpmErrorsGivenOptions - adds the options of PETSc and SLEPc that the user has given, as '-name value' with blanks between.
 
-   Not collective. Input Parameter: room - of text, with the zero at its end. Output Parameter: text.
+   Not collective.
 */
-PetscErrorCode MpmErrorsGivenOptions(size_t room, char text[]);
+PetscErrorCode MpmErrorsGivenOptions(MpmText *given);
 
 /*
    MpmErrorsStatus - the exit status for an error: MPM_EXIT_REFUSED for one that was told in one line.

@@ -3,6 +3,7 @@
    shape, and then its numbers.
 */
 #include "base/memory.h"
+#include "base/text.h"
 #include "base/textfile.h"
 #include "io/arrays.h"
 #include "io/zip.h"
@@ -232,7 +233,7 @@ static PetscErrorCode Header(const MpmArray *a, PetscBool whole, char header[HEA
     char part[32];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%" PetscInt64_FMT ",", a->shape[d]));
-    PetscCall(PetscStrlcat(shape, part, sizeof shape));
+    PetscCall(MpmTextJoin(shape, part, sizeof shape));
   }
   if (a->dims < 0)
     PetscCall(PetscSNPrintf(type, sizeof type, "|S%d", (int)strlen(a->text)));

@@ -28,7 +28,7 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
 static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
 {
   PetscErrorCode error;
-  char           given[512];
+  MpmText        given = {NULL, 0};
 
   PetscFunctionBegin;
   PetscCall(EPSSetProblemType(eps, EPS_NHEP));
@@ -47,8 +47,13 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
   error = EPSSetFromOptions(eps);
   PetscCall(PetscPopErrorHandler());
-  PetscCall(MpmErrorsGivenOptions(sizeof given, given));
-  MpmCheckInput(!error, "-eps_*, -st_*: SLEPc refuses one of them, given: %s; allowed: see its manual pages", given);
+  if (error) {
+    PetscCall(MpmErrorsGivenOptions(&given));
+    error = MpmRefusal("-eps_*, -st_*: SLEPc refuses one of them, given: %s; allowed: see its manual pages",
+                       given.text ? given.text : "none");
+    PetscCall(MpmTextFree(&given));
+    PetscCall(error);
+  }
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,6 @@
 /* What all steppers share: the description, agreement between ranks, and checks of what a step gives. */
 #include "operator/stepper.h"
+#include "base/text.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdarg.h>
@@ -267,14 +268,12 @@ PetscErrorCode MpmStepperParameterOf(const MpmStepper *s, const char name[], Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepperParameterNames(const MpmStepper *s, size_t room, char names[])
+PetscErrorCode MpmStepperParameterNames(const MpmStepper *s, MpmText *names)
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(names, s->nparameters ? "" : "none, the code names no parameters", room));
-  for (PetscInt i = 0; i < s->nparameters; i++) {
-    if (i) PetscCall(PetscStrlcat(names, ", ", room));
-    PetscCall(PetscStrlcat(names, s->parameters[i].name, room));
-  }
+  if (!s->nparameters) PetscCall(MpmTextAdd(names, "none, the code names no parameters"));
+  for (PetscInt i = 0; i < s->nparameters; i++)
+    PetscCall(MpmTextAdd(names, "%s%s", i ? ", " : "", s->parameters[i].name));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -282,12 +281,15 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
 {
   PetscBool found;
   PetscReal start;
-  char      names[512];
+  MpmText   names = {NULL, 0};
 
   PetscFunctionBegin;
   PetscCall(MpmStepperParameterOf(s, name, &start, &found));
-  PetscCall(MpmStepperParameterNames(s, sizeof names, names));
-  if (!found) PetscCall(MpmStepperFail(s, "it has no parameter %.60s; allowed: %s", name, names));
+  if (!found) {
+    PetscCall(MpmStepperParameterNames(s, &names));
+    PetscCall(MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text));
+    PetscCall(MpmTextFree(&names));
+  }
   if (!s->failure[0]) PetscCall(s->set(s, name, value));
   PetscCall(MpmStepperAgree(s));
   for (PetscInt i = 0; i < s->nparameters; i++)

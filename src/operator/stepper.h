@@ -5,6 +5,7 @@
    A step may fail on one rank alone. So MpmStepperStep returns no error for that; MpmStepperAgree tells all ranks.
 */
 #pragma once
+#include "base/text.h"
 #include <mpmstab/compat.h>
 #include <mpmstab/fraction.h>
 #include <mpmstab/layout.h>
@@ -13,8 +14,8 @@
 #define MPM_STEPPER_NAME 64
 #define MPM_STEPPER_FIELDS 64
 #define MPM_STEPPER_PARAMETERS 64
-#define MPM_STEPPER_WIDTH 4096 /* numbers that a particle may have */
-#define MPM_STEPPER_FAILURE 4096
+#define MPM_STEPPER_WIDTH 4096   /* numbers that a particle may have */
+#define MPM_STEPPER_FAILURE 8192 /* a message that names all parameters fits */
 
 /*
    A field of a particle: size numbers, from number first of the particle's. scale: what a change of order 1 means; 0:
@@ -97,8 +98,8 @@ PetscErrorCode MpmStepperSet(MpmStepper *stepper, const char name[], PetscReal v
 /* Not collective. The value that a parameter had at the start; *found says whether there is one. */
 PetscErrorCode MpmStepperParameterOf(const MpmStepper *stepper, const char name[], PetscReal *value, PetscBool *found);
 
-/* Not collective. What messages say of the parameters that a code names: their names, or that there are none. */
-PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, size_t room, char names[]);
+/* Not collective. Adds what messages say of the parameters that a code names: their names, or that there are none. */
+PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, MpmText *names);
 
 /*
    MpmStepperStep - replaces the state of particles by the one after some steps. A number that is not finite is a

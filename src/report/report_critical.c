@@ -1,5 +1,6 @@
 /* The largest stable Courant number: prints it in words, and writes it as JSON and as CSV. */
 #include "report/results.h"
+#include "base/text.h"
 #include "scene/fields.h"
 #include "base/textfile.h"
 #include "report/report.h"
@@ -107,9 +108,9 @@ static PetscErrorCode DirectionText(PetscInt dim, const PetscReal beta[], PetscR
   PetscCall(PetscStrncpy(text, alike == dim ? "along a diagonal " : "along ", room));
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", a ? ", " : "(", beta[a] / length));
-    PetscCall(PetscStrlcat(text, part, room));
+    PetscCall(MpmTextJoin(text, part, room));
   }
-  PetscCall(PetscStrlcat(text, ")", room));
+  PetscCall(MpmTextJoin(text, ")", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

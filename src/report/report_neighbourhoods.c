@@ -1,5 +1,6 @@
 /* Neighbourhoods: a line for each, and a sentence about the worst; the same as JSON. */
 #include "report/report.h"
+#include "base/text.h"
 #include "report/results.h"
 #include <math.h>
 
@@ -24,9 +25,9 @@ static PetscErrorCode PlaceText(PetscInt dim, const MpmNeighbourhood *one, size_
   for (PetscInt a = 0; a < dim; a++) {
     if (isnan(one->place[a])) continue;
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", text[0] ? ", " : dim > 1 ? "(" : "", one->place[a]));
-    PetscCall(PetscStrlcat(text, part, room));
+    PetscCall(MpmTextJoin(text, part, room));
   }
-  if (text[0] && dim > 1) PetscCall(PetscStrlcat(text, ")", room));
+  if (text[0] && dim > 1) PetscCall(MpmTextJoin(text, ")", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -50,12 +51,12 @@ static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size
     PetscCall(PetscSNPrintf(text, room, "when %s %s xi = %s", who, one->approached ? "comes near" : "is at", place));
   else
     PetscCall(PetscSNPrintf(text, room, "wherever %s stands in its cell", who));
-  if (one->closed) PetscCall(PetscStrlcat(text, ", in closed form", room));
+  if (one->closed) PetscCall(MpmTextJoin(text, ", in closed form", room));
   for (PetscInt a = 0; a < dim; a++)
     if (!isnan(one->beta[a])) length += PetscSqr(one->beta[a]);
   if (length < LONG) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(place, sizeof place, ", waves of %.4g cells along it", 2 * PETSC_PI / sqrt(length)));
-  PetscCall(PetscStrlcat(text, place, room));
+  PetscCall(MpmTextJoin(text, place, room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -70,7 +71,7 @@ static PetscErrorCode RandomText(const MpmScene *s, const MpmRequest *request, c
                           one->layouts, 100 * request->voids, one->worst_seed));
   PetscCall(
       PetscSNPrintf(grow, sizeof grow, ", %" PetscInt_FMT " of them grow at %.6g", one->unstable, s->step.courant));
-  if (MpmSceneHasStep(s)) PetscCall(PetscStrlcat(text, grow, room));
+  if (MpmSceneHasStep(s)) PetscCall(MpmTextJoin(text, grow, room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,20 +1,23 @@
 /* Says how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are. */
 #include "operator/nodal.h"
+#include "base/text.h"
 #include "report/report.h"
 #include <string.h>
 
 /* The images by their maps and fields, in one dimension. */
-static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, size_t room, char text[])
+static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, MpmText *text)
 {
   PetscFunctionBegin;
-  text[0] = 0;
+  PetscCall(MpmTextAdd(text, "%s", ""));
   for (PetscInt g = 0; g < plan->nimages && table->dim == 1; g++)
     for (PetscInt i = 0; i < plan->image[g].n; i++) {
       const MpmNodalTerm *term = &plan->image[g].term[i];
 
-      PetscCall(PetscStrlcat(text, i ? " + " : g ? ", " : ": ", room));
-      PetscCall(PetscStrlcat(text, MpmOpTraitsOf(term->kind).weight == MPM_MASS ? "P2G " : "DIV ", room));
-      PetscCall(PetscStrlcat(text, table->fields[term->src], room));
+      PetscCall(MpmTextAdd(text, "%s%s %s",
+                           i   ? " + "
+                           : g ? ", "
+                               : ": ",
+                           MpmOpTraitsOf(term->kind).weight == MPM_MASS ? "P2G" : "DIV", table->fields[term->src]));
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -22,7 +25,7 @@ static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan
 PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
 {
   MpmNodalPlan *plan;
-  char          images[512];
+  MpmText       images = {NULL, 0};
 
   PetscFunctionBegin;
   if (MpmNodalWhyNot(table)) {
@@ -31,9 +34,10 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
   }
   if (!MpmNodalHasRoom(table)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(table, &plan));
-  PetscCall(NameImages(table, plan, sizeof images, images));
+  PetscCall(NameImages(table, plan, &images));
   MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
-           plan->nimages, plan->nimages, images);
+           plan->nimages, plan->nimages, images.text);
+  PetscCall(MpmTextFree(&images));
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

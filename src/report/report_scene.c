@@ -1,6 +1,7 @@
 /* Describes the scene at the beginning of every task's table and JSON object. */
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
+#include "base/text.h"
 #include "base/textfile.h"
 #include "report/report.h"
 #include <math.h>
@@ -184,9 +185,9 @@ PetscErrorCode MpmReportVector(PetscInt n, const PetscReal values[], int digits,
     char part[32];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.*g", a ? ", " : n > 1 ? "(" : "", digits, values[a]));
-    PetscCall(PetscStrlcat(text, part, room));
+    PetscCall(MpmTextJoin(text, part, room));
   }
-  if (n > 1) PetscCall(PetscStrlcat(text, ")", room));
+  if (n > 1) PetscCall(MpmTextJoin(text, ")", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -198,7 +199,7 @@ PetscErrorCode MpmReportCounts(PetscInt n, const PetscInt counts[], size_t room,
     char part[32];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? " x " : "", counts[a]));
-    PetscCall(PetscStrlcat(text, part, room));
+    PetscCall(MpmTextJoin(text, part, room));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

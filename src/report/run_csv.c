@@ -1,48 +1,42 @@
 /* Writes the time series of a run: step, time, norm, energy, errors and diagnostics. */
 #include <mpmstab/errors.h>
 #include "report/run_csv.h"
+#include "base/text.h"
 #include <math.h>
 #include <string.h>
 
-#define LONGEST_HEADER 1024
-
 /* Appends a column for each of n fields to the header. */
-static PetscErrorCode Columns(PetscInt n, const char *const field[], const char name[], char header[])
+static PetscErrorCode Columns(PetscInt n, const char *const field[], const char name[], MpmText *header)
 {
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++) {
-    PetscCall(PetscStrlcat(header, ",", LONGEST_HEADER));
-    PetscCall(PetscStrlcat(header, name, LONGEST_HEADER));
-    PetscCall(PetscStrlcat(header, field[f], LONGEST_HEADER));
-  }
+  for (PetscInt f = 0; f < n; f++) PetscCall(MpmTextAdd(header, ",%s%s", name, field[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFile *csv)
 {
-  const MpmScene   *scene                  = run->scene;
-  const MpmRequest *request                = run->request;
-  char              header[LONGEST_HEADER] = "step,time,norm,energy,log10_norm";
-  const MpmTable   *table                  = scene->scheme.table;
+  const MpmScene   *scene   = run->scene;
+  const MpmRequest *request = run->request;
+  const MpmTable   *table   = scene->scheme.table;
+  MpmText           header  = {NULL, 0};
   const char       *error[MPM_MOST_ERRORS];
-  size_t            length;
+  PetscBool         same;
 
   PetscFunctionBegin;
-  if (run->has_errors) PetscCall(Columns(MpmSceneErrorFields(scene, error), error, "error_l2_", header));
-  if (run->pace) PetscCall(PetscStrlcat(header, ",dt,fastest_wave", LONGEST_HEADER));
-  if (request->weights) PetscCall(PetscStrlcat(header, ",c1_mean,c1_min,c1_max", LONGEST_HEADER));
-  if (request->source_term) PetscCall(Columns(table->nstate, table->fields, "source_", header));
-  if (request->ringing) PetscCall(Columns(table->nstate, table->fields, "ringing_", header));
-  if (request->tangent)
-    PetscCall(PetscStrlcat(header, ",tangent_log10_growth,window_growth,window_waves", LONGEST_HEADER));
-  length = strlen(header);
-  MpmCheckInput(!before || !*before || (!strncmp(before, header, length) && before[length] == '\n'),
+  PetscCall(MpmTextAdd(&header, "step,time,norm,energy,log10_norm"));
+  if (run->has_errors) PetscCall(Columns(MpmSceneErrorFields(scene, error), error, "error_l2_", &header));
+  if (run->pace) PetscCall(MpmTextAdd(&header, ",dt,fastest_wave"));
+  if (request->weights) PetscCall(MpmTextAdd(&header, ",c1_mean,c1_min,c1_max"));
+  if (request->source_term) PetscCall(Columns(table->nstate, table->fields, "source_", &header));
+  if (request->ringing) PetscCall(Columns(table->nstate, table->fields, "ringing_", &header));
+  if (request->tangent) PetscCall(MpmTextAdd(&header, ",tangent_log10_growth,window_growth,window_waves"));
+  PetscCall(MpmTextAdd(&header, "\n"));
+  same = !before || !*before || !strncmp(before, header.text, header.length) ? PETSC_TRUE : PETSC_FALSE;
+  if (csv->stream && same) fputs(before && *before ? before : header.text, csv->stream);
+  PetscCall(MpmTextFree(&header));
+  MpmCheckInput(same,
                 "restart %s: its CSV has other columns; allowed: weights, source_term, ringing and tangent as before",
                 request->restart);
-  if (csv->stream && before && *before)
-    fputs(before, csv->stream);
-  else if (csv->stream)
-    fprintf(csv->stream, "%s\n", header);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 /* The values of fields in a scene: which of them a record shows, and as which text. */
 #include "scene/fields.h"
+#include "base/text.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -168,7 +169,7 @@ static PetscErrorCode Join(const MpmValue *value,
   for (PetscInt a = 0; a < value->n; a++) {
     const size_t used = strlen(text), comma = a > 0;
 
-    if (comma) PetscCall(PetscStrlcat(text, ",", room));
+    if (comma) PetscCall(MpmTextJoin(text, ",", room));
     PetscCall(one(value, a, room - used - comma, text + used + comma));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

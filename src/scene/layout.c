@@ -7,6 +7,7 @@
    cluster.
 */
 #include "base/memory.h"
+#include "base/text.h"
 #include "scheme/kernels.h"
 #include "scene/layout.h"
 #include <mpmstab/errors.h>
@@ -213,7 +214,7 @@ static PetscErrorCode Append(char text[], size_t room, const char format[], Pets
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof part, format, number));
-  PetscCall(PetscStrlcat(text, part, room));
+  PetscCall(MpmTextJoin(text, part, room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
    from them, and refuses what does not exist or does not go together.
 */
 #include "scene/layout.h"
+#include "base/text.h"
 #include "scene/material.h"
 #include "scene/settings.h"
 #include <math.h>
@@ -76,8 +77,8 @@ static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names
   names[0] = '\0';
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     if (!can(MpmFormulations[f])) continue;
-    if (names[0]) PetscCall(PetscStrlcat(names, ", ", room));
-    PetscCall(PetscStrlcat(names, MpmFormulations[f]->name, room));
+    if (names[0]) PetscCall(MpmTextJoin(names, ", ", room));
+    PetscCall(MpmTextJoin(names, MpmFormulations[f]->name, room));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -130,8 +131,8 @@ static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmS
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt t = 0; MpmTransfers[t]; t++) {
     if (!MpmTransfers[t]->option || strcmp(MpmTransfers[t]->option, option)) continue;
-    if (named++) PetscCall(PetscStrlcat(message, " or ", sizeof message));
-    PetscCall(PetscStrlcat(message, MpmTransfers[t]->name, sizeof message));
+    if (named++) PetscCall(MpmTextJoin(message, " or ", sizeof message));
+    PetscCall(MpmTextJoin(message, MpmTransfers[t]->name, sizeof message));
   }
   PetscCall(MpmSettingsRefuse(settings, option, message));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -189,8 +190,8 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
 static PetscErrorCode AppendWord(MpmScene *scene, const char between[], MpmEnd end)
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrlcat(scene->boundary, between, sizeof scene->boundary));
-  PetscCall(PetscStrlcat(scene->boundary, MpmEndNames[end], sizeof scene->boundary));
+  PetscCall(MpmTextJoin(scene->boundary, between, sizeof scene->boundary));
+  PetscCall(MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

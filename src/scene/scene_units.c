@@ -6,6 +6,7 @@
    bar whose sides are free, where M = E. See any book on elasticity, such as Landau and Lifshitz (1986), sections 5, 22.
 */
 #include "scene/settings.h"
+#include "base/text.h"
 #include <math.h>
 
 static const char *const moduli[] = {"young", "bulk", "shear"};
@@ -15,8 +16,8 @@ static PetscErrorCode AddMissing(const MpmSettings *settings, const char name[],
 {
   PetscFunctionBegin;
   if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
-  if (list[0]) PetscCall(PetscStrlcat(list, " and ", room));
-  PetscCall(PetscStrlcat(list, name, room));
+  if (list[0]) PetscCall(MpmTextJoin(list, " and ", room));
+  PetscCall(MpmTextJoin(list, name, room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,6 +3,7 @@
    command line nor in the scene.
 */
 #include "base/suggest.h"
+#include "base/text.h"
 #include "scene/settings.h"
 #include "scene/settings_place.h"
 #include "scene/synonyms.h"
@@ -132,7 +133,7 @@ static PetscBool IsReadLast(const char name[])
 
 /* A line for each place that gives options. */
 typedef struct {
-  char text[MOST_PLACES][1024];
+  MpmText place[MOST_PLACES];
 } Lines;
 
 /* Adds an option to the line of its place, which is of the form 'from PETSC_OPTIONS'. */
@@ -140,25 +141,22 @@ static PetscErrorCode Say(const char task[], const char name[], const char value
 {
   const PetscInt option = MpmOptionIndex(name);
   const char    *tasks  = option == MPM_NOT_AN_OPTION ? NULL : MpmOptions[option].tasks;
-  const size_t   room = sizeof lines->text[0], length = strlen(place);
-  int            i = 0;
+  const size_t   length = strlen(place);
+  MpmText       *line   = lines->place;
 
   PetscFunctionBegin;
-  while (i < MOST_PLACES - 1 && lines->text[i][0] &&
-         (strncmp(lines->text[i], place, length) || lines->text[i][length] != ':'))
-    i++;
-  if (!lines->text[i][0]) PetscCall(PetscSNPrintf(lines->text[i], room, "%s:", place));
-  PetscCall(PetscStrlcat(lines->text[i], " -", room));
-  PetscCall(PetscStrlcat(lines->text[i], name, room));
-  if (value && value[0]) PetscCall(PetscStrlcat(lines->text[i], " ", room));
-  if (value) PetscCall(PetscStrlcat(lines->text[i], value, room));
-  if (tasks && !strstr(tasks, task)) PetscCall(PetscStrlcat(lines->text[i], " (not read by this task)", room));
+  while (line < lines->place + MOST_PLACES - 1 && line->text &&
+         (strncmp(line->text, place, length) || line->text[length] != ':'))
+    line++;
+  if (!line->text) PetscCall(MpmTextAdd(line, "%s:", place));
+  PetscCall(MpmTextAdd(line, " -%s%s%s", name, value && value[0] ? " " : "", value ? value : ""));
+  if (tasks && !strstr(tasks, task)) PetscCall(MpmTextAdd(line, " (not read by this task)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
 {
-  Lines     lines = {{""}};
+  Lines     lines = {{{NULL, 0}}};
   char      place[MPM_PLACE_TEXT], **names, **values;
   PetscBool is_theirs;
   PetscInt  n;
@@ -175,7 +173,10 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
     }
     PetscCall(Say(task, names[i], values[i], place + strlen(", "), &lines));
   }
-  for (int i = 0; i < MOST_PLACES && lines.text[i][0]; i++) MpmPrint("%s\n", lines.text[i]);
+  for (int i = 0; i < MOST_PLACES && lines.place[i].text; i++) {
+    MpmPrint("%s\n", lines.place[i].text);
+    PetscCall(MpmTextFree(&lines.place[i]));
+  }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

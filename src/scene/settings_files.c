@@ -11,7 +11,7 @@
 
 #define MESSAGE 4096
 #define BETWEEN_WORDS " \t\n'\"=;|&<>()"
-#define LONGEST 1024 /* characters, so that a message of PETSc's length can name it and the remedy */
+#define LONGEST 1024 /* characters; a longer name is refused */
 
 /* Whether the task reads an option that names a file which is used so, and the option was given. */
 static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt option, MpmFileUse use)

@@ -4,7 +4,7 @@
 #include <mpmstab/errors.h>
 #include <string.h>
 
-#define LONGEST 1024 /* characters, so that a message of PETSc's length can name it */
+#define LONGEST 1024 /* characters; a longer text is refused */
 
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 

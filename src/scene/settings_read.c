@@ -1,6 +1,7 @@
 /* Readers for each kind of value. A value is checked once, here, and refused with what is allowed. */
 #include "scene/settings.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "scene/synonyms.h"
 #include "scene/settings_place.h"
 #include <errno.h>
@@ -294,25 +295,22 @@ static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[],
 {
   const PetscInt option = MpmOptionIndex(name);
   const char    *words[32], *near;
-  char           why[512] = "allowed: ";
-  PetscInt       n        = 0;
+  MpmText        why = {NULL, 0};
+  PetscInt       n   = 0;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
   for (; MpmOptions[option].word(n); n++) words[n] = MpmOptions[option].word(n);
-  for (PetscInt i = 0; i < n; i++) {
-    if (i) PetscCall(PetscStrlcat(why, i == n - 1 ? " or " : ", ", sizeof why));
-    PetscCall(PetscStrlcat(why, words[i], sizeof why));
-  }
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(MpmTextAdd(&why, "%s%s", i == 0 ? "allowed: " : i == n - 1 ? " or " : ", ", words[i]));
   near = n > 1 ? MpmSuggest(text, n, words) : NULL;
-  if (MpmWordCalledHere(name, text)) {
-    PetscCall(PetscStrlcat(why, "; here it is ", sizeof why));
-    PetscCall(PetscStrlcat(why, MpmWordCalledHere(name, text), sizeof why));
-  } else if (near) {
-    PetscCall(PetscStrlcat(why, "; did you mean ", sizeof why));
-    PetscCall(PetscStrlcat(why, near, sizeof why));
-    PetscCall(PetscStrlcat(why, "?", sizeof why));
-  }
-  PetscCall(MpmSettingsRefuse(settings, name, why));
+  if (MpmWordCalledHere(name, text))
+    PetscCall(MpmTextAdd(&why, "; here it is %s", MpmWordCalledHere(name, text)));
+  else if (near)
+    PetscCall(MpmTextAdd(&why, "; did you mean %s?", near));
+  ierr = MpmSettingsRefuse(settings, name, why.text);
+  PetscCall(MpmTextFree(&why));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -488,8 +486,10 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
 
   PetscFunctionBegin;
   for (*n = 0; *n == 0 || *text++ == ','; text += strcspn(text, ",")) {
-    PetscCall(PetscStrncpy(part, text, PetscMin(strcspn(text, ",") + 1, sizeof part)));
-    if (*n == room || !ParseReal(part, &list[*n]) || !InRange(option, list[*n]))
+    const size_t length = strcspn(text, ",");
+
+    PetscCall(PetscStrncpy(part, text, PetscMin(length + 1, sizeof part)));
+    if (*n == room || length >= sizeof part || !ParseReal(part, &list[*n]) || !InRange(option, list[*n]))
       PetscCall(RefuseNumber(settings, name, "finite numbers"));
     ++*n;
   }

@@ -225,7 +225,9 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
     const size_t length = strcspn(text, separators);
     MpmAxis     *axis   = &request->axes[a];
 
-    PetscCall(PetscStrncpy(axis->name, text, PetscMin(length + 1, sizeof axis->name)));
+    if (length >= sizeof axis->name)
+      PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: two names of axes, none of them so long"));
+    PetscCall(PetscStrncpy(axis->name, text, length + 1));
     axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
     text += length + strspn(text + length, separators);
   }
@@ -346,6 +348,8 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
   if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
     PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
+  if (strlen(path) >= sizeof request->mode_file)
+    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: a shorter name"));
   PetscCall(PetscStrncpy(request->mode_file, path, sizeof request->mode_file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

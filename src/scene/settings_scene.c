@@ -1,6 +1,7 @@
 /* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
 #include "scene/settings.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "base/yaml.h"
 #include "scene/synonyms.h"
 #include <string.h>
@@ -75,18 +76,21 @@ static PetscErrorCode KeepParameter(MpmSettings *settings, yaml_document_t *docu
                                     const yaml_node_t *value, int line)
 {
   const yaml_node_item_t *item = value->data.sequence.items.start;
-  char                    text[128];
+  MpmText                 text = {NULL, 0};
+  PetscErrorCode          ierr;
 
   PetscFunctionBegin;
-  text[0] = 0;
+  PetscCall(MpmTextAdd(&text, "%s", ""));
   if (value->type == YAML_SEQUENCE_NODE && value->data.sequence.items.top - item == 2) {
     const char *const lo = Scalar(yaml_document_get_node(document, item[0]));
     const char *const hi = Scalar(yaml_document_get_node(document, item[1]));
 
-    if (lo && hi) PetscCall(PetscSNPrintf(text, sizeof text, "%.60s,%.60s", lo, hi));
+    if (lo && hi) PetscCall(MpmTextAdd(&text, "%s,%s", lo, hi));
   } else if (Scalar(value))
-    PetscCall(PetscStrncpy(text, Scalar(value), sizeof text));
-  PetscCall(MpmSettingsKeepParameter(settings, key, text, MPM_FROM_SCENE, line));
+    PetscCall(MpmTextAdd(&text, "%s", Scalar(value)));
+  ierr = MpmSettingsKeepParameter(settings, key, text.text, MPM_FROM_SCENE, line);
+  PetscCall(MpmTextFree(&text));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

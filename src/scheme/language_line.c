@@ -8,6 +8,7 @@
 */
 #include "scheme/language_line.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include <mpmstab/errors.h>
 #include <ctype.h>
 #include <stdarg.h>
@@ -55,15 +56,18 @@ static const struct {
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
 {
-  char    why[768];
-  va_list arguments;
+  va_list        arguments;
+  char          *why;
+  PetscErrorCode ierr;
 
   PetscFunctionBegin;
   va_start(arguments, format);
-  (void)vsnprintf(why, sizeof why, format, arguments);
+  why = MpmTextMade(format, arguments);
   va_end(arguments);
-  MpmRefuse("%s:%d: %.*s%s: %s", written->file, where->line, MPM_SHOWN_OF_LINE, where->text,
-            strlen(where->text) > MPM_SHOWN_OF_LINE ? "..." : "", why);
+  ierr = MpmRefusal("%s:%d: %.*s%s: %s", written->file, where->line, MPM_SHOWN_OF_LINE, where->text,
+                    strlen(where->text) > MPM_SHOWN_OF_LINE ? "..." : "", why ? why : format);
+  free(why);
+  PetscFunctionReturn(ierr);
 }
 
 PetscBool MpmWrittenIsWord(const char name[])
@@ -173,20 +177,21 @@ static PetscErrorCode RefuseName(const Reader *r, const char name[])
 {
   const MpmWritten *w = r->written;
   const char       *names[2 * MPM_MAX_FIELDS + MPM_MOST_PARAMETERS], *near;
-  char              all[256] = "";
-  PetscInt          n        = 0;
+  MpmText           all = {NULL, 0};
+  PetscInt          n   = 0;
+  PetscErrorCode    ierr;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < w->nparticles; i++) names[n++] = w->particles[i].name.text;
   for (PetscInt i = 0; i < w->nnodes; i++) names[n++] = w->nodes[i].name.text;
   for (PetscInt i = 0; i < w->nparameters; i++) names[n++] = w->parameters[i].name.text;
-  for (PetscInt i = 0; i < n; i++) {
-    if (i) PetscCall(PetscStrlcat(all, ", ", sizeof all));
-    PetscCall(PetscStrlcat(all, names[i], sizeof all));
-  }
+  for (PetscInt i = 0; i < n; i++) PetscCall(MpmTextAdd(&all, "%s%s", i ? ", " : "", names[i]));
   near = MpmSuggest(name, n, names);
-  MpmRefuseLine(w, r->text, "there is no field or parameter %s; allowed: %s%s%s%s", name, all,
-                near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  ierr =
+      MpmWrittenRefuse(w, r->text, "there is no field or parameter %s; allowed: %s%s%s%s", name,
+                       all.text ? all.text : "none", near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  PetscCall(MpmTextFree(&all));
+  PetscFunctionReturn(ierr);
 }
 
 /* ---- sums and products ---- */

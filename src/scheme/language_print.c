@@ -1,5 +1,6 @@
 /* From a formulation to its text, and from that to YAML; the hash of a scheme. */
 #include "base/hash.h"
+#include "base/text.h"
 #include "scheme/language_compile.h"
 #include <ctype.h>
 #include <stdio.h>
@@ -30,14 +31,14 @@ static PetscErrorCode FactorText(const MpmOp *op, size_t room, char text[])
 
     (void)snprintf(number, sizeof number, "%.*g", digits, size);
     if (strtod(number, NULL) != size) continue;
-    PetscCall(PetscStrlcat(text, number, room));
-    PetscCall(PetscStrlcat(text, " ", room));
+    PetscCall(MpmTextJoin(text, number, room));
+    PetscCall(MpmTextJoin(text, " ", room));
     break;
   }
   if (power > 1)
     (void)snprintf(text + strlen(text), room - strlen(text), "k^%" PetscInt_FMT " ", power);
   else if (power)
-    PetscCall(PetscStrlcat(text, "k ", room));
+    PetscCall(MpmTextJoin(text, "k ", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

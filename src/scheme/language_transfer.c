@@ -5,6 +5,7 @@
    q is the particle field that is filtered, and g its P2G on the nodes. Other fields are named under particles and nodes.
 */
 #include "scheme/language_compile.h"
+#include "base/text.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/table.h>
 #include <stdio.h>
@@ -198,8 +199,8 @@ static PetscErrorCode KeepScaled(const MpmFormulation *f, const MpmOp *scale, co
   if (scale->factor == 0)
     (void)snprintf(text, sizeof text, "%s = ", f->particle_fields[scale->dst]);
   else
-    PetscCall(PetscStrlcat(text, " + ", sizeof text));
-  PetscCall(PetscStrlcat(text, strstr(taken, "+= ") + 3, sizeof text));
+    PetscCall(MpmTextJoin(text, " + ", sizeof text));
+  PetscCall(MpmTextJoin(text, strstr(taken, "+= ") + 3, sizeof text));
   PetscCall(KeepLine(t, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

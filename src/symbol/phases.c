@@ -3,6 +3,7 @@
    symmetries hold.
 */
 #include "symbol/phases.h"
+#include "base/text.h"
 
 PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, char text[])
 {
@@ -12,7 +13,7 @@ PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, c
     char part[16];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", each[a]));
-    PetscCall(PetscStrlcat(text, part, room));
+    PetscCall(MpmTextJoin(text, part, room));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

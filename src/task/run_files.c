@@ -5,6 +5,7 @@
 */
 #include "task/run_files.h"
 #include "base/stop.h"
+#include "base/text.h"
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
 #include "io/output.h"
@@ -160,7 +161,7 @@ static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRu
     PetscCall(MpmRunDestroy(&run));
   }
   PetscCall(PetscSNPrintf(more, sizeof more, "; the checkpoint has the state of step %" PetscInt64_FMT, failed->steps));
-  PetscCall(PetscStrlcat(failed->failure, more, sizeof failed->failure));
+  PetscCall(MpmTextJoin(failed->failure, more, sizeof failed->failure));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

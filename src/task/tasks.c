@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
 #include "scene/fields.h"
@@ -96,8 +97,8 @@ PetscErrorCode MpmTaskNames(size_t room, char text[])
   PetscFunctionBegin;
   text[0] = '\0';
   for (const MpmTask *task = MpmTasks; task->name; task++) {
-    if (task > MpmTasks) PetscCall(PetscStrlcat(text, task[1].name ? ", " : " or ", room));
-    PetscCall(PetscStrlcat(text, task->name, room));
+    if (task > MpmTasks) PetscCall(MpmTextJoin(text, task[1].name ? ", " : " or ", room));
+    PetscCall(MpmTextJoin(text, task->name, room));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
