@@ -109,6 +109,8 @@ static PetscErrorCode Patch(const MpmCriticalCase *of, MpmPatchKind kind, MpmNei
   one->growth      = limit.growth;
   one->approached  = limit.approached;
   one->inside      = limit.inside;
+  one->places      = limit.places;
+  one->depth       = limit.depth;
   one->evaluations = limit.evaluations;
   for (PetscInt a = 0; a < of->layout->dim; a++) {
     one->place[a] = limit.place[a];

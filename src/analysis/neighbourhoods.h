@@ -16,6 +16,7 @@
    wave     - of the bulk, as in MpmCritical
    approached - the limit is approached at that place, and not attained
    inside   - waves that the surfaces do not change have the limit of an edge or a corner
+   places, depth - where inside: places of the surface that were searched, and cells behind it where they were compared
    closed   - the limit is that of a closed form
    why_not  - says why courant is undecided; else NULL
    layouts, unstable, undecided - of neighbourhood random; unstable and undecided at the scene's own Courant number
@@ -30,7 +31,7 @@ typedef struct {
   MpmWaveType          wave;
   PetscBool            approached, closed, inside;
   const char          *why_not;
-  PetscInt             layouts, unstable, undecided;
+  PetscInt             layouts, unstable, undecided, places, depth;
   PetscInt64           worst_seed, evaluations;
   MpmCriticalWindows   windows;
 } MpmNeighbourhood;

@@ -18,7 +18,8 @@
 
 #define STEADY 1e-9 /* relative change of a limit with depth that is none */
 #define DEEPEST 80  /* cells behind one surface */
-#define DEEP_TWO 32 /* behind two, or where growth is looked at in a row */
+#define DEEP_TWO 32 /* behind two */
+#define MOVED 0.01  /* relative change with depth of a limit by rows that is no longer the same */
 #define JUST 1e-3   /* relative distance from a limit at which growth is looked at */
 #define CHECKS 240  /* the most spots of the grid at which growth is looked at */
 #define AWAY 0.02   /* they are so far from the ends of their panels */
@@ -30,6 +31,8 @@
 #define FALLS 0.5   /* it goes to 0 if it is less than this then */
 #define A_JUMP 1e-3 /* relative; from the margin of a panel to its end values that are continuous change less */
 #define SAME 1e-6   /* relative difference of values that are the same but for rounding */
+#define OF_OTHER_END                                                                                                   \
+  1e-5 /* relative; so much less than that of waves inside is the limit of the other end's own mode */
 #define SETS (1 << MPM_MAX_DIM)
 
 /* What is sought on one lattice. slow: by rows of Courant numbers. */
@@ -43,6 +46,12 @@ typedef struct {
   PetscReal       least;              /* value on faces, of this rank's spots */
   PetscInt        least_at;           /* its spot of the grid */
 } Patch;
+
+/* Whether it is an edge in one dimension, where deep lattices cost little. */
+static PetscBool OnBar(const Patch *p)
+{
+  return p->surfaces == 1 && p->lattice.plan->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* ---- the limit and the growth of a spot ---- */
 
@@ -243,17 +252,18 @@ static MpmPatchSpot Inner(const MpmPatchSpot *spot)
   return in;
 }
 
-/* Growth at a Courant number. That of a shallow lattice may come of its other end. */
+/* Growth at a Courant number. That of a shallow lattice may come of its other end: then deeper ones are looked at. */
 static PetscErrorCode CheckAt(Patch *p, const MpmPatchSpot *spot, PetscReal courant)
 {
-  PetscReal growth;
+  const PetscInt depth[] = {p->shallow, p->search.deep, OnBar(p) ? DEEPEST : p->search.deep};
+  PetscReal      growth;
 
   PetscFunctionBegin;
-  p->lattice.depth = p->shallow;
-  PetscCall(Visible(&p->lattice, spot, courant, &growth));
-  if (growth > 1 + p->tolerance && p->search.deep > p->shallow) {
-    p->lattice.depth = p->search.deep;
+  if (p->worst > 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS); /* it does not hold anyway */
+  for (int i = 0; i < 3; i++) {
+    p->lattice.depth = depth[i];
     PetscCall(Visible(&p->lattice, spot, courant, &growth));
+    if (growth <= 1 + p->tolerance || p->surfaces == 0 || (i > 0 && depth[i] == depth[2])) break;
   }
   p->worst = PetscMax(p->worst, growth);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -276,8 +286,8 @@ static PetscErrorCode CheckPart(void *context, PetscInt i)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth is none below a limit, over the grid of spots, and some above it, at the worst spot. */
-static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool *holds)
+/* Whether growth is none below a limit, over the grid of spots, and some above it, at the worst spot if it is its own. */
+static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool own, PetscBool *holds)
 {
   const PetscInt size = MpmPatchGridSize(&p->search), n = size / PetscMax(1, size / CHECKS);
   PetscReal      below, above;
@@ -289,7 +299,7 @@ static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit,
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->worst, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
   p->lattice.depth = p->search.deep;
   *holds           = p->worst <= 1 + p->tolerance ? PETSC_TRUE : PETSC_FALSE;
-  if (!*holds || AtMargin(&p->lattice, spot)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*holds || !own || AtMargin(&p->lattice, spot)) PetscFunctionReturn(PETSC_SUCCESS);
   p->courant = limit * (1 - JUST);
   PetscCall(Once(p, GrowthThere, spot, &below));
   p->courant = limit * (1 + JUST);
@@ -300,10 +310,14 @@ static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit,
 
 /* ---- one lattice ---- */
 
-/* Deepens the lattice until its limit moves no more. It need not come from above: see MpmPatchOperator. */
+/*
+   Deepens the lattice until its limit moves no more. It need not come from above: see MpmPatchOperator. A limit by rows
+   that is another one on a deep lattice is none.
+*/
 static PetscErrorCode Deepen(Patch *p, const MpmPatchSpot *spot, PetscReal *limit)
 {
-  const PetscInt deepest = p->surfaces > 1 || p->slow ? DEEP_TWO : DEEPEST;
+  const PetscInt  deepest = p->surfaces > 1 ? DEEP_TWO : DEEPEST;
+  const PetscReal first   = *limit;
 
   PetscFunctionBegin;
   while (2 * p->lattice.depth <= deepest) {
@@ -311,8 +325,22 @@ static PetscErrorCode Deepen(Patch *p, const MpmPatchSpot *spot, PetscReal *limi
 
     p->lattice.depth *= 2;
     PetscCall(Once(p, LimitOfSpot, spot, limit));
-    if (fabs(*limit - before) <= STEADY * before) break;
+    if (!p->slow && fabs(*limit - before) <= STEADY * before) break;
   }
+  if (p->slow && fabs(*limit - first) > MOVED * first) *limit = NAN;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the other end of the lattice has a mode of its own that is as bad, and worse than known. */
+static PetscErrorCode OtherEnd(Patch *p, const MpmPatchSpot *spot, PetscReal known, PetscReal *limit)
+{
+  PetscReal other;
+
+  PetscFunctionBegin;
+  p->lattice.held = PETSC_TRUE;
+  PetscCall(Once(p, LimitOfSpot, spot, &other));
+  p->lattice.held = PETSC_FALSE;
+  if (other < known * (1 - OF_OTHER_END) && other < *limit * (1 + JUST)) *limit = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -337,15 +365,20 @@ static PetscErrorCode FindNone(Patch *p, MpmPatchSpot *spot, PetscReal *limit)
   const PetscInt size = MpmPatchGridSize(&p->search), stride = PetscMax(1, size / FEW);
 
   PetscFunctionBegin;
-  p->lattice.depth = p->search.coarse;
-  *limit           = INFINITY;
-  for (PetscInt i = 0; i<size && * limit> 0; i += stride)
-    if (MpmPatchGridSpot(&p->search, i, spot)) PetscCall(Once(p, LimitOfSpot, spot, limit));
+  *limit = INFINITY;
+  for (PetscInt i = 0; i < size; i += stride) {
+    if (!MpmPatchGridSpot(&p->search, i, spot)) continue;
+    for (p->lattice.depth = p->search.coarse;; p->lattice.depth = DEEP_TWO) {
+      PetscCall(Once(p, LimitOfSpot, spot, limit));
+      if (*limit > 0 || !OnBar(p) || p->lattice.depth == DEEP_TWO) break;
+    }
+    if (*limit == 0) break;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The limit of a lattice. */
-static PetscErrorCode Find(Patch *p, MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
+/* The limit of a lattice. known: that of the lattices with fewer surfaces. */
+static PetscErrorCode Find(Patch *p, PetscReal known, MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
 {
   PetscBool holds = PETSC_FALSE;
 
@@ -364,37 +397,42 @@ static PetscErrorCode Find(Patch *p, MpmPatchSpot *spot, PetscReal *limit, Petsc
     if (!isfinite(*limit)) continue;
     p->lattice.depth = p->search.deep;
     if (p->surfaces > 0) PetscCall(Once(p, LimitOfSpot, spot, limit));
-    PetscCall(Check(p, spot, *limit, &holds));
+    PetscCall(Check(p, spot, PetscMin(*limit, known), *limit <= known ? PETSC_TRUE : PETSC_FALSE, &holds));
     if (holds) break;
   }
-  if (!isfinite(*limit) || *limit == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!isfinite(*limit) || (*limit == 0 && !(p->slow && OnBar(p)))) PetscFunctionReturn(PETSC_SUCCESS);
   p->lattice.depth = p->slow ? p->search.fine : p->search.deep;
   if (p->surfaces > 0) PetscCall(Deepen(p, spot, limit));
+  if (p->surfaces > 0 && *limit < known) PetscCall(OtherEnd(p, spot, known, limit));
+  if (!(*limit > 0)) PetscFunctionReturn(PETSC_SUCCESS);
   if (AtMargin(&p->lattice, spot)) PetscCall(AtFace(p, spot, limit, approached));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Largest growth at the case's own Courant number. Beyond the limit it is sought over all spots. */
+/*
+   Largest growth at the case's own Courant number. Beyond the limit it is sought over all spots, of which the best of a
+   shallow lattice and that of the limit are looked at on a deep one.
+*/
 static PetscErrorCode Growth(Patch *p, PetscReal courant, PetscReal limit, const MpmPatchSpot *worst, PetscReal *growth)
 {
-  MpmPatchSpot spot = *worst, near;
-  PetscReal    nearer;
+  const PetscInt deep = p->slow && OnBar(p) ? DEEPEST : p->search.deep;
+  MpmPatchSpot   spot = *worst, near;
+  PetscReal      found, nearer;
 
   PetscFunctionBegin;
   p->courant       = courant;
   p->search.f      = MinusGrowth;
-  p->lattice.depth = p->search.deep;
+  p->lattice.depth = deep;
   *growth          = NAN;
   if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Once(p, GrowthThere, &spot, growth));
-  if (courant > limit) {
-    PetscReal found;
-
-    p->search.coarse = p->search.fine = p->shallow; /* waves that grow fast stay near the surface */
-    PetscCall(Least(p, &spot, &found));
-    *growth = PetscMax(*growth, -found);
-  }
-  if (courant > limit && AtMargin(&p->lattice, &spot)) {
+  if (courant <= limit) PetscFunctionReturn(PETSC_SUCCESS);
+  p->search.coarse = p->search.fine = p->shallow;
+  PetscCall(Least(p, &spot, &found));
+  p->lattice.depth = deep;
+  PetscCall(Once(p, GrowthThere, &spot, &found));
+  *growth = PetscMax(*growth, found);
+  if (AtMargin(&p->lattice, &spot)) {
     near = Move(&p->lattice, &spot, NEARER);
     PetscCall(Once(p, GrowthThere, &near, &nearer));
     *growth = nearer > *growth / FALLS ? INFINITY : PetscMax(*growth, nearer);
@@ -425,7 +463,7 @@ static void Keep(const Patch *p, const MpmPatchSpot *spot, PetscReal limit, Pets
 {
   const MpmLayout *layout = p->lattice.of->layout;
 
-  if (limit >= out->courant || isnan(out->courant)) return;
+  if (limit >= out->courant * (1 - STEADY) || isnan(out->courant)) return;
   out->courant    = limit;
   out->approached = approached;
   out->inside     = inside;
@@ -474,11 +512,15 @@ static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *pl
   for (PetscInt a = 0; a < plan->dim; a++) p.lattice.end[a] = set >> a & 1 ? end : MPM_PATCH_ENDLESS;
   p.surfaces = end == MPM_PATCH_SINGLE ? 0 : Bits(set);
   if (p.surfaces > 0) StartFrom(fewer, set, &p.search);
-  PetscCall(Find(&p, &spot, &limit, &approached));
+  PetscCall(Find(&p, out->courant, &spot, &limit, &approached));
+  if (Bits(set) == wanted) {
+    out->places += MpmPatchGridSize(&p.search);
+    out->depth = p.search.deep;
+  }
   fewer->worst[set] = spot;
   fewer->known[set] = isfinite(limit);
   Keep(&p, &spot, limit, approached, Bits(set) < wanted ? PETSC_TRUE : PETSC_FALSE, out);
-  if (Bits(set) == wanted || limit == 0) {
+  if (Bits(set) == wanted || !(limit > 0)) {
     PetscCall(Growth(&p, of->step.courant, limit, &spot, &growth));
     out->growth = isnan(growth) ? growth : PetscMax(out->growth, growth);
   }

@@ -22,6 +22,8 @@ typedef enum { MPM_PATCH_EDGE, MPM_PATCH_CORNER, MPM_PATCH_LONE } MpmPatchKind;
    approached  - the limit is approached as particles go to place, and not attained there
    inside      - the wave that grows first is one of the lattice deep inside or, of a corner, of one of its edges: the
                  surfaces make nothing worse
+   places, depth - shown by these: the number of spots of the grid on which lattices with all surfaces were searched,
+                 and the number of cells behind a surface at which the worst of them were compared
    growth      - the largest growth per step at the case's own Courant number
    evaluations - the number of times that a limit or growth was computed
    seconds     - the time that the search took
@@ -29,6 +31,7 @@ S*/
 typedef struct {
   PetscReal  courant, place[MPM_MAX_DIM], beta[MPM_MAX_DIM];
   PetscBool  approached, inside;
+  PetscInt   places, depth;
   PetscReal  growth;
   PetscInt64 evaluations;
   PetscReal  seconds;
@@ -42,7 +45,9 @@ typedef struct {
 
    Places next to a face of a cell are looked at from both sides. Places exactly on a face are looked at on a grid of
    the phases and of the other directions. In more than one dimension (a lone particle: in three) the limit is undecided where modes do
-   not leave the unit circle at -1, unless some places have the limit 0.
+   not leave the unit circle at -1, unless some places have the limit 0. It is undecided too where it goes on changing
+   with the depth of the lattice, as where surfaces reflect waves with a gain, and where the far end of the lattice has
+   a mode of its own that is as bad.
 
    Errors: refuses (PETSC_ERR_USER_INPUT) a table with SOLVE.
 */

@@ -67,7 +67,7 @@ static void FillRows(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscIn
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt node = cell - basis->reach_left + d, i = wave ? 0 : node - first;
 
-      if (i >= line->nodes) continue;
+      if (i < 0 || i >= line->nodes) continue;
       line->row[kind][p * line->nodes + i] += weight[d] * (wave ? cexp(I * (spot->beta[axis] * (PetscReal)node)) : 1);
     }
   }
@@ -107,11 +107,13 @@ static PetscErrorCode LineCreate(const MpmPatchLattice *l, const MpmPatchSpot *s
   const MpmBasis *basis = l->of->scheme->basis;
   const PetscInt  ppc = l->of->layout->ppc[axis], reach = MpmMapReach(basis);
   PetscBool       used[MPM_OP_KINDS];
+  PetscInt        first = -basis->reach_left;
 
   PetscFunctionBegin;
   *line = (Line){.nodes = 1, .particles = ppc};
   if (l->end[axis] == MPM_PATCH_SURFACE) {
-    line->nodes     = l->depth + 1 + basis->reach_left;
+    if (l->held) first = l->depth / 2;
+    line->nodes     = l->depth + 1 - first;
     line->particles = (l->depth + reach) * ppc;
   } else if (l->end[axis] == MPM_PATCH_SINGLE) {
     line->nodes     = reach;
@@ -119,12 +121,12 @@ static PetscErrorCode LineCreate(const MpmPatchLattice *l, const MpmPatchSpot *s
   }
   PetscCheck(line->nodes <= MOST_NODES, PETSC_COMM_SELF, PETSC_ERR_PLIB, "too many nodes in a row");
   PetscCall(PetscMalloc2(line->nodes, &line->at, line->nodes, &line->root));
-  for (PetscInt i = 0; i < line->nodes; i++) line->at[i] = i - basis->reach_left;
+  for (PetscInt i = 0; i < line->nodes; i++) line->at[i] = i + first;
   KindsAlong(l->plan, axis, used);
   for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++) {
     if (!used[kind]) continue;
     PetscCall(PetscCalloc1(line->particles * line->nodes, &line->row[kind]));
-    FillRows(l, spot, axis, -basis->reach_left, (MpmOpKind)kind, line);
+    FillRows(l, spot, axis, first, (MpmOpKind)kind, line);
   }
   FillMasses(l, axis, line);
   DropEmpty(line);

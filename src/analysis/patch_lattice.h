@@ -22,6 +22,7 @@ typedef struct {
 
    end   - in each direction
    depth - the number of cells behind a surface
+   held  - the nodes of the first half of them are held too: what is left has no surface
    count - the number of limits and growths computed
 S*/
 typedef struct {
@@ -29,6 +30,7 @@ typedef struct {
   const MpmNodalPlan    *plan;
   MpmPatchEnd            end[MPM_MAX_DIM];
   PetscInt               depth;
+  PetscBool              held;
   PetscInt64             count;
 } MpmPatchLattice;
 
@@ -45,7 +47,9 @@ PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan);
 
    Behind a surface the nodes beyond depth are held: their values are 0. On them nothing happens that could grow, and
    for apic with equal maps there and back the limit comes from above as depth grows, since the quotient that has it is
-   largest over fewer nodal fields. A second surface there would have its own limit.
+   largest over fewer nodal fields. With pic it may come from below. Waves of a gas may gain at each reflection, so that
+   a shallow lattice grows and a deep one does not. A held end may even have a mode of its own: held shows it. A second
+   surface there would have its own limit.
 */
 PetscErrorCode MpmPatchOperator(const MpmPatchLattice *lattice, const MpmPatchSpot *spot, PetscInt *n,
                                 double complex *coefficient[], PetscReal *unseen);

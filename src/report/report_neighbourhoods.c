@@ -44,6 +44,9 @@ static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size
                            one->kind == MPM_AT_CORNER ? "waves inside or at an edge: the corner makes nothing worse"
                                                       : "waves inside: the surfaces make nothing worse",
                            room));
+    PetscCall(PetscSNPrintf(place, sizeof place, ", searched at %" PetscInt_FMT " places, %" PetscInt_FMT " cells deep",
+                            one->places, one->depth));
+    if (one->places > 0) PetscCall(MpmTextJoin(text, place, room));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PlaceText(dim, one, sizeof place, place));

@@ -139,7 +139,7 @@ static PetscErrorCode LimitAt(const MpmScene *scene, PetscInt surfaces, PetscInt
 {
   const MpmCriticalCase of      = MpmCriticalCaseOf(scene, TOLERANCE);
   const MpmPatchSpot    spot    = {.j = {j, j}, .t = {t, t}};
-  MpmPatchLattice       lattice = {.of = &of, .depth = scene->layout.dim == 1 ? 80 : 5};
+  MpmPatchLattice       lattice = {.of = &of, .depth = scene->layout.dim == 1 ? 60 : 5};
   MpmNodalPlan         *plan;
 
   PetscFunctionBegin;
@@ -195,6 +195,14 @@ static PetscErrorCode CheckBlock(const char options[], PetscInt first, PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* An edge mode that fades in 20 cells, next to the limit of the bulk: 1.43204, 1.55003 and 1.46099. */
+static const struct {
+  const char *options;
+  PetscReal   courant;
+} slow[] = {{"-formulation musl -basis gimp -ppc 3 -transfer pic", 1.427700},
+            {"-formulation usf -basis gimp -ppc 3 -transfer xpic -xpic_order 2", 1.544590},
+            {"-formulation usavg -basis gimp -ppc 3 -transfer blend -blend_ratio 0.1", 1.456720}};
+
 static PetscErrorCode CheckBlocks(void)
 {
   static const char *const schemes[] = {
@@ -211,6 +219,12 @@ static PetscErrorCode CheckBlocks(void)
                               schemes[s], s % 2 ? "0.4" : "0.1"));
       PetscCall(CheckBlock(options, first, 1e-3));
     }
+  for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(slow); s++) {
+    char options[256];
+
+    PetscCall(PetscSNPrintf(options, sizeof options, "%s -cells 58 -fill 3,55 -boundary fixed", slow[s].options));
+    PetscCall(CheckBlock(options, 2, 1e-4));
+  }
   PetscCall(CheckBlock("-dim 2 -cells 8 -ppc 2 -fill 1,6 -formulation usl -transfer apic -gradient mls "
                        "-basis quadratic -poisson 0.5", /* a block of Taichi's mpm88 */
                        0, 1e-3));
@@ -246,11 +260,47 @@ static PetscErrorCode CheckEdge(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode CheckSlow(void)
+{
+  PetscFunctionBegin;
+  for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(slow); s++) {
+    MpmPatchLimit edge;
+
+    PetscCall(FindPatch(slow[s].options, MPM_PATCH_EDGE, &edge));
+    CHECK_NEAR(edge.courant, slow[s].courant, 1e-6);
+    CHECK_NEAR(edge.place[0], 5.0 / 6, 1e-5);
+    CHECK(!edge.inside, "%s", slow[s].options);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a lattice has of its other end is no limit: of elastic a mode there, of gas2 waves that come back from there. */
+static PetscErrorCode CheckOtherEnd(void)
+{
+  MpmPatchLimit edge;
+
+  PetscFunctionBegin;
+  PetscCall(FindPatch("-formulation elastic -transfer pic -basis gimp -ppc 1", MPM_PATCH_EDGE, &edge));
+  CHECK(isnan(edge.courant) && isnan(edge.growth), "elastic: %g, growth %g", edge.courant, edge.growth);
+  PetscCall(FindPatch("-formulation gas2 -transfer pic -basis gimp -ppc 1", MPM_PATCH_EDGE, &edge));
+  CHECK_NEAR(edge.courant, 2.099800, 1e-5); /* that of the bulk */
+  CHECK(edge.inside && edge.places > 0 && edge.depth >= 40, "gas2: %d places", (int)edge.places);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CheckSearch(void)
 {
+  static const char *const edges[] = {
+      "-formulation musl -basis cubic -transfer pic -ppc 2",
+      "-formulation usavg -basis cubic -ppc 4",
+      "-formulation musl -basis quadratic -gradient mls -ppc 3",
+      "-formulation usf -basis gimp -gradient mls -transfer xpic -ppc 3",
+      "-formulation musl -basis cubic -gradient mls -transfer blend -blend_ratio 0.1 -ppc 2",
+      "-formulation musl -basis gimp -gradient mls -transfer blend -blend_ratio 0.1 -ppc 4"};
   MpmPatchLimit edge, corner, lone;
 
   PetscFunctionBegin;
+  for (size_t e = 0; e < PETSC_STATIC_ARRAY_LENGTH(edges); e++) PetscCall(CheckEdge(edges[e]));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usl -basis quadratic"));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usl -basis cubic -transfer apic"));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usf -basis gimp -ppc 3"));
@@ -278,11 +328,13 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(CheckLones());
   PetscCall(CheckSearch());
+  PetscCall(CheckSlow());
   if (size > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckFaces());
   PetscCall(CheckHats());
   PetscCall(CheckFields());
   PetscCall(CheckBlocks());
+  PetscCall(CheckOtherEnd());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
