@@ -2,7 +2,8 @@
 #pragma once
 #include <mpmstab/formulation.h>
 
-#define MPM_BLOCK 256 /* the largest number of particles in a block */
+#define MPM_BLOCK 256    /* the largest number of particles in a block */
+#define MPM_MOST_NODES 6 /* that a particle has weights at along one direction; all arrays for these follow from it */
 
 /*S
    MpmBlock - the places of a block of particles. The kernels of a basis need them besides the data.
@@ -82,7 +83,7 @@ typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal wei
 
    name, summary, reference - the word of the option basis, a line about it, and its source
    reach_left, reach_right  - a particle in cell i has weights at nodes i - reach_left to i + reach_right at most
-   nodes       - the number of nodes that a particle has weights at in each direction
+   nodes       - the number of nodes that a particle has weights at in each direction, at most MPM_MOST_NODES
    wall_nodes  - between walls there are so many nodes more than cells
    spline_ends - how functions next to walls differ from all others
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
@@ -122,6 +123,14 @@ static inline PetscBool MpmBasisIsAltered(const MpmBasis *basis)
 
 /* Not collective. A basis of the list with other functions next to walls, or NULL when it has no such choice. */
 const MpmBasis *MpmBasisWithEnds(const MpmBasis *basis, MpmSplineEnds ends);
+
+/*
+   MpmBasisCheck - refuses a basis whose weights do not fit into the arrays for them, or whose particles have weights at
+   nodes beyond its reach. Such weights would be lost.
+
+   Not collective. Errors: PETSC_ERR_ARG_OUTOFRANGE.
+*/
+PetscErrorCode MpmBasisCheck(const MpmBasis *basis);
 
 /* Not collective. The basis of a name, or NULL when there is none. */
 const MpmBasis *MpmBasisFind(const char name[]);

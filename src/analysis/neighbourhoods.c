@@ -72,10 +72,10 @@ static const char *WhyNot(const MpmScene *scene)
 static PetscErrorCode Unbound(const MpmScene *scene, MpmLayout *layout, MpmScheme *scheme, MpmStep *step)
 {
   PetscFunctionBegin;
-  *layout       = scene->layout;
-  *scheme       = scene->scheme;
-  *step         = scene->step;
-  scheme->basis = MpmBasisFind(scheme->basis->name); /* without other splines next to walls */
+  *layout = scene->layout;
+  *scheme = scene->scheme;
+  *step   = scene->step;
+  if (MpmBasisIsAltered(scheme->basis)) scheme->basis = MpmBasisFind(scheme->basis->name);
   for (PetscInt a = 0; a < layout->dim; a++) {
     MpmDirection *grid = &layout->grid[a];
 

@@ -59,6 +59,7 @@ static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt af
 /* The weights of the kinds of a part. */
 static void TakeWeights(const MpmCloudPart *part, PetscInt dim, Placed *placed)
 {
+  placed->cloud.kinds = part->nkinds;
   for (PetscInt d = 0; d < dim; d++) {
     placed->cloud.weight[d][0] = placed->weight[d][0];
     for (PetscInt k = 0; k < part->nkinds; k++) placed->cloud.weight[d][1 + k] = placed->weight[d][part->kind[k]];
@@ -317,8 +318,11 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
   Work           work  = {.plan = plan, .given = first + plan->width * nodes};
 
   PetscFunctionBegin;
-  for (PetscInt d = 0; d < grid->dim; d++)
-    work.placed[0].cloud.stride[d] = work.placed[1].cloud.stride[d] = grid->axis[d].stride;
+  for (PetscInt i = 0; i < 2; i++) {
+    work.placed[i].cloud.dim   = grid->dim;
+    work.placed[i].cloud.nodes = a->march->scheme->basis->nodes;
+    for (PetscInt d = 0; d < grid->dim; d++) work.placed[i].cloud.stride[d] = grid->axis[d].stride;
+  }
   for (PetscInt p = 0; p < MPM_CLOUD; p++) work.ones[p] = 1;
   PetscCall(PetscArrayzero(work.given, plan->given));
   for (PetscInt b = 0; b < plan->nbundles; b++) {

@@ -1,8 +1,10 @@
 /* Takes the particles of a rank through a pass, row by row. */
 #include "march/rows.h"
 #include "scheme/lines.h"
+#include "scheme/maps.h"
 
-#define MARGIN 8 /* nodes of a line before the cell of the row's first particle, and after that of its last */
+#define MARGIN                                                                                                         \
+  (MPM_MAX_REACH + 1) /* nodes of a line before the cell of the row's first particle, and after that of its last */
 #define LINE (MPM_BLOCK + 2 * MARGIN)
 
 /*
@@ -19,7 +21,7 @@ typedef struct {
   MpmBlock  block;
   PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
   PetscBool alike;
-  PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_NODES];
+  PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
   PetscReal xi[MPM_BLOCK], weight[MPM_MOST_ACROSS][MPM_MOST_ROWS];
 } Placed;
 

@@ -56,6 +56,7 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   }
   PetscCall(MpmSettingsWord(settings, "basis", &i));
   scene->scheme.basis = MpmBases[i];
+  PetscCall(MpmBasisCheck(scene->scheme.basis));
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
   scene->scheme.transfer = MpmTransfers[i];
   PetscCall(ReadOwnTransfer(settings, scene));

@@ -37,8 +37,10 @@ PetscInt MpmDirectionImage(const MpmDirection *direction, PetscInt node, MpmPari
     node %= direction->cells;
     return node < 0 ? node + direction->cells : node;
   }
-  if (node >= 0 && node <= last) return node;
   MpmDirectionMirror(direction, parity, mirror);
-  *sign = mirror[node > last];
-  return node < 0 ? -node : 2 * last - node;
+  while (node < 0 || node > last) { /* an image beyond the other wall has an image itself */
+    *sign *= mirror[node > last];
+    node = node < 0 ? -node : 2 * last - node;
+  }
+  return node;
 }

@@ -1,7 +1,8 @@
 /*
    The maps of a bundle. The numbers of directions, of nodes, of kinds and of fields are constants in each loop, so that
-   the values of a node are one register and the sums stay in registers. Without AVX-512 a bundle has at most four fields:
-   no register holds eight, and GCC would then keep them in memory.
+   the values of a node are one register and the sums stay in registers. Bases of 1 node or of more than 4 have loops
+   that read these numbers from the cloud. Without AVX-512 a bundle has at most four fields: no register holds eight, and
+   GCC would then keep them in memory.
 */
 #include "scheme/bundles.h"
 
@@ -37,7 +38,7 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
                                                                                                                        \
     for (PetscInt p = 0; p < cloud->n; p++) {                                                                          \
       const Values *first = at + cloud->first[p];                                                                      \
-      Values        sum[MPM_MOST_PRODUCTS], wx[MOST_KINDS][4], wy[MOST_KINDS][4];                                      \
+      Values        sum[MPM_MOST_PRODUCTS], wx[MOST_KINDS][MPM_MOST_NODES], wy[MOST_KINDS][MPM_MOST_NODES];            \
                                                                                                                        \
       LOAD(Values)                                                                                                     \
       for (int c = 0; c < MPM_PRODUCTS(dim, kinds); c++) sum[c] = (Values){0};                                         \
@@ -84,7 +85,7 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
                                                                                                                        \
     for (PetscInt p = 0; p < cloud->n; p++) {                                                                          \
       Values *first = at + cloud->first[p];                                                                            \
-      Values  given[MPM_MOST_PRODUCTS], wx[MOST_KINDS][4], wy[MOST_KINDS][4];                                          \
+      Values  given[MPM_MOST_PRODUCTS], wx[MOST_KINDS][MPM_MOST_NODES], wy[MOST_KINDS][MPM_MOST_NODES];                \
                                                                                                                        \
       LOAD(Values)                                                                                                     \
       for (int c = 0; c < MPM_PRODUCTS(dim, kinds); c++) given[c] = from[MPM_CLOUD * c + p];                           \
@@ -136,6 +137,12 @@ DEFINE_SPREAD(Four)
   DEFINE(way, Values, dim, nodes, 2)                                                                                   \
   DEFINE(way, Values, dim, nodes, 3)
 #define DEFINE_ALL(way, Values)                                                                                        \
+  static void way##Values##Any(const MpmCloud *cloud, PetscReal node[], PetscReal product[])                           \
+  {                                                                                                                    \
+    const int dim = (int)cloud->dim, nodes = (int)cloud->nodes, kinds = (int)cloud->kinds;                             \
+                                                                                                                       \
+    if (nodes > 0 && kinds >= 0) way##Values(dim, nodes, kinds, cloud, node, product); /* as the compiler must know */ \
+  }                                                                                                                    \
   DEFINE_KINDS(way, Values, 2, 2)                                                                                      \
   DEFINE_KINDS(way, Values, 2, 3)                                                                                      \
   DEFINE_KINDS(way, Values, 2, 4)                                                                                      \
@@ -177,8 +184,10 @@ MpmBundleMap MpmBundleMapFind(PetscBool to_nodes, PetscInt dim, PetscInt nodes, 
 #ifdef HAS_EIGHT
   static const Maps eight[2] = {ALL(Gather, Eight), ALL(Spread, Eight)};
 
+  if (width > 4 && (nodes < 2 || nodes > 4)) return to_nodes ? SpreadEightAny : GatherEightAny;
   if (width > 4) return eight[to_nodes ? 1 : 0][dim - 2][nodes - 2][kinds];
 #endif
   (void)width;
+  if (nodes < 2 || nodes > 4) return to_nodes ? SpreadFourAny : GatherFourAny;
   return four[to_nodes ? 1 : 0][dim - 2][nodes - 2][kinds];
 }

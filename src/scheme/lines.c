@@ -1,4 +1,4 @@
-/* Rows of nodes to one line, and back. The numbers of rows and of lines are constants in each loop. */
+/* Rows of nodes to one line, and back. The numbers of rows and of lines are constants in each loop, but for wide bases. */
 #include "scheme/lines.h"
 
 PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width,
@@ -51,11 +51,18 @@ INLINE void Gather(const PetscInt rows, const PetscInt *restrict offset, const P
 void MpmLinesGather(PetscInt rows, const PetscInt *restrict offset, const PetscReal *restrict weight, PetscInt n,
                     const PetscReal *restrict node, PetscReal *restrict line)
 {
-  if (rows == 2) Gather(2, offset, weight, n, node, line);
-  if (rows == 3) Gather(3, offset, weight, n, node, line);
-  if (rows == 4) Gather(4, offset, weight, n, node, line);
-  if (rows == 9) Gather(9, offset, weight, n, node, line);
-  if (rows == 16) Gather(16, offset, weight, n, node, line);
+  if (rows == 2)
+    Gather(2, offset, weight, n, node, line);
+  else if (rows == 3)
+    Gather(3, offset, weight, n, node, line);
+  else if (rows == 4)
+    Gather(4, offset, weight, n, node, line);
+  else if (rows == 9)
+    Gather(9, offset, weight, n, node, line);
+  else if (rows == 16)
+    Gather(16, offset, weight, n, node, line);
+  else
+    Gather(rows, offset, weight, n, node, line);
 }
 
 /* Rows do not overlap, but the compiler cannot know it; so it does one after the other. */

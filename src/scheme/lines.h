@@ -8,7 +8,6 @@
 #pragma once
 #include "scheme/kernels.h"
 
-#define MPM_MOST_NODES 4                                /* of a particle along one direction */
 #define MPM_MOST_ROWS (MPM_MOST_NODES * MPM_MOST_NODES) /* in three dimensions */
 #define MPM_MOST_LINES 3                                /* that are spread at once */
 
@@ -33,11 +32,13 @@ MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind);
    So a row has few different weights: weight[d * block->length + i] is that of node d of the i-th particle of a run.
 
    Not collective. MpmRunsFind says whether the runs of a block are alike, those at its ends too, which may be parts of
-   runs. MpmRunsWeights finds the weights of a kind of operation that goes to nodes. MpmRunsGather and MpmRunsSpread are
-   the kernels that have these weights: MpmKernel says what they add. A gather adds a[t] times its sums to each of n
-   particle fields, at most MPM_MOST_TARGETS.
+   runs. It finds none for a basis of 1 node or of more than MPM_MOST_RUN_NODES, whose own kernels are then used.
+   MpmRunsWeights finds the weights of a kind of operation that goes to nodes. MpmRunsGather and MpmRunsSpread are the
+   kernels that have these weights: MpmKernel says what they add. A gather adds a[t] times its sums to each of n particle
+   fields, at most MPM_MOST_TARGETS.
 */
 #define MPM_LONGEST_RUN 4
+#define MPM_MOST_RUN_NODES 4 /* of a particle along one direction; each number has loops of its own */
 #define MPM_MOST_TARGETS 3
 PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *block);
 void      MpmRunsWeights(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *block, PetscReal weight[]);

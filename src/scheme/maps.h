@@ -4,7 +4,7 @@
 #include <mpmstab/formulation.h>
 #include <mpmstab/boundary.h>
 
-#define MPM_MAX_REACH 8 /* a bound of MpmMapReach */
+#define MPM_MAX_REACH (MPM_MOST_NODES + 1) /* of MpmMapReach: the first node may depend on the half of the cell */
 
 /* Not collective. The number of nodes that a particle can have weights at. */
 static inline PetscInt MpmMapReach(const MpmBasis *basis)

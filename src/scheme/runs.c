@@ -15,6 +15,7 @@ PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *b)
   PetscInt unlike = 0;
 
   if (b->length == 0 || MpmBasisIsAltered(basis)) return PETSC_FALSE;
+  if (basis->nodes < 2 || basis->nodes > MPM_MOST_RUN_NODES) return PETSC_FALSE;
   for (PetscInt p = b->length; p < b->n; p++)
     unlike |= (b->xi[p] != b->xi[p - b->length]) | (b->first[p] != b->first[p - b->length] + 1);
   return unlike ? PETSC_FALSE : PETSC_TRUE;
@@ -94,7 +95,7 @@ INLINE void AddTo(PetscReal *place, __m256d a)
 INLINE void GatherPairs(const PetscInt nodes, const PetscInt targets, PetscInt count, const PetscReal weight[],
                         const PetscReal a[], PetscReal *const q[], const PetscReal *restrict from)
 {
-  __m256d    factor[MPM_MOST_TARGETS], w[2 * MPM_MOST_NODES];
+  __m256d    factor[MPM_MOST_TARGETS], w[2 * MPM_MOST_RUN_NODES];
   PetscReal *to[MPM_MOST_TARGETS];
   PetscInt   j = 0;
 
@@ -145,7 +146,7 @@ INLINE void SpreadPairs(const PetscInt nodes, PetscInt count, const PetscReal we
                         PetscReal *restrict to)
 {
   const __m256d zero = _mm256_setzero_pd();
-  __m256d       w[2 * MPM_MOST_NODES], before[MPM_MOST_NODES], parted[2], sum[2] = {zero, zero};
+  __m256d       w[2 * MPM_MOST_RUN_NODES], before[MPM_MOST_RUN_NODES], parted[2], sum[2] = {zero, zero};
   PetscReal     last[8];
   PetscInt      j = 0;
 
@@ -181,7 +182,7 @@ INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlo
   const PetscInt count           = (b->end - b->begin) / length;
   const PetscReal *restrict from = node + b->first[b->begin];
   PetscReal *restrict q          = particle + b->begin;
-  PetscReal w[MPM_LONGEST_RUN * MPM_MOST_NODES];
+  PetscReal w[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < length * nodes; i++) w[i] = a * weight[i];
   for (PetscInt j = 0; j < count; j++) {
@@ -201,10 +202,10 @@ INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlo
 INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const PetscReal *restrict weight,
                        PetscReal a, const PetscReal *restrict particle, PetscReal *restrict node)
 {
-  const PetscInt count = (b->end - b->begin) / length, pad = MPM_MOST_NODES - 1;
+  const PetscInt count = (b->end - b->begin) / length, pad = MPM_MOST_RUN_NODES - 1;
   const PetscReal *restrict q = particle + b->begin;
   PetscReal *restrict to      = node + b->first[b->begin];
-  PetscReal of[MPM_LONGEST_RUN][MPM_BLOCK + 2 * (MPM_MOST_NODES - 1)], w[MPM_LONGEST_RUN * MPM_MOST_NODES];
+  PetscReal of[MPM_LONGEST_RUN][MPM_BLOCK + 2 * (MPM_MOST_RUN_NODES - 1)], w[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < length * nodes; i++) w[i] = a * weight[i];
   for (PetscInt i = 0; i < length; i++)
@@ -275,7 +276,7 @@ static void SpreadTwos(const MpmBlock *b, PetscInt nodes, const PetscReal weight
   const PetscReal *q     = particle + b->begin;
   PetscReal       *to    = node + b->first[b->begin];
   const PetscInt   count = (b->end - b->begin) / 2;
-  PetscReal        w[2 * MPM_MOST_NODES];
+  PetscReal        w[2 * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < 2 * nodes; i++) w[i] = a * weight[i];
   SpreadEach(0, b->begin, nodes, b, weight, a, particle, node);

@@ -112,7 +112,7 @@ static void CheckRuns(const MpmBasis *basis, PetscInt length, PetscInt first, Mp
   const PetscReal factor[MPM_MOST_TARGETS] = {0.7, -0.2, 1.1};
   PetscInt        cell[N];
   PetscReal      *to[MPM_MOST_TARGETS];
-  PetscReal       xi[N], weight[MPM_LONGEST_RUN * MPM_MOST_NODES], q[1 + MPM_MOST_TARGETS][N], node[2][NODES];
+  PetscReal       xi[N], weight[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES], q[1 + MPM_MOST_TARGETS][N], node[2][NODES];
   MpmBlock        block;
 
   for (PetscInt p = 0; p < N; p++) {

@@ -18,6 +18,9 @@
 #pragma once
 #include "scheme/kernels.h"
 
+_Static_assert(NODES <= MPM_MOST_NODES,
+               "a basis has more nodes a direction than MPM_MOST_NODES, which arrays are made for");
+
 static inline PetscInt  First(PetscReal xi);
 static inline PetscReal Offset(void);
 static inline void      Values(PetscReal xi, PetscReal phi[NODES]);

@@ -17,6 +17,9 @@
 #pragma once
 #include "scheme/kernels.h"
 
+_Static_assert(NODES <= MPM_MOST_NODES,
+               "a basis has more nodes a direction than MPM_MOST_NODES, which arrays are made for");
+
 static inline PetscInt First(PetscReal xi);
 static inline void     Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
 static inline void     Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
