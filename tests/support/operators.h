@@ -3,16 +3,14 @@
 #include "check.h"
 #include <mpmstab/operator.h>
 
-/* A q = march(q) to a tolerance in each step of a period. */
-static inline PetscErrorCode CheckOperator(const char options[], PetscReal tolerance)
+/* A q = march(q) of a scene to a tolerance in each step of a period. options name the scene in messages. */
+static inline PetscErrorCode CheckOperatorOf(const MpmScene *scene, const char options[], PetscReal tolerance)
 {
-  MpmScene    *scene;
   MpmOperator *op;
   PetscReal    mismatch;
   Vec          q, image;
 
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
   CHECK(mismatch <= tolerance * op->period, "%s: %.3g", options, mismatch);
@@ -27,6 +25,16 @@ static inline PetscErrorCode CheckOperator(const char options[], PetscReal toler
   PetscCall(VecDestroy(&q));
   PetscCall(VecDestroy(&image));
   PetscCall(MpmOperatorDestroy(&op));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static inline PetscErrorCode CheckOperator(const char options[], PetscReal tolerance)
+{
+  MpmScene *scene;
+
+  PetscFunctionBegin;
+  PetscCall(CheckScene(options, &scene));
+  PetscCall(CheckOperatorOf(scene, options, tolerance));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
