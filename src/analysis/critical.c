@@ -123,7 +123,7 @@ static PetscErrorCode ByScan(const MpmCriticalCase *of, PetscBool alone, MpmCrit
 }
 
 /*
-   Whether what has become unstable at rest stays so on a uniform layout: by the theorem of THEORY.md, section 5, or as the
+   Whether what has become unstable at rest stays so on a uniform layout: by the theorem of docs/theory.md, section 5, or as the
    conditions of the closed form of each phase are linear in the square of the Courant number.
 */
 static PetscBool Stays(const MpmCriticalCase *of, const MpmCritical *c)

@@ -165,7 +165,7 @@ static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
 
 /*
    The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
-   it depends on the direction (THEORY.md, section 9).
+   it depends on the direction (docs/theory.md, section 9).
 */
 static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
 {

@@ -62,7 +62,7 @@ static PetscErrorCode CheckRadius(const char row[], const char options[], PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* THEORY.md, section 3: 16 cells, particles at rest around the middle. */
+/* docs/theory.md, section 3: 16 cells, particles at rest around the middle. */
 static PetscErrorCode CheckNullSpace(const char formulation[], int ppc, PetscInt dimension)
 {
   char         options[128];
