@@ -1,6 +1,7 @@
 /* Starts MPI and PETSc, finds the task by its name, runs it, and ends the program with its exit status. */
 #include <mpmstab/errors.h>
 #include "base/launch.h"
+#include "operator/plugin_host.h"
 #include "scene/settings.h"
 #include "base/stop.h"
 #include "base/suggest.h"
@@ -66,6 +67,7 @@ int main(int argc, char **argv)
   PetscErrorCode ierr;
 
   MpmLaunchStandardFiles();
+  if (argc == 3 && !strcmp(argv[1], MPM_PLUGIN_HOST)) return MpmPluginHost(argv[2]);
   if (!MpmLaunchOptionFiles(argc, argv)) return MPM_EXIT_REFUSED;
   if (MpmWordsRead(&argc, &argv)) return MPM_EXIT_FAILED; /* PETSc would answer -help and -version by itself */
   words = argv;

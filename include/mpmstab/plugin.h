@@ -2,8 +2,9 @@
    Plugin: what a shared library exports so that mpmstab can probe the step of a code (option plugin). The library stands
    alone: this header needs nothing of mpmstab, and the library is not linked with it.
 
-   The functions are called on each rank in a process of its own, one after another, never at the same time. They must
-   not end the process. What they print on standard output disturbs the report.
+   Each rank of mpmstab starts a process for the library, and calls its functions there one after another, never at the same
+   time. If they end this process, or do not come back within program_timeout, mpmstab says so and ends. What they print is
+   shown when they fail. Their standard input is empty.
 */
 #pragma once
 #include <stdint.h>

@@ -18,17 +18,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define ERRORS_ROOM 2048     /* bytes of standard error that are kept */
-#define LONGEST_LINE 4194304 /* bytes of an answer's line */
-#define PIECE 65536          /* bytes read at once */
-#define LAST_WAIT 1.0        /* seconds in which a child may end by itself */
-#define KILLED 5.0           /* seconds in which it must be gone when it is killed */
-#define MOST_FILES 65536     /* that a process has open */
+#define ERRORS_ROOM 2048       /* bytes of standard error that are kept */
+#define LONGEST_LINE 268435456 /* bytes of an answer's line */
+#define PIECE 65536            /* bytes read at once */
+#define LAST_WAIT 1.0          /* seconds in which a child may end by itself */
+#define KILLED 5.0             /* seconds in which it must be gone when it is killed */
+#define MOST_FILES 65536       /* that a process has open */
 
-/* Signals that this process may handle, which end a watcher. */
-static const int ending[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGABRT, SIGSEGV,
-                             SIGBUS,  SIGFPE, SIGILL, SIGUSR1, SIGUSR2};
-#define ENDING ((int)(sizeof ending / sizeof *ending))
+/* Signals that a watcher notes, and those that this process may handle and a watcher does not. */
+static const int noted[]   = {SIGCHLD, SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU};
+static const int crashes[] = {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+#define NUMBER(a) ((int)(sizeof(a) / sizeof *(a)))
+
+static volatile sig_atomic_t asked; /* of a watcher: the signal that asks it to end */
 
 struct MpmChild_ {
   pid_t     pid;          /* of its watcher */
@@ -98,17 +100,17 @@ static int Split(char *text, int room, char *words[])
 /* ---- start ---- */
 
 /* In the program, between fork and exec: only calls that are safe there. It ends when its watcher does. */
-static void Become(char *words[], const int pipes[3][2], int report)
+static void Become(char *const words[], const int pipes[3][2], int report)
 {
   sigset_t none;
   int      error;
 
   (void)setpgid(0, 0);
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+  (void)signal(SIGPIPE, SIG_DFL);
+  for (int i = 0; i < NUMBER(noted); i++) (void)signal(noted[i], SIG_DFL);
   (void)sigemptyset(&none);
   (void)sigprocmask(SIG_SETMASK, &none, NULL);
-  (void)signal(SIGPIPE, SIG_DFL);
-  (void)signal(SIGCHLD, SIG_DFL);
   if (dup2(pipes[0][0], 0) < 0 || dup2(pipes[1][1], 1) < 0 || dup2(pipes[2][1], 2) < 0) _exit(127);
   (void)execvp(words[0], words);
   error = errno;
@@ -123,7 +125,7 @@ static void CloseBoth(const int pipe[2])
 
 static void Note(int number)
 {
-  (void)number; /* that SIGCHLD came ends ppoll */
+  if (number != SIGCHLD) asked = number; /* each of them ends ppoll */
 }
 
 /* Kills the program's group, and then all that has become the watcher's because its parent has ended, until none is left. */
@@ -144,40 +146,49 @@ static void KillAll(pid_t program)
   } while (waitpid(-1, NULL, 0) > 0);
 }
 
+/* Ends the watcher by a signal, so that its parent sees which one it was. */
+static void EndBy(int number)
+{
+  sigset_t none;
+
+  (void)setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0}); /* the program has left one, if it was to */
+  (void)signal(number, SIG_DFL);
+  (void)sigemptyset(&none);
+  (void)sigprocmask(SIG_SETMASK, &none, NULL);
+  (void)raise(number);
+}
+
 /*
    The watcher: a process between this one and the program. It waits for the end of the program, whose status it ends with, or
-   until the pipe 'life' closes, which it does when this process ends in whatever way. In both cases it kills what is left of the
-   program and of all that the program has started, also what has left the program's process group.
+   until the pipe 'life' closes, which it does when this process ends in whatever way, or until a signal asks it to end. In all
+   cases it kills what is left of the program and of all that the program has started, also what has left the program's
+   process group. It has a name of its own, so that 'pkill -KILL mpmstab' leaves it time to do so. It starts with all signals
+   blocked, and takes them only in ppoll.
 */
-static void Watch(char *words[], const int pipes[3][2], int report, int life)
+static void Watch(char *const words[], const int pipes[3][2], int report, int life)
 {
   struct sigaction note = {.sa_handler = Note};
   struct pollfd    end  = {.fd = 0, .events = POLLIN};
-  sigset_t         chld, none;
+  sigset_t         none;
   pid_t            program;
   int              status = 0;
 
   (void)setpgid(0, 0);
   (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+  (void)prctl(PR_SET_NAME, "program-watcher");
   (void)sigemptyset(&none);
-  (void)sigemptyset(&chld);
-  (void)sigaddset(&chld, SIGCHLD);
-  (void)sigprocmask(SIG_SETMASK, &chld, NULL);
-  (void)sigaction(SIGCHLD, &note, NULL);
-  for (int i = 0; i < ENDING; i++) (void)signal(ending[i], SIG_DFL);
+  (void)sigfillset(&note.sa_mask);
+  for (int i = 0; i < NUMBER(noted); i++) (void)sigaction(noted[i], &note, NULL);
+  for (int i = 0; i < NUMBER(crashes); i++) (void)signal(crashes[i], SIG_DFL);
   program = fork();
   if (program == 0) Become(words, pipes, report);
   if (program < 0) _exit(write(report, &errno, sizeof errno) > 0 ? 127 : 126);
   (void)dup2(life, 0);
   for (int i = (int)PetscMin(sysconf(_SC_OPEN_MAX), MOST_FILES) - 1; i > 0; i--) (void)close(i);
-  while (!end.revents && waitpid(program, &status, WNOHANG) == 0) (void)ppoll(&end, 1, NULL, &none);
+  while (!end.revents && !asked && waitpid(program, &status, WNOHANG) == 0) (void)ppoll(&end, 1, NULL, &none);
   KillAll(program);
-  if (WIFSIGNALED(status)) {
-    (void)setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0}); /* the program has left one, if it was to */
-    (void)signal(WTERMSIG(status), SIG_DFL);
-    (void)sigprocmask(SIG_SETMASK, &none, NULL);
-    (void)raise(WTERMSIG(status));
-  }
+  if (asked) EndBy(asked);
+  if (WIFSIGNALED(status)) EndBy(WTERMSIG(status));
   _exit(WEXITSTATUS(status));
 }
 
@@ -193,17 +204,21 @@ static void TakeReport(MpmChild *c, int report)
     Fail(c, "cannot be started: %s; allowed: a program that can be run from this folder", strerror(error));
 }
 
-static void Launch(MpmChild *c, char *words[])
+static void Launch(MpmChild *c, char *const words[])
 {
-  int pipes[3][2] = {{-1, -1}, {-1, -1}, {-1, -1}}, report[2] = {-1, -1}, life[2] = {-1, -1}, error = 0;
+  sigset_t all, before;
+  int      pipes[3][2] = {{-1, -1}, {-1, -1}, {-1, -1}}, report[2] = {-1, -1}, life[2] = {-1, -1}, error = 0;
 
   for (int i = 0; i < 3 && !error; i++) error = pipe2(pipes[i], O_CLOEXEC) ? errno : 0;
   if (!error && (pipe2(report, O_CLOEXEC) || pipe2(life, O_CLOEXEC))) error = errno;
   if (!error) {
     fflush(NULL);
+    (void)sigfillset(&all);
+    (void)sigprocmask(SIG_SETMASK, &all, &before);
     c->pid = fork();
     if (c->pid == 0) Watch(words, (const int(*)[2])pipes, report[1], life[0]);
     if (c->pid < 0) error = errno;
+    (void)sigprocmask(SIG_SETMASK, &before, NULL);
   }
   if (error) {
     for (int i = 0; i < 3; i++) CloseBoth(pipes[i]);
@@ -228,22 +243,29 @@ static void Launch(MpmChild *c, char *words[])
   (void)close(report[0]);
 }
 
-PetscErrorCode MpmChildStart(const char command[], PetscReal timeout, MpmChild **child)
+PetscErrorCode MpmChildStart(char *const words[], PetscReal timeout, MpmChild **child)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(child));
+  **child = (MpmChild){.pid = -1, .life = -1, .in = -1, .out = -1, .err = -1, .timeout = timeout};
+  (void)signal(SIGPIPE, SIG_IGN); /* a child that has ended is told by write */
+  Launch(*child, words);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmChildStartCommand(const char command[], PetscReal timeout, MpmChild **child)
 {
   const int room = (int)strlen(command) + 2;
   char     *text, **words;
   int       n;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(child));
-  **child = (MpmChild){.pid = -1, .life = -1, .in = -1, .out = -1, .err = -1, .timeout = timeout};
   PetscCall(PetscStrallocpy(command, &text));
   PetscCall(PetscMalloc1(room, &words));
   n = Split(text, room, words);
   MpmCheckInput(n != 0, "program: it names no command");
   MpmCheckInput(n > 0, "program %s: a quotation mark is open; allowed: a command and its words", command);
-  (void)signal(SIGPIPE, SIG_IGN); /* a child that has ended is told by write */
-  Launch(*child, words);
+  PetscCall(MpmChildStart(words, timeout, child));
   PetscCall(PetscFree(words));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -392,6 +414,22 @@ static PetscErrorCode ReadLine(MpmChild *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A message is sent as a whole: a child that wakes at the first piece of it would only wait for the next one. */
+static PetscErrorCode SendMessage(MpmChild *c, const char line[], const void *bytes, size_t size)
+{
+  const size_t length = strlen(line) + 1;
+  char        *message;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(length + size, &message));
+  PetscCall(PetscMemcpy(message, line, length - 1));
+  message[length - 1] = '\n';
+  PetscCall(PetscMemcpy(message + length, bytes, size));
+  PetscCall(Send(c, message, length + size));
+  PetscCall(PetscFree(message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmChildTalk(MpmChild *c, const char line[], const void *bytes, size_t size, const char **answer)
 {
   PetscFunctionBegin;
@@ -399,9 +437,7 @@ PetscErrorCode MpmChildTalk(MpmChild *c, const char line[], const void *bytes, s
   c->until = MPI_Wtime() + c->timeout;
   if (!c->failure[0] && c->end > c->begin)
     Fail(c, "has written to its standard output unasked: %.40s", c->got + c->begin);
-  PetscCall(Send(c, line, strlen(line)));
-  PetscCall(Send(c, "\n", 1));
-  PetscCall(Send(c, bytes, size));
+  PetscCall(SendMessage(c, line, bytes, size));
   PetscCall(ReadLine(c));
   if (!c->failure[0]) *answer = c->line;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -440,8 +476,7 @@ PetscErrorCode MpmChildEnd(MpmChild **child, const char line[])
   if (!c) PetscFunctionReturn(PETSC_SUCCESS);
   if (!c->failure[0]) {
     c->until = until;
-    PetscCall(Send(c, line, strlen(line)));
-    PetscCall(Send(c, "\n", 1));
+    PetscCall(SendMessage(c, line, NULL, 0));
   }
   Close(&c->in);
   if (c->pid > 0 && (c->failure[0] || Ended(c, until, NULL) == 0)) {

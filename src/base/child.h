@@ -19,17 +19,19 @@ S*/
 typedef struct MpmChild_ MpmChild;
 
 /*
-   MpmChildStart - starts a command.
+   MpmChildStart        - starts a command that is given as words, the last of which is NULL.
+   MpmChildStartCommand - starts one that is given as text. It is split at blanks. Quotation marks and backslashes keep
+   blanks in a word, as a shell would; there is no shell.
 
-   Not collective. The command is split at blanks. Quotation marks and backslashes keep blanks in a word, as a shell
-   would; there is no shell. The child and all that it has started end when
-   this process ends, in whatever way, and take no terminal signals.
+   Not collective. The child and all that it has started end when this process ends, in whatever way, and take no
+   terminal signals.
 
-   Input Parameters: command; timeout - in seconds, of each talk.
+   Input Parameter: timeout - in seconds, of each talk.
 
-   Errors: PETSC_ERR_USER_INPUT when the command has an open quotation mark or no word.
+   Errors: PETSC_ERR_USER_INPUT when the text has an open quotation mark or no word.
 */
-PetscErrorCode MpmChildStart(const char command[], PetscReal timeout, MpmChild **child);
+PetscErrorCode MpmChildStart(char *const words[], PetscReal timeout, MpmChild **child);
+PetscErrorCode MpmChildStartCommand(const char command[], PetscReal timeout, MpmChild **child);
 
 /*
    MpmChildTalk - sends a line and bytes, and reads a line.

@@ -170,13 +170,16 @@ PetscErrorCode MpmStepperDescribe(MpmStepper *s, const char line[])
 {
   json_error_t error;
   json_t      *description = json_loads(line, 0, &error);
-  const char  *refused     = json_string_value(json_object_get(description, "error"));
-  PetscInt64   dim, steps = 1, protocol;
+  const char  *refused     = json_string_value(json_object_get(description, "error")),
+             *failure      = json_string_value(json_object_get(description, "failure"));
+  PetscInt64 dim, steps = 1, protocol;
 
   PetscFunctionBegin;
   s->place = MPM_NONE;
   if (!json_is_object(description))
     PetscCall(MpmStepperFail(s, "does not describe itself with an object of JSON: %.80s", line));
+  else if (failure)
+    PetscCall(MpmStepperFail(s, "%s", failure));
   else if (refused)
     PetscCall(MpmStepperFail(s, "says: %.400s", refused));
   if (!s->failure[0]) {

@@ -1,6 +1,6 @@
 /*
    Stepper: one step of a code that is not ours, from outside. It takes the state of particles and gives the state after
-   some steps. A child process (protocol 1) or a shared library (a plugin) stands behind it.
+   some steps. A child process stands behind it: a program, or the host of a shared library (a plugin). Both speak protocol 1.
 
    A step may fail on one rank alone. So MpmStepperStep returns no error for that; MpmStepperAgree tells all ranks.
 */
@@ -36,7 +36,7 @@ typedef struct {
 /*S
    MpmStepper - a code and what it says of itself.
 
-   where       - the option and its value, for messages
+   where       - the option and its value, for messages; whose: 'the program' or 'the library'
    name        - of the code
    dim, cell_width, period - of its grid; a period of 0: none in that direction
    described   - the number of particles that the code has described
@@ -55,6 +55,7 @@ typedef struct {
 S*/
 typedef struct MpmStepper_ MpmStepper;
 struct MpmStepper_ {
+  const char         *whose;
   char                where[PETSC_MAX_PATH_LEN], name[MPM_STEPPER_NAME], failure[MPM_STEPPER_FAILURE];
   PetscInt            dim, nfields, width, place, nparameters, steps;
   PetscReal           cell_width, period[MPM_MAX_DIM], unsettled;
@@ -72,10 +73,9 @@ struct MpmStepper_ {
 
 /*
    MpmStepperStartProgram - starts a command that speaks protocol 1, and asks it to describe itself.
-   MpmStepperStartPlugin  - loads a shared library with the functions of <mpmstab/plugin.h>.
+   MpmStepperStartPlugin  - starts a process that loads a shared library with the functions of <mpmstab/plugin.h>.
 
-   Collective on PETSC_COMM_WORLD: each rank has one of its own. timeout: seconds that an answer, or a function, may take. A library
-   that ends the process, or does not come back, is named, and the process ends with status 2.
+   Collective on PETSC_COMM_WORLD: each rank has a process of its own. timeout: seconds that an answer may take.
 
    Errors: PETSC_ERR_USER_INPUT with the reason, and the last lines of the child's standard error.
 */
@@ -85,7 +85,7 @@ PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmSt
 /* Not collective. The place of a particle in the base state, dim numbers; NULL if no field is the place. */
 const PetscReal *MpmStepperPlace(const MpmStepper *stepper, PetscInt64 particle);
 
-/* Collective. Ends the child or closes the library. */
+/* Collective. Ends the child. */
 PetscErrorCode MpmStepperDestroy(MpmStepper **stepper);
 
 /*

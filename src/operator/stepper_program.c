@@ -1,15 +1,19 @@
 /*
-   A stepper behind two pipes. A message is a line of JSON, followed by raw doubles where the protocol says so:
+   A stepper behind two pipes: a program, or the process in which a shared library runs. A message is a line of JSON, followed by raw doubles where the protocol says so:
 
      > {"do":"describe"}                        < {"protocol":1, ...}   the base state
      > {"do":"set","NAME":VALUE}                < {}
      > {"do":"step","steps":N}   the state      < {}                    the state
      > {"do":"quit"}
+
+   Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
 */
 #include "base/child.h"
+#include "operator/plugin_host.h"
 #include "operator/stepper.h"
 #include <mpmstab/errors.h>
 #include <string.h>
+#include <unistd.h>
 
 #define WROTE 900 /* bytes of standard error in a message */
 
@@ -28,7 +32,7 @@ static PetscErrorCode TakeFailure(MpmStepper *s)
   (void)snprintf(wrote, sizeof wrote, "%.*s", (int)PetscMin(length, sizeof wrote - 1), errors);
   for (char *c = wrote; *c; c++)
     if (*c == '\n') *c = '|';
-  PetscCall(MpmStepperFail(s, "the program %s%s%s", failure, wrote[0] ? "; it wrote: " : "", wrote));
+  PetscCall(MpmStepperFail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -48,11 +52,14 @@ static PetscErrorCode Ask(MpmStepper *s, const json_t *command, const PetscReal 
 /* Of an answer that is not the description: an object, which may say what is wrong. */
 static PetscErrorCode CheckAnswer(MpmStepper *s, const char what[], const char answer[])
 {
-  json_t     *object = json_loads(answer, 0, NULL);
-  const char *error  = json_string_value(json_object_get(object, "error"));
+  json_t     *object  = json_loads(answer, 0, NULL);
+  const char *error   = json_string_value(json_object_get(object, "error")),
+             *failure = json_string_value(json_object_get(object, "failure"));
 
   PetscFunctionBegin;
-  if (error)
+  if (failure)
+    PetscCall(MpmStepperFail(s, "%s", failure));
+  else if (error)
     PetscCall(MpmStepperFail(s, "%s: the program says: %.400s", what, error));
   else if (!json_is_object(object))
     PetscCall(MpmStepperFail(s, "%s: its answer is not a line of JSON: %.80s", what, answer));
@@ -99,22 +106,23 @@ static PetscErrorCode End(MpmStepper *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper)
+/* Asks a child that has been started to describe itself. */
+static PetscErrorCode Begin(const char option[], const char value[], const char whose[], MpmChild *child,
+                            MpmStepper **stepper)
 {
   json_t     *describe = json_pack("{s:s}", "do", "describe");
   const char *answer   = NULL;
   MpmStepper *s;
-  MpmChild   *child;
 
   PetscFunctionBegin;
-  PetscCall(MpmChildStart(command, timeout, &child));
   PetscCall(PetscNew(stepper));
   s          = *stepper;
   s->context = child;
+  s->whose   = whose;
   s->set     = Set;
   s->step    = Step;
   s->end     = End;
-  PetscCall(PetscSNPrintf(s->where, sizeof s->where, "program %s", command));
+  PetscCall(PetscSNPrintf(s->where, sizeof s->where, "%s %s", option, value));
   PetscCall(TakeFailure(s));
   if (!s->failure[0]) PetscCall(Ask(s, describe, NULL, 0, &answer));
   json_decref(describe);
@@ -125,5 +133,32 @@ PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, M
     PetscCall(TakeFailure(s));
   }
   PetscCall(MpmStepperBegin(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper)
+{
+  MpmChild *child;
+
+  PetscFunctionBegin;
+  PetscCall(MpmChildStartCommand(command, timeout, &child));
+  PetscCall(Begin("program", command, "the program", child, stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* This program once more, whose main function sees from the words what it shall be. */
+PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper)
+{
+  char      own[PETSC_MAX_PATH_LEN] = "/proc/self/exe", host[] = MPM_PLUGIN_HOST, *library;
+  MpmChild *child;
+  ssize_t   n;
+
+  PetscFunctionBegin;
+  n = readlink("/proc/self/exe", own, sizeof own - 1);
+  if (n > 0) own[n] = '\0';
+  PetscCall(PetscStrallocpy(path, &library));
+  PetscCall(MpmChildStart((char *[]){own, host, library, NULL}, timeout, &child));
+  PetscCall(PetscFree(library));
+  PetscCall(Begin("plugin", path, "the library", child, stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

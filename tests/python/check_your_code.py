@@ -448,7 +448,7 @@ int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(S
 ''', encoding="utf-8")
     shared("./libcrash.so", CC, "crash.c")
     done = subprocess.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
-    check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: it has crashed in one of its functions\n",
+    check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: the library was ended by signal 11 (Segmentation fault)\n",
           f"crash: status {done.returncode}, {done.stderr}")
 
 
