@@ -3,7 +3,7 @@
 # them to whoever links it, so there they are for every program, too ('pkg-config --static' would ask for all that
 # PETSc itself is linked with, which its package does not bring along). No flag that chooses a processor is in it.
 set(PC_REQUIRES "PETSc >= 3.18, SLEPc >= 3.18")
-set(PC_REQUIRES_PRIVATE "fftw3, jansson >= 2.9, yaml-0.1 >= 0.2, zlib")
+set(PC_REQUIRES_PRIVATE "fftw3, jansson >= 2.9, yaml-0.1 >= 0.2, libzip >= 1.5")
 list(TRANSFORM MPI_C_INCLUDE_DIRS PREPEND -I OUTPUT_VARIABLE PC_CFLAGS)
 list(JOIN PC_CFLAGS " " PC_CFLAGS)
 list(JOIN MPI_C_LIBRARIES " " PC_LIBS)

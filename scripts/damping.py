@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the tables of DAMPING.md: what each transfer costs a wave of 16 cells, and what smaller time steps do.
+"""Prints the tables of docs/damping.md: what each transfer costs a wave of 16 cells, and what smaller time steps do.
 
 damping.py [--check FILE]
 

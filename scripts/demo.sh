@@ -49,5 +49,5 @@ cat <<END
 pictures: results/growth.png, how four of the runs grow; over place and time: results/gas1-standing-wave.png,
           results/gas2-standing-wave.png, results/elastic-bar.png
 tables:   results/slides.txt; all that each scene gave: results/*.txt, *.json, *.csv, *.h5
-read on:  README.md, with your own scheme and numbers; SLIDES.md, what the slides say and what holds
+read on:  README.md, with your own scheme and numbers; docs/slides.md, what the slides say and what holds
 END

@@ -2,7 +2,7 @@
 # what is missing and keep scripts apart that run at the same time.
 # shellcheck shell=sh disable=SC2034 # used where this is sourced
 common_packages="gcc libc6-dev make cmake pkg-config libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
-                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev zlib1g-dev python3 python3-numpy
+                 libopenblas0-serial libfftw3-dev libyaml-dev libjansson-dev libzip-dev python3 python3-numpy
                  python3-h5py python3-matplotlib"
 test_packages="git clang-format valgrind shellcheck chromium chromium-driver python3-selenium python3-scipy python3-pip
                python3-nbclient python3-ipykernel python3-jsonschema python3-yaml g++ gfortran octave"
@@ -45,7 +45,7 @@ there() { # PACKAGE: is what this package of Debian gives there, from Debian or 
   libfftw3-dev) library fftw3 ;;
   libyaml-dev) library 'yaml-0.1 >= 0.2' ;;
   libjansson-dev) library 'jansson >= 2.9' ;;
-  zlib1g-dev) library zlib ;;
+  libzip-dev) library 'libzip >= 1.5' ;;
   python3) python -c '' 2>/dev/null ;;
   python3-*) module "${1#python3-}" ;;
   libopenblas0-serial) ! runs dpkg-query || ls /usr/lib/*/openblas*/liblapack.so.3 >/dev/null 2>&1 ;;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Leading eigenvalues of operators of order 1e6 in two and three dimensions, and what they cost (the table of SPEED.md).
+# Leading eigenvalues of operators of order 1e6 in two and three dimensions, and what they cost (the table of docs/dev/speed.md).
 # scripts/large.sh [RANKS]: on so many ranks, 1 by default. A minute on one rank, 0.7 GB.
 set -eu
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Prints the tables of LIMITS.md (five minutes). With --check FILE...: whether each line printed at ppc 2, at rest, is in
+# Prints the tables of docs/limits.md (five minutes). With --check FILE...: whether each line printed at ppc 2, at rest, is in
 # the files. With --check-neighbourhoods FILE...: the same of the lines for edges and lone particles that take seconds.
 set -eu
 cd "$(dirname "$0")/.."

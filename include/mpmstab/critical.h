@@ -15,8 +15,8 @@ extern const char *const MpmWaveTypeNames[];
 #define MPM_CRITICAL_WINDOWS 8
 
 /*S
-   MpmCriticalWindow - Courant numbers between which there is growth, below a limit. growth: the largest that was seen there,
-   at Courant number at. from is 0 where growth only fades towards 0.
+   MpmCriticalWindow - Courant numbers between which growth is beyond the tolerance, below a limit. growth: the largest that was
+   seen there, at Courant number at. from is 0 where the smallest of all grows.
 
    MpmCriticalWindows - n of them, and at how many Courant numbers growth was looked at; 0: windows were not looked for.
 S*/
@@ -41,7 +41,7 @@ typedef struct {
    wave        - what particles do in that mode
    null_share  - the part of this mode in the null space of P2G, which is particle data that no node feels; NaN: not
                  known
-   threshold   - below stable_at there is no growth at all, but for rounding
+   threshold   - below stable_at there is no growth at all, but for rounding and windows
    fading      - without a threshold, growth - 1 fades as the Courant number to this power, and the limit comes from
                  tolerance alone. At rest such a scheme has courant 0.
    moving      - growth at the scene's own Courant number if particles at rest drifted by 1 / MPM_CRITICAL_DRIFT along x;
@@ -117,13 +117,13 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    Collective on PETSC_COMM_WORLD.
 
    On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and refines the least of them over all
-   phases by golden section, so that the result does not depend on the phases it began with. At rest a phase that is
-   unstable stays so with flip, pic, blend, xpic and apic. Under drift windows of instability open where two amplification
+   phases by golden section, so that the result does not depend on the phases it began with. At rest it first scans for windows
+   of growth (MpmCriticalScan), unless a closed form or a theorem says that there are none. Under drift windows of instability open where two amplification
    factors meet, and close again. So amplification factors are followed as the Courant number grows, and the places where
    two of them meet are solved for.
 
    In two and three dimensions it takes the least limit of the closed form over all phases at rest, and confirms it with
-   the symbol there and on a grid of phases. Under drift, and for formulations without a closed form, it samples: the
+   the symbol there and on a grid of phases. Under drift, and for schemes without a closed form, it samples: the
    largest growth on a grid of phases, from which it goes on uphill, at a row of Courant numbers from small ones to the
    limit of the waves along the axes. These are the waves of one dimension, whose limit is found as above. A window of
    growth between the samples may be missed.
@@ -174,7 +174,7 @@ PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscRe
    unstable_at, threshold, fading and windows.
 
    Collective when growth is. It looks at Courant numbers from MPM_CRITICAL_FROM to MPM_CRITICAL_TO that grow by a quarter each,
-   at 32 equal distances up to the limit, and at 'also' where that is above 0. The limit is the end of the widest range
+   at 32 equal distances up to the limit, at 'also' where that is above 0, and where all grow at halves of the smallest. The limit is the end of the widest range
    without growth. A window between two of these numbers is missed.
 */
 PetscErrorCode MpmCriticalScan(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal also,

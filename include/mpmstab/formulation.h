@@ -270,7 +270,7 @@ typedef struct {
    taken  - the symbol of what a step with FILTER_BEFORE and FILTER_AFTER takes of old nodal values: 1, or the filter
             symbol where the filter acts before; t in the formulas
 
-   Source: theory of the symbol in THEORY.md, section 4.
+   Source: theory of the symbol in docs/theory.md, section 4.
 S*/
 typedef struct {
   PetscReal      alpha, kappa, lap, filter, taken;
@@ -310,9 +310,9 @@ typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
    sums_chi        - it is a function of kappa + chi, wherever particles move
    limit           - the largest stable Courant number at a phase, infinite where there is none
    published_text, corrected_text, limit_text - the formulas as text
-   mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (THEORY.md, section 4)
+   mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (docs/theory.md, section 4)
    leftmost        - with transfers that have leftmost too, particles at rest grow by real eigenvalues below -1 alone
-                     (THEORY.md, section 5)
+                     (docs/theory.md, section 5)
 
    Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
    with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the

@@ -16,7 +16,7 @@
               MATSHELL, with products A x and A^T x, and exponent is 0. A step couples a particle to all those that share
               a node with it, and in three dimensions a matrix would not fit.
    A        - the matrix, or the shell; the operator is A times 2^exponent, so that long periods of unstable schemes stay in range.
-              The state is numbered particle by particle: row = fields x global id + field, in the units of THEORY.md. A
+              The state is numbered particle by particle: row = fields x global id + field, in the units of docs/theory.md. A
               rank holds the particles that rest in its part of the cells.
    balanced - D A D^-1, the operator in variables whose squares add up to the energy. Where masses or stiffnesses differ
               by orders of magnitude, A is badly scaled, and rounding spoils its eigenvalues. Where particles are alike,
@@ -32,7 +32,7 @@
    bytes    - the memory that they take on all ranks together
    assemble_s - the time that assembly took, in seconds
 
-   Source: THEORY.md, section 3; the one-step and the one-period (Floquet) operator.
+   Source: docs/theory.md, section 3; the one-step and the one-period (Floquet) operator.
 S*/
 typedef struct {
   const MpmLayout *layout;

@@ -23,7 +23,7 @@ typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscRe
 
 /*S
    MpmScene_ - one problem. Length and time are in units of the user's choice; everything else follows from them
-   (THEORY.md, section 1).
+   (docs/theory.md, section 1).
 
    layout, scheme, step - the arguments of march, operator and symbol; they are in units of cells and steps
    boundary             - the conditions at the ends, as text
@@ -71,7 +71,7 @@ struct MpmScene_ {
 
    Collective on PETSC_COMM_WORLD: every rank gives the same text.
 
-   The key scheme may hold a scheme as text instead of the name of a formulation (THEORY.md, section 3).
+   The key scheme may hold a scheme as text instead of the name of a formulation (docs/theory.md, section 3).
 
    Keys that are not given have their defaults. The command line is not read. Keys that belong to a task (steps, output,
    tolerance) must exist, and their values are not looked at.

@@ -59,7 +59,7 @@ typedef struct {
                   amplification factor j of class first + i, divided by 2^exponents[i].
    exponents    - see factors
 
-   Source: THEORY.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
+   Source: docs/theory.md, section 3; Berzins, Kirby and Gritton 2013 for the method.
 S*/
 typedef struct {
   const MpmLayout *layout;

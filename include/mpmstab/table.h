@@ -107,7 +107,7 @@ extern const char *const MpmMoveNames[];
               number s0, and c^2 = F0^2 P'(F0) / rho0.
    lambda, mu, squares - with a prestress in more dimensions the stiffness of the state, in units of rho c^2:
               c_abcd = lambda q_a q_c d_ab d_cd + mu q_a q_b (d_ac d_bd + d_ad d_bc), q = squares, d the identity. It is
-              that of the Truesdell rate (THEORY.md, section 9).
+              that of the Truesdell rate (docs/theory.md, section 9).
    curved   - the slopes of the basis functions change within a cell. Those of hats do not along their own direction.
    displaced - particles carry their displacement, which the prestress makes a force of. Not with hats in one dimension,
               where there is none.
@@ -150,7 +150,7 @@ PetscReal MpmSpacePrestress(const MpmSpace *space, PetscInt a, PetscInt b);
      c_abcd + d_ac sigma0_db + sigma0_ad d_bc
 
    It multiplies the gradient in GRAD to a stress. Of a fluid it is (1 + s0) d_ab d_cd, of which GRAD has d_ab d_cd and DIV
-   the rest. Not collective. Source: THEORY.md, section 9.
+   the rest. Not collective. Source: docs/theory.md, section 9.
 */
 PetscReal MpmSpaceTangent(const MpmSpace *space, PetscInt a, PetscInt b, PetscInt c, PetscInt d);
 
@@ -194,7 +194,7 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
      GRAD to a number        r += sum_a GRAD_a u_a
      LAP                     the sum over the directions
      MOVE                    x_a += k G2P_a, with a prestress, in cells
-     with a prestress (theory of the tangent, THEORY.md, section 9):
+     with a prestress (theory of the tangent, docs/theory.md, section 9):
      DIV of a stress         a_a = sum_b DIV_b s_ab + sum_bc sigma0_ab CURVE_bc x_c; in one dimension, and of a fluid,
                              (1 + s0) DIV for DIV
      GRAD to a stress        s_ab += sum_cd MpmSpaceTangent_abcd GRAD_d v_c; in one dimension, and of a fluid, as without

@@ -133,7 +133,7 @@ static void Ends(int fold, double *values, long length)
   }
 }
 
-/* Random numbers in [0, 1): those of THEORY.md, section 1, so that jittered particles are where mpmstab has them. */
+/* Random numbers in [0, 1): those of docs/theory.md, section 1, so that jittered particles are where mpmstab has them. */
 static double Hash(uint64_t seed, uint64_t id)
 {
   uint64_t z = seed + (id + 1) * 0x9E3779B97F4A7C15u;

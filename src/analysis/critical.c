@@ -1,5 +1,6 @@
 /* Finds the largest stable Courant number through the symbol or the operator, and compares it with the closed form. */
 #include "analysis/critical_parts.h"
+#include "analysis/leftmost.h"
 #include "symbol/predict.h"
 #include <math.h>
 
@@ -109,6 +110,27 @@ static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same where growth at rest may stop again. */
+static PetscErrorCode ByScan(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
+{
+  PetscReal beta = NAN;
+
+  PetscFunctionBegin;
+  if (!alone) PetscCall(MpmCriticalGrowthAt(of, &c->asked, &beta));
+  PetscCall(MpmCriticalScanned(of, beta, c));
+  if (!alone) PetscCall(WhenMoving(of, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Whether what has become unstable at rest stays so on a uniform layout: by the theorem of docs/theory.md, section 5, or as the
+   conditions of the closed form of each phase are linear in the square of the Courant number.
+*/
+static PetscBool Stays(const MpmCriticalCase *of, const MpmCritical *c)
+{
+  return !isnan(c->closed) || MpmLeftmostDecides(of->layout, of->scheme, &of->step) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /*
    Where rounding makes more growth than the tolerance, and growth above the limit is not larger than that, the limit is
    not known.
@@ -200,13 +222,14 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
 
   PetscFunctionBegin;
   *c = Nothing(of->tolerance);
-  if (!line) PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
+  PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
   if (MpmSymbolWhyNot(of->layout))
     PetscCall(MpmCriticalAssembled(of, c));
+  else if (!line)
+    PetscCall(MpmCriticalInSpace(of, alone, c));
   else
-    PetscCall(line ? BySymbol(of, alone, c) : MpmCriticalInSpace(of, alone, c));
+    PetscCall(drifts || Stays(of, c) ? BySymbol(of, alone, c) : ByScan(of, alone, c));
   MpmZoomFold(of->layout->dim, c->beta);
-  if (line) PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
   if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
   PetscCall(CheckRounding(of, c));
   if (line)

@@ -3,7 +3,7 @@
    (1 - nu) and D = sum_i phi_ip (x_i - x_p)^2, the least over the places that particles may have.
 
    With F, S and A the operators on the nodes, of P2G G2P with the affine part, of DIV STRESS GRAD and of P2G G2P, a step
-   is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A). THEORY.md, section 4.
+   is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A). docs/theory.md, section 4.
 */
 #include "analysis/critical_parts.h"
 #include "scheme/maps.h"

@@ -15,6 +15,15 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
                                      MpmCritical *critical);
 
 /*
+   MpmCriticalScanned - the limit at rest through the symbol, and windows of growth below it, without taking for granted that
+   a phase that has become unstable stays so.
+
+   Collective. asked: the phase that grows most at the case's own Courant number, which are both looked at too; NaN where
+   that is not asked for.
+*/
+PetscErrorCode MpmCriticalScanned(const MpmCriticalCase *of, PetscReal asked, MpmCritical *critical);
+
+/*
    Collective. Finds the limit through all eigenvalues of the assembled operator, and growth at the case's Courant
    number.
 */
@@ -69,6 +78,20 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
 PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[]);
+
+/* Not collective. Leaves out the windows that are not below the limit, which refining has moved down. */
+static inline void MpmCriticalKeepBelow(MpmCritical *c)
+{
+  while (c->windows.n && c->windows.window[c->windows.n - 1].to > c->stable_at) c->windows.n--;
+}
+
+/* Not collective. Whether a Courant number is in a window of growth. */
+static inline PetscBool MpmCriticalHasWindowAt(const MpmCritical *c, PetscReal courant)
+{
+  for (PetscInt i = 0; i < c->windows.n; i++)
+    if (courant >= c->windows.window[i].from && courant <= c->windows.window[i].to) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
 
 /* Not collective. The type of modes whose shares along beta are from least to most. */
 static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)

@@ -6,6 +6,7 @@
    bound of the limit of all. Oblique waves are sampled below it.
 */
 #include "analysis/critical_parts.h"
+#include "analysis/leftmost.h"
 #include "scene/layout.h"
 #include "symbol/bloch_growth.h"
 #include "analysis/zoom.h"
@@ -22,6 +23,7 @@
 #define FROM 1e-2       /* or here where these have none */
 #define RATIO 1.3       /* of Courant numbers, one over the other */
 #define PRECISION 1e-7  /* relative width of a bracket */
+#define SCANNED 0.01    /* the same before it is narrowed down */
 #define ROUNDS 20       /* of bisection at the phases that grow most, and of the search for these */
 #define SAME 1e-6       /* relative distance within which limits are those of axis waves */
 #define NEARLY 0.9      /* modes whose growth is at least this part of the largest count as equally fast */
@@ -40,6 +42,7 @@ typedef struct {
   MpmSmallEigen          eigen;
   MpmZoom                zoom;
   PetscReal              courant, beta[MPM_MAX_DIM];
+  const MpmCritical     *axes; /* the limit of axis waves */
   PetscInt64             evaluations;
 } Samples;
 
@@ -162,7 +165,7 @@ static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
 
 /*
    The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
-   it depends on the direction (THEORY.md, section 9).
+   it depends on the direction (docs/theory.md, section 9).
 */
 static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
 {
@@ -248,6 +251,42 @@ static PetscErrorCode TakeAxes(Samples *s, const MpmCritical *axes, MpmCritical 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   The largest growth of samples and of axis waves, as far as their windows and their limit tell. Beyond that limit samples
+   are not looked at.
+*/
+static PetscErrorCode GrowthWithAxes(void *context, PetscReal courant, PetscReal *growth)
+{
+  Samples           *s    = (Samples *)context;
+  const MpmCritical *axes = s->axes;
+
+  PetscFunctionBegin;
+  *growth = INFINITY;
+  if (courant >= axes->unstable_at) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthOfAll(s, courant, growth));
+  for (PetscInt i = 0; i < axes->windows.n; i++) {
+    const MpmCriticalWindow *w = &axes->windows.window[i];
+
+    if (courant >= w->from && courant <= w->to) *growth = PetscMax(*growth, w->growth);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the first Courant number at which a sample grows, up to the limit of axis waves, above windows of growth. */
+static PetscErrorCode ScanSamples(Samples *s, MpmCritical *c, PetscReal bracket[2])
+{
+  PetscReal growth;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCriticalScan(GrowthWithAxes, s, s->of->tolerance, s->of->step.courant, SCANNED, c));
+  bracket[0] = c->stable_at;
+  bracket[1] = PetscMin(c->unstable_at, s->axes->unstable_at);
+  if (isinf(bracket[1])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthOfAll(s, bracket[1], &growth));
+  if (growth <= 1 + s->of->tolerance) bracket[1] = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the first Courant number at which a sample grows, up to the limit of axis waves. */
 static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal bracket[2])
 {
@@ -270,10 +309,13 @@ static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal bet
   PetscFunctionBegin;
   PetscCall(LimitOfAxes(s->of, &axes));
   c->evaluations += axes.evaluations;
+  s->axes = &axes;
   if (isfinite(unstable))
     PetscCall(PetscArraycpy(s->beta, beta, s->zoom.dim));
-  else
+  else if (MpmStepDrifts(&s->of->step) || MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step))
     PetscCall(FindSample(s, &axes, bracket));
+  else
+    PetscCall(ScanSamples(s, c, bracket));
   if (isfinite(bracket[1])) PetscCall(Narrow(s, bracket));
   c->stable_at   = isfinite(bracket[1]) ? bracket[0] : INFINITY;
   c->unstable_at = bracket[1];
@@ -281,8 +323,9 @@ static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal bet
     PetscCall(TakeAxes(s, &axes, c));
   else if (isfinite(bracket[1])) {
     PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
-    PetscCall(MpmCriticalThreshold(GrowthThere, s, s->of->tolerance, c));
+    if (!c->windows.n) PetscCall(MpmCriticalThreshold(GrowthThere, s, s->of->tolerance, c));
   }
+  MpmCriticalKeepBelow(c);
   c->courant = c->threshold || MpmStepDrifts(&s->of->step) ? c->stable_at : 0;
   if (c->disputed) c->courant = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -8,9 +8,10 @@
 
 #define RATIO 1.25  /* of Courant numbers, one over the other, */
 #define LINEAR 32   /* and so many at equal distances up to the limit */
-#define MOST 128    /* Courant numbers that are looked at in all, before ends are bisected */
+#define LEAST 1e-24 /* where all grow they are halved down to this */
+#define MOST 192    /* Courant numbers that are looked at in all, before ends are bisected */
 #define NARROW 1e-4 /* relative precision of the ends of a window */
-#define FADES 0.03  /* growth below a window or limit, over the tolerance, that shows that there is no threshold */
+#define FADES 0.03  /* growth below a limit, over the tolerance, that shows that there is no threshold */
 
 /* Courant numbers that were looked at, from small to large. */
 typedef struct {
@@ -72,19 +73,33 @@ static PetscErrorCode Bisect(Scan *s, PetscReal precision, PetscReal *stable, Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The window of growth that begins with place i, below a limit. i moves on to the first place behind it. */
-static PetscErrorCode Enclose(Scan *s, PetscBool first, PetscInt *i, MpmCriticalWindow *w)
+/* The lower end of the window of growth that begins with place i. Below the first place it is looked for by halving. */
+static PetscErrorCode Begin(Scan *s, PetscInt i, PetscReal *from)
 {
-  PetscReal stable, unstable = s->courant[*i], growth;
+  PetscReal stable = i > 0 ? s->courant[i - 1] : s->courant[0] / 2, growth = 1;
+
+  PetscFunctionBegin;
+  *from = s->courant[i];
+  for (; i == 0 && stable > LEAST; stable /= 2) {
+    PetscCall(s->growth(s->context, stable, &growth));
+    if (growth <= 1 + s->tolerance) break;
+    *from = stable;
+  }
+  if (growth <= 1 + s->tolerance)
+    PetscCall(Bisect(s, NARROW, &stable, from));
+  else
+    *from = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The window of growth that begins with place i, below a limit. i moves on to the first place behind it. */
+static PetscErrorCode Enclose(Scan *s, PetscInt *i, MpmCriticalWindow *w)
+{
+  PetscReal stable;
 
   PetscFunctionBegin;
   *w = (MpmCriticalWindow){.growth = 0};
-  if (*i > 0) {
-    stable = s->courant[*i - 1];
-    PetscCall(Bisect(s, NARROW, &stable, &unstable));
-    PetscCall(s->growth(s->context, unstable / 2, &growth));
-    w->from = first && growth > 1 + FADES * s->tolerance ? 0 : unstable;
-  }
+  PetscCall(Begin(s, *i, &w->from));
   for (; Grows(s, *i); ++*i) {
     if (s->found[*i] <= w->growth) continue;
     w->growth = s->found[*i];
@@ -104,7 +119,7 @@ static PetscErrorCode FindWindows(Scan *s, PetscInt end, MpmCriticalWindows *all
   PetscFunctionBegin;
   for (PetscInt i = 0; i < end; i++) {
     if (!Grows(s, i)) continue;
-    PetscCall(Enclose(s, all->n == 0 ? PETSC_TRUE : PETSC_FALSE, &i, &one));
+    PetscCall(Enclose(s, &i, &one));
     if (all->n == MPM_CRITICAL_WINDOWS) {
       MpmCriticalWindow *last = &all->window[all->n - 1];
 
@@ -119,7 +134,10 @@ static PetscErrorCode FindWindows(Scan *s, PetscInt end, MpmCriticalWindows *all
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth just fades to the tolerance below a limit: whether there is some in the middle of the range without. */
+/*
+   Whether growth just fades to the tolerance below a limit: whether there is some in the middle of the range without. Then
+   the limit is 0, and no windows are below it.
+*/
 static PetscErrorCode FindThreshold(Scan *s, PetscReal from, MpmCritical *c)
 {
   const PetscReal middle = PetscMax(from + c->unstable_at, c->unstable_at) / 2;
@@ -129,7 +147,9 @@ static PetscErrorCode FindThreshold(Scan *s, PetscReal from, MpmCritical *c)
   PetscCall(s->growth(s->context, c->unstable_at, &at[0]));
   PetscCall(s->growth(s->context, middle, &at[1]));
   c->threshold = at[1] - 1 <= FADES * s->tolerance ? PETSC_TRUE : PETSC_FALSE;
-  if (!c->threshold) c->fading = log((at[0] - 1) / (at[1] - 1)) / log(c->unstable_at / middle);
+  if (c->threshold) PetscFunctionReturn(PETSC_SUCCESS);
+  c->windows.n = 0;
+  c->fading    = log((at[0] - 1) / (at[1] - 1)) / log(c->unstable_at / middle);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -145,6 +165,10 @@ PetscErrorCode MpmCriticalScan(MpmCriticalGrowth growth, void *context, PetscRea
   PetscCall(Look(&s, MPM_CRITICAL_TO));
   if (also > 0 && isfinite(also)) PetscCall(Look(&s, also));
   Widest(&s, &first, &last);
+  while (last == MPM_NONE && s.courant[0] > LEAST) {
+    PetscCall(Look(&s, s.courant[0] / 2));
+    Widest(&s, &first, &last);
+  }
   to = s.courant[last == MPM_NONE ? 0 : PetscMin(last + 1, s.n - 1)];
   for (PetscInt i = 0; i < LINEAR; i++) PetscCall(Look(&s, to * (i + 0.5) / LINEAR));
   Widest(&s, &first, &last);

@@ -268,7 +268,8 @@ PetscErrorCode MpmCriticalInSpace(const MpmCriticalCase *of, PetscBool alone, Mp
     PetscCall(AtRest(of, alone, c));
   if (!alone) {
     PetscCall(Ask(of, c, beta));
-    if (sampled && c->asked.verdict == MPM_UNSTABLE && of->step.courant < c->stable_at)
+    if (sampled && c->asked.verdict == MPM_UNSTABLE && of->step.courant < c->stable_at &&
+        !MpmCriticalHasWindowAt(c, of->step.courant))
       PetscCall(MpmCriticalBySamples(of, of->step.courant, beta, c));
     if (!drifts) PetscCall(WhenMoving(of, c));
   }

@@ -1,21 +1,23 @@
 /*
-   The largest stable Courant number of particles at rest, through the symbol. For moving particles see
-   critical_drift.c.
+   The largest stable Courant number of particles at rest, through the symbol. Where a phase that is unstable stays so, the
+   first growth of each is looked for, and else growth is scanned. For moving particles see critical_drift.c.
 */
 #include "analysis/critical_parts.h"
 #include "symbol/bloch_growth.h"
 #include "base/progress.h"
 #include <math.h>
 
-#define RATIO 1.25 /* of Courant numbers, one over the other; a phase that is unstable stays so */
+#define RATIO 1.25 /* of Courant numbers, one over the other */
 #define PRECISION MPM_CRITICAL_PRECISION
+#define SCANNED 1e-4 /* the precision of a limit before it is refined over the phases */
 
 /* The symbol as a function of Courant number and phase, and the state of the search. */
 typedef struct {
   MpmBloch         bloch;
   MpmSmallEigen    eigen;
-  PetscReal        tolerance, beta;   /* beta: the phase */
-  MpmCriticalSteps steps;             /* where the limit of that phase is sought */
+  PetscReal        tolerance, beta; /* beta: the phase */
+  PetscReal        asked;           /* the phase that grows most at the case's own Courant number; NaN: not asked for */
+  MpmCriticalSteps steps;           /* where the limit of that phase is sought */
   PetscReal        least, least_beta; /* the least limit found so far, and its phase */
   MpmProgress      progress;
   PetscInt64       evaluations;
@@ -102,14 +104,14 @@ static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Looks for a smaller limit at phases beside the one found, and brackets the least. */
-static PetscErrorCode Refine(Probe *p, MpmCritical *c)
+/* Looks for a smaller limit at phases beside the one found, from a Courant number on, and brackets the least. */
+static PetscErrorCode Refine(Probe *p, PetscReal from, MpmCritical *c)
 {
   const PetscReal found = c->beta[0];
   PetscReal       limit = INFINITY, beta = 0, bracket[2];
 
   PetscFunctionBegin;
-  p->steps.from = c->unstable_at / 2;
+  p->steps.from = from;
   p->steps.to   = 2 * c->unstable_at;
   p->least      = INFINITY;
   PetscCall(
@@ -135,7 +137,7 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
   PetscCall(SearchPhases(p, c));
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Refine(p, c));
+  PetscCall(Refine(p, c->unstable_at / 2, c));
   PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->threshold ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,26 +149,108 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
   PetscFunctionBegin;
   c->unstable_at = courant;
   c->beta[0]     = beta;
-  PetscCall(Refine(p, c));
+  PetscCall(Refine(p, c->unstable_at / 2, c));
   PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
   c->courant = c->stable_at;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+/* ---- where growth may stop again ---- */
+
+/* The largest growth of all phases, and of the one that grows at the case's own Courant number. Its phase is kept. */
+static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal *growth)
 {
-  Probe probe = {.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
+  Probe      *p       = (Probe *)context;
+  PetscReal   mine[2] = {0, 0}, largest, beta;
+  PetscMPIInt rank, size;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
-  c->order = probe.bloch.size;
-  PetscCall(MpmSmallEigenCreate(probe.bloch.turn_size, &probe.eigen));
-  PetscCall(MpmProgressBegin("phase", &probe.progress));
+  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
+  PetscCallMPI(MPI_Comm_size(p->comm, &size));
+  for (PetscInt m = MPM_CRITICAL_PHASES - rank; m >= 0; m -= size) {
+    PetscReal g;
+
+    beta = m > 0 ? MpmCriticalPhase(m) : p->asked;
+    if (isnan(beta)) continue;
+    PetscCall(GrowthAt(p, courant, &beta, &g));
+    if (!(g > mine[0])) continue;
+    mine[0] = g;
+    mine[1] = beta;
+  }
+  PetscCallMPI(MPI_Allreduce(&mine[0], &largest, 1, MPIU_REAL, MPI_MAX, p->comm));
+  beta = mine[0] >= largest ? mine[1] : 0;
+  PetscCallMPI(MPI_Allreduce(&beta, &p->beta, 1, MPIU_REAL, MPI_MAX, p->comm));
+  *growth = largest;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Scans growth of all phases, and refines the limit over the phases from the middle of the range without growth on. A phase
+   between those that were scanned may grow further down: windows that are not below the limit then are part of what is above.
+*/
+static PetscErrorCode ScanPhases(Probe *p, PetscReal courant, MpmCritical *c)
+{
+  const MpmCriticalWindows *w = &c->windows;
+  PetscReal                 growth, middle;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCriticalScan(GrowthOfPhases, p, p->tolerance, courant, SCANNED, c));
+  c->courant = INFINITY;
+  if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowthOfPhases(p, c->unstable_at, &growth));
+  c->beta[0] = p->beta;
+  if (c->stable_at > 0) {
+    middle   = (c->unstable_at + (w->n ? w->window[w->n - 1].to : 0)) / 2;
+    p->steps = (MpmCriticalSteps){.from = middle, .to = c->unstable_at, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+    PetscCall(LimitOfPhase(p, c->beta[0], &c->unstable_at));
+    PetscCall(Refine(p, middle, c));
+  }
+  MpmCriticalKeepBelow(c);
+  c->courant = c->threshold ? c->stable_at : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Begin(const MpmCriticalCase *of, MpmCritical *c, Probe *p)
+{
+  PetscFunctionBegin;
+  *p = (Probe){.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
+  c->order = p->bloch.size;
+  PetscCall(MpmSmallEigenCreate(p->bloch.turn_size, &p->eigen));
+  PetscCall(MpmProgressBegin("phase", &p->progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode End(Probe *p, MpmCritical *c)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmProgressEnd(&p->progress));
+  c->evaluations += p->evaluations;
+  PetscCall(MpmSmallEigenDestroy(&p->eigen));
+  PetscCall(MpmBlochDestroy(&p->bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+{
+  Probe probe;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(of, c, &probe));
   PetscCall(isfinite(unstable) ? Below(&probe, unstable, beta, c) : Search(&probe, c));
-  PetscCall(MpmProgressEnd(&probe.progress));
-  c->evaluations += probe.evaluations;
-  PetscCall(MpmSmallEigenDestroy(&probe.eigen));
-  PetscCall(MpmBlochDestroy(&probe.bloch));
+  PetscCall(End(&probe, c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalScanned(const MpmCriticalCase *of, PetscReal asked, MpmCritical *c)
+{
+  Probe probe;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(of, c, &probe));
+  probe.asked = asked;
+  PetscCall(ScanPhases(&probe, isnan(asked) ? 0 : of->step.courant, c));
+  PetscCall(End(&probe, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -26,7 +26,7 @@
                1. Below 1/2 another field or wave prevails in the mode.
    seconds   - the time that the computation took
 
-   Source: THEORY.md, section 4.
+   Source: docs/theory.md, section 4.
 S*/
 typedef struct {
   PetscInt        nwaves, nsteps;

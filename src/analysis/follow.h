@@ -61,6 +61,6 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
    it was predicted, so that none is mistaken for another. Growth can begin only where two come near each other between
    two places, or where one alone rises beyond 1; there the line is examined between the places. With l1 and l2 the two
    that meet, their mean and (l1 - l2)^2 / 4 are smooth functions of x even where l1 and l2 are not, so that few places
-   show how large abs becomes. Source: THEORY.md, section 4.
+   show how large abs becomes. Source: docs/theory.md, section 4.
 */
 PetscErrorCode MpmFollowLine(MpmFollow *follow, PetscReal from, PetscReal to, PetscReal bracket[2]);

@@ -7,7 +7,7 @@
    eigenvalue of least real part is not below -1.
 
    This is proved for momentum schemes at rest on any layout, with any masses and stiffnesses, in any dimension, between
-   any ends but walls that react (THEORY.md, section 5). DIV has to be the adjoint of GRAD: a node without mass beside a
+   any ends but walls that react (docs/theory.md, section 5). DIV has to be the adjoint of GRAD: a node without mass beside a
    particle that hats put on another node would break that, so that layouts with holes must be jittered.
 
    Such an eigenvalue falls as the Courant number grows. So what has become unstable stays so.

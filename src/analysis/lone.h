@@ -47,7 +47,7 @@ typedef struct {
 
    with lambda the largest eigenvalue of STRESS H, which is chi H where H is the same in all directions. Schemes that
    take the gradient of P2G of the particle's velocity see none without an affine part, and have no limit. In the words
-   of the closed forms of waves kappa is lambda, the filter 1, and alpha 0, with an affine part 1. THEORY.md, section 4.
+   of the closed forms of waves kappa is lambda, the filter 1, and alpha 0, with an affine part 1. docs/theory.md, section 4.
 
    On hats a particle exactly on a node has a gradient at the next node, which it gives no mass. That node's share of force
    and gradient is lost, and schemes without a limit elsewhere have one there: no closed form is given for them.

@@ -32,6 +32,7 @@ MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical)
   one.growth  = critical->asked.growth;
   one.verdict = critical->asked.verdict;
   one.wave    = critical->wave;
+  one.windows = critical->windows;
   if (isnan(one.courant)) one.why_not = "said above";
   if (isfinite(critical->unstable_at))
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) one.beta[a] = critical->beta[a];
@@ -155,6 +156,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   one->worst_seed  = layouts.worst;
   one->evaluations = layouts.evaluations;
   one->windows     = layouts.windows;
+  one->fades       = layouts.fades;
   if (limits && isnan(one->courant)) one->why_not = "LAPACK did not converge";
   PetscFunctionReturn(PETSC_SUCCESS);
 }

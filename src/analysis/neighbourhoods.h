@@ -22,6 +22,7 @@
    layouts, unstable, undecided - of neighbourhood random; unstable and undecided at the scene's own Courant number
    worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
    evaluations, seconds - what the search took
+   fades    - of random layouts: growth fades with the Courant number, so that courant is 0
    windows  - of growth below courant, in the bulk and of random layouts; see MpmCritical
 S*/
 typedef struct {
@@ -29,7 +30,7 @@ typedef struct {
   PetscReal            courant, growth, place[MPM_MAX_DIM], beta[MPM_MAX_DIM], seconds;
   MpmVerdict           verdict;
   MpmWaveType          wave;
-  PetscBool            approached, closed, inside;
+  PetscBool            approached, closed, inside, fades;
   const char          *why_not;
   PetscInt             layouts, unstable, undecided, places, depth;
   PetscInt64           worst_seed, evaluations;

@@ -5,7 +5,7 @@
 
      G^2 - G (1 + f - s) + f = 0,    f = <w, F w> / <w, w>, s = <w, S w> / <w, w> = k^2 <w, K w> / <w, w>
 
-   with F = P2G G2P and S = k^2 DIV STRESS GRAD symmetric in the nodal masses, 0 <= f <= 1 (THEORY.md, section 4). This
+   with F = P2G G2P and S = k^2 DIV STRESS GRAD symmetric in the nodal masses, 0 <= f <= 1 (docs/theory.md, section 4). This
    is stable iff s <= 2 (1 + f), with equality at G = -1, and so at all smaller k. Of usl with flip the same holds with
    4 S^-1 >= 2 - P2G G2P. So the limit of a spot is the least k with an eigenvalue -1, one eigenvalue problem without a
    search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear it out, as

@@ -265,6 +265,7 @@ static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
   PetscCall(BoxedCreate(s, FirstOf(s), &b));
   PetscCall(MpmCriticalThreshold(Growth, &b, s->of->tolerance, &critical));
   PetscCall(BoxedDestroy(&b));
+  s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = critical.threshold ? bracket[0] : 0;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   if (rank) s->evaluations = before;
@@ -294,6 +295,7 @@ static PetscErrorCode ScanForLimit(Search *s)
   PetscFunctionBegin;
   PetscCall(MpmCriticalScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
   s->asked->windows = critical.windows;
+  s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;
   if (isinf(critical.unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GrowthOfAll(s, critical.unstable_at, &grows));

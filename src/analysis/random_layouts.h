@@ -15,6 +15,7 @@
    worst   - the seed of the layout with the least limit, or else of that with the largest growth
    evaluations - the number of times that growth was computed, on all ranks
    windows - as of MpmCritical: where some layout grows below courant
+   fades   - there is no threshold: growth fades with the Courant number, and courant is 0
 S*/
 typedef struct {
   PetscInt   n;
@@ -24,6 +25,7 @@ typedef struct {
   PetscReal  growth, courant;
   PetscInt   unstable, undecided;
   PetscInt64 worst, evaluations;
+  PetscBool  fades;
 
   MpmCriticalWindows windows;
 } MpmRandomLayouts;

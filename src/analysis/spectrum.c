@@ -66,7 +66,7 @@ static PetscErrorCode CountOnes(MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Looks for the symbol's leading modes in an operator that has no matrix to factor. */
+/* Looks for the symbol's leading modes in the operator. No matrix is factored. */
 static PetscErrorCode SolveBloch(MpmSpectrum *s)
 {
   PetscInt n;
@@ -127,8 +127,8 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
   char            note[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscOptionsHasName(NULL, NULL, "-eps_type", &asked));
-  bloch = !assembled && symbol && !asked ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(MpmEigenAsked(&asked));
+  bloch = symbol && !asked && MpmEigenChoose(s->op->order, symbol) == MPM_EIGEN_TARGET ? PETSC_TRUE : PETSC_FALSE;
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
   method = assembled || s->scene ? MethodOf(s->scene, s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;

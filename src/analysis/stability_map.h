@@ -34,7 +34,7 @@ typedef struct {
    they are.
 
    Collective on PETSC_COMM_WORLD. One rank computes each point (see farm.h), so that nothing depends on the number of
-   ranks. Refuses scenes without a symbol, drifts without a short period, and too many points. Method: THEORY.md,
+   ranks. Refuses scenes without a symbol, drifts without a short period, and too many points. Method: docs/theory.md,
    section 3.
 */
 PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map);

@@ -21,7 +21,7 @@ static inline uint64_t MpmHashMix(uint64_t z)
 /*
    MpmHash - a random number in [0,1) for a seed and a global id, such as that of a particle.
 
-   Not collective. The number is the same on any number of ranks, since it depends on seed and id alone. THEORY.md,
+   Not collective. The number is the same on any number of ranks, since it depends on seed and id alone. docs/theory.md,
    section 1, fixes it.
 */
 PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #define MPM_ARRAY_DIMS 3
+#define MPM_ARRAY_NAME 32
 #define MPM_MOST_ARRAYS 12
 #define MPM_WHY_TEXT 256
 
@@ -21,7 +22,7 @@
    text  - a text has no numbers, and n is 0
 S*/
 typedef struct {
-  char       name[32], text[32];
+  char       name[MPM_ARRAY_NAME], text[32];
   int        dims;
   PetscInt64 shape[MPM_ARRAY_DIMS], n;
   PetscReal *real;

@@ -6,13 +6,15 @@
 #include "base/text.h"
 #include "base/textfile.h"
 #include "io/arrays.h"
-#include "io/zip.h"
 #include <stdlib.h>
 #include <string.h>
+#include <zip.h>
 
 #define MAGIC "\x93NUMPY"
 #define MAGIC_SIZE 6
 #define NUMBERS "whole or real numbers of up to 64 bits"
+#define ARCHIVE "a zip archive in memory"
+#define DAY 315619200 /* 2 January 1980, since 1970: a file does not depend on when it was written */
 
 /* The type of an array's numbers: 'f', 'i', 'u', 'b', 'S' or 'U', bytes of one, and whether bytes come the other way. */
 typedef struct {
@@ -173,28 +175,46 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadMembers(FILE *stream, const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
+/* Unpacks a member of an archive, and compares its checksum. wrong: why that could not be done, or NULL. */
+static PetscErrorCode Unpack(zip_t *archive, const zip_stat_t *member, unsigned char **bytes, const char **wrong)
 {
-  MpmZipMember members[MPM_ZIP_MOST];
-  int          n;
-  const char  *wrong;
+  zip_file_t *file = zip_fopen_index(archive, member->index, 0);
 
   PetscFunctionBegin;
-  PetscCall(MpmZipList(stream, &n, members, &wrong));
-  for (int i = 0; i < n && !wrong && !why[0]; i++) {
-    for (int k = 0; names[k] && !why[0]; k++) {
-      const size_t   length = strlen(names[k]);
-      unsigned char *bytes;
+  *bytes = NULL;
+  *wrong =
+      zip_error_code_zip(zip_get_error(archive)) == ZIP_ER_COMPNOTSUPP
+          ? "one of its arrays is compressed in a way that is not known; allowed: stored or deflated, as numpy does"
+          : "it is cut off, or damaged";
+  if (!file) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((size_t)member->size + 1, bytes));
+  if (zip_fread(file, *bytes, member->size) == (zip_int64_t)member->size &&
+      zip_fread(file, *bytes + member->size, 1) == 0) /* the end, where the checksum is compared */
+    *wrong = NULL;
+  else
+    PetscCall(PetscFree(*bytes));
+  (void)zip_fclose(file);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-      if (strncmp(members[i].name, names[k], length) || strcmp(members[i].name + length, ".npy")) continue;
-      if (MpmArraysFind(arrays, names[k])) continue;
-      PetscCall(MpmMemoryRoom((PetscReal)members[i].size + (PetscReal)members[i].packed, MPM_WHY_TEXT, why));
-      if (why[0]) break;
-      PetscCall(MpmZipRead(stream, &members[i], &bytes, &wrong));
-      if (wrong) break;
-      PetscCall(ParseNpy(names[k], bytes, (size_t)members[i].size, arrays, why));
-      PetscCall(PetscFree(bytes));
-    }
+static PetscErrorCode ReadMembers(zip_t *archive, const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
+{
+  const char *wrong = NULL;
+
+  PetscFunctionBegin;
+  for (int k = 0; names[k] && !wrong && !why[0]; k++) {
+    char           name[MPM_ARRAY_NAME + 4];
+    zip_stat_t     member;
+    unsigned char *bytes;
+
+    PetscCall(PetscSNPrintf(name, sizeof name, "%s.npy", names[k]));
+    if (zip_stat(archive, name, 0, &member)) continue;
+    PetscCall(MpmMemoryRoom((PetscReal)member.size + (PetscReal)member.comp_size, MPM_WHY_TEXT, why));
+    if (why[0]) break;
+    PetscCall(Unpack(archive, &member, &bytes, &wrong));
+    if (wrong) break;
+    PetscCall(ParseNpy(names[k], bytes, (size_t)member.size, arrays, why));
+    PetscCall(PetscFree(bytes));
   }
   if (wrong)
     PetscCall(
@@ -204,8 +224,10 @@ static PetscErrorCode ReadMembers(FILE *stream, const char *const names[], MpmAr
 
 PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT])
 {
-  int   error;
-  FILE *stream = MpmFileOpen(path, &error);
+  int           error;
+  FILE         *stream = MpmFileOpen(path, &error);
+  zip_source_t *source = stream ? zip_source_filep_create(stream, 0, -1, NULL) : NULL;
+  zip_t        *archive;
 
   PetscFunctionBegin;
   *arrays = (MpmArrays){.n = 0};
@@ -214,8 +236,15 @@ PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], Mp
     PetscCall(PetscStrncpy(why, "it cannot be opened; allowed: a file that can be read", MPM_WHY_TEXT));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(ReadMembers(stream, names, arrays, why));
-  (void)fclose(stream);
+  PetscCheck(source, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for an archive");
+  archive = zip_open_from_source(source, ZIP_RDONLY, NULL);
+  if (archive) {
+    PetscCall(ReadMembers(archive, names, arrays, why));
+    zip_discard(archive); /* which closes the stream */
+  } else {
+    zip_source_free(source);
+    PetscCall(PetscStrncpy(why, "it is cut off, or no zip archive; allowed: a whole .npz", MPM_WHY_TEXT));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -252,56 +281,67 @@ static PetscErrorCode Header(const MpmArray *a, PetscBool whole, char header[HEA
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define BLOCK 4096 /* numbers that are converted at a time */
-
-/* Hands an array's bytes to the sum of its CRC (stream NULL) or to the file. */
-static unsigned PutNumbers(const MpmArray *a, PetscBool whole, unsigned sum, FILE *stream)
+/* The bytes of an array, which the archive frees. */
+static PetscErrorCode Pack(const MpmArray *a, PetscBool whole, size_t *size, char **bytes)
 {
-  union {
-    double  real[BLOCK];
-    int64_t whole[BLOCK];
-  } block;
+  const size_t text = a->dims < 0 ? strlen(a->text) : 0;
+  char         header[HEADER + 1];
 
-  for (PetscInt64 begin = 0; begin < a->n; begin += BLOCK) {
-    const PetscInt64 n = PetscMin(BLOCK, a->n - begin);
+  PetscFunctionBegin;
+  *size  = HEADER + text + 8 * (size_t)a->n;
+  *bytes = malloc(*size);
+  PetscCheck(*bytes, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for %zu bytes of %s", *size, a->name);
+  PetscCall(Header(a, whole, header));
+  memcpy(*bytes, header, HEADER);
+  memcpy(*bytes + HEADER, a->text, text);
+  for (PetscInt64 i = 0; i < a->n; i++) {
+    const int64_t as_whole = whole ? (int64_t)a->real[i] : 0;
 
-    for (PetscInt64 i = 0; i < n; i++) {
-      if (whole)
-        block.whole[i] = (int64_t)a->real[begin + i];
-      else
-        block.real[i] = a->real[begin + i];
-    }
-    if (stream)
-      (void)fwrite(&block, 8, (size_t)n, stream);
-    else
-      sum = MpmZipSum(sum, &block, 8 * (size_t)n);
+    memcpy(*bytes + HEADER + 8 * i, whole ? (const void *)&as_whole : (const void *)&a->real[i], 8);
   }
-  return sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Copies what was written to memory to a stream. Whoever closes the stream finds what could not be written. */
+static PetscErrorCode CopyOut(zip_source_t *memory, FILE *stream)
+{
+  char        block[BUFSIZ];
+  zip_int64_t n = 0;
+
+  PetscFunctionBegin;
+  PetscCheck(!zip_source_open(memory), PETSC_COMM_SELF, PETSC_ERR_FILE_READ, "%s", ARCHIVE);
+  while ((n = zip_source_read(memory, block, sizeof block)) > 0) (void)fwrite(block, 1, (size_t)n, stream);
+  PetscCheck(n == 0, PETSC_COMM_SELF, PETSC_ERR_FILE_READ, "%s", ARCHIVE);
+  (void)zip_source_close(memory);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmArraysWriteNpz(const MpmArrays *arrays, const char *const whole[], FILE *stream)
 {
-  MpmZipMember members[MPM_MOST_ARRAYS];
+  zip_source_t *memory  = zip_source_buffer_create(NULL, 0, 0, NULL);
+  zip_t        *archive = memory ? zip_open_from_source(memory, ZIP_CREATE | ZIP_TRUNCATE, NULL) : NULL;
 
   PetscFunctionBegin;
+  PetscCheck(archive, PETSC_COMM_SELF, PETSC_ERR_MEM, "%s", ARCHIVE);
+  zip_source_keep(memory);
   for (int i = 0; i < arrays->n; i++) {
     const MpmArray *a          = &arrays->array[i];
-    const size_t    text       = a->dims < 0 ? strlen(a->text) : 0;
     PetscBool       as_integer = PETSC_FALSE;
-    char            header[HEADER + 1];
+    char            name[MPM_ARRAY_NAME + 4], *bytes;
+    size_t          size;
+    zip_int64_t     place;
 
     for (int k = 0; whole[k]; k++)
       if (!strcmp(whole[k], a->name)) as_integer = PETSC_TRUE;
-    PetscCall(Header(a, as_integer, header));
-    members[i] = (MpmZipMember){.size = HEADER + 8 * a->n + (PetscInt64)text};
-    PetscCall(PetscSNPrintf(members[i].name, sizeof members[i].name, "%s.npy", a->name));
-    members[i].crc = MpmZipSum(MpmZipSum(0, header, HEADER), a->text, text);
-    members[i].crc = PutNumbers(a, as_integer, members[i].crc, NULL);
-    MpmZipBegin(stream, &members[i]);
-    (void)fwrite(header, 1, HEADER, stream);
-    (void)fwrite(a->text, 1, text, stream);
-    (void)PutNumbers(a, as_integer, 0, stream);
+    PetscCall(Pack(a, as_integer, &size, &bytes));
+    PetscCall(PetscSNPrintf(name, sizeof name, "%s.npy", a->name));
+    place = zip_file_add(archive, name, zip_source_buffer(archive, bytes, size, 1), 0);
+    PetscCheck(place >= 0 && !zip_set_file_compression(archive, (zip_uint64_t)place, ZIP_CM_STORE, 0) &&
+                   !zip_file_set_mtime(archive, (zip_uint64_t)place, DAY, 0),
+               PETSC_COMM_SELF, PETSC_ERR_LIB, "%s: %s", ARCHIVE, zip_strerror(archive));
   }
-  MpmZipEnd(stream, arrays->n, members);
+  PetscCheck(!zip_close(archive), PETSC_COMM_SELF, PETSC_ERR_LIB, "%s: %s", ARCHIVE, zip_strerror(archive));
+  PetscCall(CopyOut(memory, stream));
+  zip_source_free(memory);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

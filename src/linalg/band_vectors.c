@@ -8,7 +8,6 @@
 */
 #include "linalg/band_vectors.h"
 #include "base/hash.h"
-#include "linalg/band_lu.h"
 #include <math.h>
 
 #define GOOD 1e-14  /* residual, over norm(A), with which a vector is not improved */
@@ -20,9 +19,15 @@ struct MpmBandVectors {
   PetscReal norm, *matrix, *rows, *x[2]; /* matrix: n x width, real; rows: n x 2 width; x: real and imaginary part */
 };
 
+/* The place of i in the folded order 0, n-1, 1, n-2, ... of a ring. */
+static PetscInt FoldedPlace(PetscInt n, PetscInt i)
+{
+  return i < (n + 1) / 2 ? 2 * i : 2 * (n - 1 - i) + 1;
+}
+
 static PetscInt PlaceOf(const MpmBandVectors *b, PetscInt i)
 {
-  return b->folded ? MpmFoldedPlace(b->n, i) : i;
+  return b->folded ? FoldedPlace(b->n, i) : i;
 }
 
 /* Counts the diagonals of the matrix in its own order and in the folded order, and takes the one with less work. */

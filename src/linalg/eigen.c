@@ -108,10 +108,27 @@ static PetscBool IsReadLater(const char name[])
   return PETSC_FALSE;
 }
 
+static const char *const families[] = {"eps_", "st_", "bv_", "ds_", "svd_"};
+
+PetscErrorCode MpmEigenAsked(PetscBool *asked)
+{
+  char *given;
+
+  PetscFunctionBegin;
+  *asked = PETSC_FALSE;
+  PetscCall(PetscOptionsGetAll(NULL, &given));
+  for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(families); f++) {
+    char name[16];
+
+    PetscCall(PetscSNPrintf(name, sizeof name, "-%s", families[f]));
+    if (strstr(given, name)) *asked = PETSC_TRUE;
+  }
+  PetscCall(PetscFree(given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmEigenRefuseUnread(void)
 {
-  static const char *const families[] = {"eps_", "st_", "bv_", "ds_", "svd_"};
-
   PetscInt n;
   char   **names, **values;
 
@@ -126,7 +143,7 @@ PetscErrorCode MpmEigenRefuseUnread(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes which LU is used, such as " (LU: band)", or nothing where there is none. */
+/* Writes which LU is used, such as " (LU: mumps)", or nothing where there is none. */
 static PetscErrorCode DescribeFactors(ST st, size_t room, char factors[])
 {
   KSP           ksp;

@@ -8,7 +8,7 @@
    MpmEigenMethod - how eigenvalues are found.
 
      MPM_EIGEN_DENSE   - all of them (LAPACK)
-     MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert; LU of a band, or MUMPS where there is no band)
+     MPM_EIGEN_TARGET  - those near a complex target (shift-and-invert, LU by MUMPS)
      MPM_EIGEN_LARGEST - those of largest magnitude (Krylov-Schur); it converges where modes are localised
      MPM_EIGEN_LEFTMOST - those of least real part (Krylov-Schur); it converges where the spectrum ends there
 E*/
@@ -83,8 +83,11 @@ PetscErrorCode MpmEigenRitz(Mat A, PetscInt given, Vec vectors[], MpmEigen **eig
    SLEPc refuses is refused before the work. MpmEigenRefuseUnread then refuses options of SLEPc's solvers that none of
    those set up by then has read.
 
+   MpmEigenAsked says whether any option asks for something of SLEPc's solvers.
+
    Collective on PETSC_COMM_WORLD. Options that are read only while a solver solves, as views are, are let through.
 */
+PetscErrorCode MpmEigenAsked(PetscBool *asked);
 PetscErrorCode MpmEigenTryOptions(MpmEigenMethod method);
 PetscErrorCode MpmEigenRefuseUnread(void);
 

@@ -1,6 +1,6 @@
 /*
    Tangent: the derivative of a step of a nonlinear scheme with respect to the state before it (theory of the tangent,
-   THEORY.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
+   docs/theory.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
 */
 #pragma once
 #include "operator/placed_maps.h"

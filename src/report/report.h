@@ -39,8 +39,11 @@ PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
                               PetscBool windows);
 
-/* Prints windows of growth below a limit, each in a line that begins with so many blanks. windows->n may be 0. */
-void MpmReportWindows(PetscInt blanks, const MpmCriticalWindows *windows);
+/*
+   Prints windows of growth below a limit, each in a line that begins with so many blanks, and how many Courant numbers were
+   looked at. Nothing where windows were not looked for, or where there is no limit above them (0 or undecided).
+*/
+void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows);
 
 /*
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,

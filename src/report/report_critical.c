@@ -54,7 +54,8 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("%s: undecided, tolerance %.6g is less than the growth of up to %.1g per step that rounding makes here\n",
              name, tolerance, c->rounding);
   else if (isinf(c->courant))
-    MpmPrint("%s: none up to %.6g is unstable\n", name, MPM_CRITICAL_TO);
+    MpmPrint("%s: none up to %.6g is unstable%s\n", name, MPM_CRITICAL_TO,
+             c->windows.n ? ", but for windows of growth" : "");
   else if (c->courant == 0 && c->stable_at == 0 && c->windows.looked)
     MpmPrint("%s: 0, growth is beyond tolerance at each of %" PetscInt_FMT " Courant numbers from %.6g to %.6g\n", name,
              c->windows.looked, c->unstable_at, MPM_CRITICAL_TO);
@@ -71,7 +72,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
   else
     MpmPrint("%s: %.6g%s%s\n", name, c->courant, c->windows.n ? ", with windows of growth below it" : "",
              MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
-  MpmReportWindows(2, &c->windows);
+  MpmReportWindows(2, c->courant, &c->windows);
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);

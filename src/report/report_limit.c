@@ -18,20 +18,17 @@ static void PrintGrowth(PetscReal tolerance, PetscReal growth)
     MpmPrint(", but growth is still within tolerance");
 }
 
-void MpmReportWindows(PetscInt blanks, const MpmCriticalWindows *windows)
+void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows)
 {
+  if (!windows->looked || !(courant > 0)) return;
   for (PetscInt i = 0; i < windows->n; i++) {
     const MpmCriticalWindow *w = &windows->window[i];
 
-    if (w->from > 0)
-      MpmPrint("%*sbelow that there is growth from %.6g to %.6g", (int)blanks, "", w->from, w->to);
-    else
-      MpmPrint("%*sbelow that there is growth up to %.6g", (int)blanks, "", w->to);
-    MpmPrint(", by a factor of up to %.9g per step, at %.6g\n", w->growth, w->at);
+    MpmPrint("%*sbelow that there is growth from %.6g to %.6g, by a factor of up to %.9g per step, at %.6g\n",
+             (int)blanks, "", w->from, w->to, w->growth, w->at);
   }
-  if (windows->n)
-    MpmPrint("%*sgrowth was looked at for %" PetscInt_FMT " Courant numbers; a window between two of them is missed\n",
-             (int)blanks, "", windows->looked);
+  MpmPrint("%*s%sgrowth was looked at for %" PetscInt_FMT " Courant numbers; a window between two of them is missed\n",
+           (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
 }
 
 PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
@@ -43,7 +40,8 @@ PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscR
   PetscFunctionBegin;
   if (!MpmSceneIsPhysical(scene) || isnan(courant)) PetscFunctionReturn(PETSC_SUCCESS);
   if (isinf(courant)) {
-    MpmPrint("%s: none up to %.6g is unstable\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO));
+    MpmPrint("%s: none up to %.6g is unstable%s\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO),
+             windows ? ", but for windows of growth" : "");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmPrint("%s: %.6g%s\n", name, limit, windows ? ", with windows of growth below it" : "");

@@ -75,6 +75,7 @@ static PetscErrorCode RandomText(const MpmScene *s, const MpmRequest *request, c
   PetscCall(
       PetscSNPrintf(grow, sizeof grow, ", %" PetscInt_FMT " of them grow at %.6g", one->unstable, s->step.courant));
   if (MpmSceneHasStep(s)) PetscCall(MpmTextJoin(text, grow, room));
+  if (one->fades) PetscCall(MpmTextJoin(text, ", growth only fades towards Courant number 0", room));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -170,7 +171,8 @@ static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, c
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (isinf(all->courant)) {
-    MpmPrint("the worst of them: none limits the Courant number up to %.6g\n", MPM_CRITICAL_TO);
+    MpmPrint("the worst of them: none limits the Courant number up to %.6g%s\n", MPM_CRITICAL_TO,
+             MpmNeighbourhoodsHaveWindows(all) ? ", but for windows of growth" : "");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmPrint("the worst of them: %s limits the Courant number to %.6g", Subject(least->kind), all->courant);
@@ -211,7 +213,7 @@ PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *reque
            limits && MpmSceneIsPhysical(s) ? " time step   " : "");
   for (PetscInt i = 0; i < all->n; i++) {
     PetscCall(PrintLine(s, request, limits, &all->of[i]));
-    MpmReportWindows(9, &all->of[i].windows);
+    if (limits) MpmReportWindows(9, all->of[i].courant, &all->of[i].windows);
     if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
   }
   if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");

@@ -39,7 +39,7 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
    MpmLayoutIsVoid - whether the site of particle id is a void, where a share of all sites are voids.
 
    Not collective. Site number g is a void where hash(seed', g) < share, with the hash of base/hash.h and a seed' that is
-   itself hashed from the layout's seed (THEORY.md, section 1).
+   itself hashed from the layout's seed (docs/theory.md, section 1).
 */
 PetscBool MpmLayoutIsVoid(const MpmLayout *layout, PetscInt64 id, PetscReal share);
 

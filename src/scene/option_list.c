@@ -32,7 +32,7 @@
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
    .word = MpmFormulationWord, TEXT(MpmFormulationOf), IN(1, 1, 1, 1)},
-  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (THEORY.md, section 3)",
+  {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (docs/theory.md, section 3)",
    NO_RANGE, TEXT(MpmSchemeHashOf), IN(59, 41, 47, 40), .shown = MpmRecordHasScheme, .json = "scheme.hash", READS},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
    .word = MpmBasisWord, TEXT(MpmBasisOf), IN(2, 2, 2, 2)},

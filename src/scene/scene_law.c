@@ -4,7 +4,7 @@
 
    With P(F) the nominal stress of a material at the stretch F, small waves travel with c^2 = F^2 P'(F) / rho0 in the
    stretched state of one dimension, and s0 = P / (F P'). A fluid feels the change of its volume alone, J = det F in the
-   place of F. A solid in more dimensions has the stretches F_a along the axes (THEORY.md, section 9).
+   place of F. A solid in more dimensions has the stretches F_a along the axes (docs/theory.md, section 9).
 */
 #include "linalg/hermitian.h"
 #include "scene/settings.h"

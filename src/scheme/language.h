@@ -1,5 +1,5 @@
 /*
-   Language: a scheme as text. THEORY.md, section 3, has the language; a written scheme becomes a formulation, which is
+   Language: a scheme as text. docs/theory.md, section 3, has the language; a written scheme becomes a formulation, which is
    the same table as one of src/scheme/formulation.
 
    YAML is the form of the whole, so that it can stand in a scene. A line of the step is one of

@@ -1,5 +1,5 @@
 /*
-   Phases with the same amplification factors, and the one of them that is computed. THEORY.md, section 4, says why these
+   Phases with the same amplification factors, and the one of them that is computed. docs/theory.md, section 4, says why these
    symmetries hold.
 */
 #include "symbol/phases.h"

@@ -10,7 +10,7 @@ static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 
 /*
    Closed form and symbol agree to this, relative to growth. A defective pair has an error of 1e-8. In more dimensions a
-   gas may have a defective triple at 1, with an error of 1e-5: where m.m is 0 and m is not (THEORY.md, section 4).
+   gas may have a defective triple at 1, with an error of 1e-5: where m.m is 0 and m is not (docs/theory.md, section 4).
 */
 #define AGREE 1e-6
 #define AGREE_IN_SPACE 1e-4
@@ -37,7 +37,7 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
 
 const char *MpmPredictionText(const MpmScheme *scheme)
 {
-  return MpmSpaceIsPrestressed(&scheme->space) ? "with a prestress: THEORY.md, section 9"
+  return MpmSpaceIsPrestressed(&scheme->space) ? "with a prestress: docs/theory.md, section 9"
                                                : scheme->formulation->corrected_text;
 }
 
@@ -212,7 +212,7 @@ static double complex Curves(const MpmPredictor *p, const MpmAlong along[], Pets
 
 /*
    The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with a
-   prestress. Source: THEORY.md, section 9.
+   prestress. Source: docs/theory.md, section 9.
 */
 static PetscBool Prestressed(const MpmPredictor *p, const MpmAlong along[], double complex value[MPM_MAX_DIM])
 {

@@ -1,6 +1,6 @@
 /*
    The largest stable Courant numbers are compared with those of an independent program, with the closed forms of
-   THEORY.md for the hat at random places, and with the closed form of every scheme. Further cases: walls, an isolated
+   docs/theory.md for the hat at random places, and with the closed form of every scheme. Further cases: walls, an isolated
    particle, a partly filled end cell, drift.
 */
 #include "stable_limit.h"
@@ -28,7 +28,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* THEORY.md, section 4: q = mean of xi (1 - xi). */
+/* docs/theory.md, section 4: q = mean of xi (1 - xi). */
 static PetscErrorCode CheckHat(int n)
 {
   const int    ppc    = 1 + n % 4;
@@ -230,7 +230,7 @@ static PetscErrorCode Test(int argc, char **argv)
         PetscCall(CheckScheme(MpmFormulations[f], MpmTransfers[t], MpmBases[b], "-ppc 2"));
         PetscCall(CheckScheme(MpmFormulations[f], MpmTransfers[t], MpmBases[b], "-ppc 3 -offset 0.2"));
       }
-  /* Bai and Schroeder 2022, as THEORY.md quotes them */
+  /* Bai and Schroeder 2022, as docs/theory.md quotes them */
   PetscCall(CheckNumber("-formulation usl -transfer apic -basis quadratic -ppc 1", 1, 2e-6));
   /* the theory of the two kinds of wall, to the digits given there */
   PetscCall(CheckNumber("-formulation usf -ppc 1 -cells 16 -boundary fixed,free", 2.0097, 2e-5));

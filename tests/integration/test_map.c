@@ -147,7 +147,7 @@ static PetscErrorCode CheckGas2(void)
 }
 
 /*
-   The limit of usf on hats is 1 / sqrt(1 - 4 q) if q <= 1/8, else 4 sqrt(q), with q = mean of xi (1 - xi) (THEORY.md,
+   The limit of usf on hats is 1 / sqrt(1 - 4 q) if q <= 1/8, else 4 sqrt(q), with q = mean of xi (1 - xi) (docs/theory.md,
    section 4).
 */
 static PetscErrorCode CheckOffsets(void)

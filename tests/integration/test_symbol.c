@@ -8,7 +8,7 @@
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 
-/* Checks the closed forms of THEORY.md, section 4, at random Courant numbers, offsets and particles per cell. */
+/* Checks the closed forms of docs/theory.md, section 4, at random Courant numbers, offsets and particles per cell. */
 static PetscErrorCode CheckClosedForms(const char formulation[], int n)
 {
   MpmScene      *scene;
@@ -37,7 +37,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Checks where the slides' formulas fail and by how much, with numbers from THEORY.md, section 4, by hand. */
+/* Checks where the slides' formulas fail and by how much, with numbers from docs/theory.md, section 4, by hand. */
 static PetscErrorCode CheckSlip(const char options[], PetscReal off, PetscReal beta)
 {
   MpmComparison comparison;

@@ -24,7 +24,7 @@ import program  # noqa: E402
 SUBSET = ["--only", "musl,elastic", "flip,apic", "linear", "basis", "--dim", "1", "--jobs", "2", "-o", "atlas"]
 SCHEMES = ["elastic flip linear 1-D", "musl apic linear 1-D", "musl flip linear 1-D"]
 QUESTIONS = 4 * 8
-# Limits at rest as LIMITS.md has them, and growth of musl on hats at k = 1/2 as an independent program found it.
+# Limits at rest as docs/limits.md has them, and growth of musl on hats at k = 1/2 as an independent program found it.
 KNOWN = {("musl flip linear 1-D", "bulk"): 1.7321, ("musl flip linear 1-D", "edge"): 1.4102,
          ("musl flip linear 1-D", "lone"): 2, ("musl flip linear 1-D", "least"): 1.4102,
          ("musl flip linear 1-D", "grows0"): 2.4e-3, ("musl flip linear 1-D", "grows2"): 2.7e-2,

@@ -57,12 +57,12 @@ def check_words():
     """A page that uses a word of ours says where it is explained."""
     for page in pages():
         text = re.sub(r"```.*?```", "", text_of(os.path.join(ROOT, page)), flags=re.DOTALL)
-        if not page.startswith("tests") and page not in ("CHANGELOG.md", "GLOSSARY.md"):
+        if not page.startswith("tests") and page not in ("CHANGELOG.md", "docs/glossary.md"):
             word = re.search(r"\b(?:growth|drifts?|ring(?:s|ing)|null space)\b", text, re.IGNORECASE)
-            check(not word or "GLOSSARY.md" in text, f"{page} uses '{word and word.group()}' and has no link to GLOSSARY.md")
+            check(not word or "glossary.md" in text, f"{page} uses '{word and word.group()}' and has no link to docs/glossary.md")
     for term in ("growth", "drift", "ringing", "null space of P2G"):
-        check(re.search(rf"^\| [^|]*{term}", text_of(os.path.join(ROOT, "GLOSSARY.md")), re.IGNORECASE | re.MULTILINE),
-              f"GLOSSARY.md does not explain '{term}'")
+        check(re.search(rf"^\| [^|]*{term}", text_of(os.path.join(ROOT, "docs/glossary.md")), re.IGNORECASE | re.MULTILINE),
+              f"docs/glossary.md does not explain '{term}'")
 
 
 def check_links():
@@ -143,7 +143,7 @@ def check_numbers(rows):
 
 
 def check_all_powers():
-    """SPECTRA.md: the largest norm(A^n) over all n up to 1000, from the blocks of the waves, which are orthogonal."""
+    """docs/spectra.md: the largest norm(A^n) over all n up to 1000, from the blocks of the waves, which are orthogonal."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "blocks.npz")
         subprocess.run([MPMSTAB, "symbol", "-formulation", "musl", "-courant", "1.73", "-write_blocks", path], check=True,
@@ -157,7 +157,7 @@ def check_all_powers():
         norms.append(numpy.linalg.norm(power, 2, axis=(1, 2)).max())
         power = step @ power
     words = f"Over all n up to 1000 it is {max(norms):.4f}, at n = {1 + int(numpy.argmax(norms))}"
-    check(words in text_of(os.path.join(ROOT, "SPECTRA.md")), f"SPECTRA.md: not '{words}'")
+    check(words in text_of(os.path.join(ROOT, "docs/spectra.md")), f"docs/spectra.md: not '{words}'")
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The table of public codes: 'list codes'. Its options and names must be the program's, the limits those that its
-commands print, and LIMITS.md must have it as printed.
+commands print, and docs/limits.md must have it as printed.
 
 MPMSTAB names the program. Silent when all is well.
 """
@@ -136,8 +136,8 @@ def check_examples(codes):
 
 def main():
     text = printed("list", "codes")
-    page = text_of(os.path.join(ROOT, "LIMITS.md"))
-    check(f"```\n{text}```\n" in page, "LIMITS.md does not have it as printed")
+    page = text_of(os.path.join(ROOT, "docs/limits.md"))
+    check(f"```\n{text}```\n" in page, "docs/limits.md does not have it as printed")
     codes = read_table(text)
     check_words(codes)
     check_sources(codes)

@@ -106,7 +106,7 @@ def check_files():
 
 
 def check_laws():
-    """What DAMPING.md says of long waves and small steps: decay goes like 1 / k, with a power of the wavelength."""
+    """What docs/damping.md says of long waves and small steps: decay goes like 1 / k, with a power of the wavelength."""
     for transfer, power in (("pic", 2), ("apic", 4)):
         run(f"symbol -formulation usl -basis quadratic -transfer {transfer} -cells 256 -damping -damping_divisors 1,4 "
             "-json laws.json -output laws.h5")

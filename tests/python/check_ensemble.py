@@ -25,7 +25,7 @@ WORD = 2**64 - 1
 
 
 def uniform(seed, particle):
-    """Returns the random number of a particle by splitmix64, as in THEORY.md."""
+    """Returns the random number of a particle by splitmix64, as in docs/theory.md."""
     z = (seed + (particle + 1) * 0x9E3779B97F4A7C15) & WORD
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & WORD
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & WORD

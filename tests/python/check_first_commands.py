@@ -83,7 +83,7 @@ def printed(done):
 
 
 def check_demo():
-    """Both times the demo answers what README.md quotes, and the tables are those of SLIDES.md."""
+    """Both times the demo answers what README.md quotes, and the tables are those of docs/slides.md."""
     first, second = ran("demo.sh"), ran("demo.sh")
     check(first.returncode == 0, f"demo.sh: {first}")
     check(printed(first) == printed(second) and second.returncode == 0, f"the second demo.sh prints {second.stdout}")
@@ -97,7 +97,7 @@ def check_demo():
           f"README.md quotes {quoted}, and demo.sh prints {lines}")
     check(len(lines) < 50 and "building, which takes" in lines[0] and lines[0].endswith(": 10% 50%"), f"{lines}")
     slides = text_of(os.path.join(COPY, "results", "slides.txt"))
-    check(f"```\n{slides}```\n" in text_of(os.path.join(ROOT, "SLIDES.md")), f"SLIDES.md has other tables:\n{slides}")
+    check(f"```\n{slides}```\n" in text_of(os.path.join(ROOT, "docs/slides.md")), f"docs/slides.md has other tables:\n{slides}")
     check(slides.split("\n\n", maxsplit=1)[0] in first.stdout, "the first table is not printed")
     named = re.findall(r"results/[\w-]+\.(?:png|txt)", first.stdout)
     check(len(named) == 5, f"{named} are the pictures and tables")

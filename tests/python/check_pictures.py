@@ -111,7 +111,7 @@ def check_symbol():
 
 
 def hashed(seed, particle):
-    """Returns the random number of a particle by splitmix64, as in THEORY.md."""
+    """Returns the random number of a particle by splitmix64, as in docs/theory.md."""
     word = 2**64 - 1
     z = (seed + (particle + 1) * 0x9E3779B97F4A7C15) & word
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & word

@@ -118,7 +118,7 @@ def check_mls():
         check(found["verdict"] == "undecided", f"{cells} cells: {found['verdict']}")
     found = run("critical", "-program", program("program_mls.py", "1", "8", "free"), "-program_dt", "tau")["critical"]
     near("interior", found["limits"]["interior"], run("critical", *scene)["critical"]["critical_courant"], 2e-6)
-    near("lone particle", found["limits"]["lone_particle"], 1, 2e-6)  # LIMITS.md
+    near("lone particle", found["limits"]["lone_particle"], 1, 2e-6)  # docs/limits.md
     near("critical", found["critical_dt"], min(found["limits"].values()), 0)
     check(found["evaluations"] <= 60, f"{found['evaluations']} operators")
     check([one["share"] for one in found["carriers"]] == [1], f"carriers: {found['carriers']}")

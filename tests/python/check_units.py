@@ -42,7 +42,7 @@ def check_same(ranks):
 
 
 def check_limit(words, courant, last):
-    """The last lines of critical, and critical_dt. The limits are those of the closed forms of THEORY.md."""
+    """The last lines of critical, and critical_dt. The limits are those of the closed forms of docs/theory.md."""
     lines, found = run(f"critical {words}")
     limit, width, speed = found["critical"]["critical_courant"], found["cell_width"], found["wave_speed"]
     check(math.isclose(limit, courant, rel_tol=1e-6), f"{words}: {limit}, not {courant}")

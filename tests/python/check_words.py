@@ -41,7 +41,7 @@ def check_filled():
 
 def check_scripts():
     """A script that a page calls by its name must be executable. install.sh is sourced."""
-    pages = glob.glob(f"{ROOT}/*.md") + glob.glob(f"{ROOT}/examples/*/*.md")
+    pages = [page for where in ("*", "docs/*", "docs/dev/*", "examples/*/*") for page in glob.glob(f"{ROOT}/{where}.md")]
     called = {name for page in pages for name in re.findall(r"(?m)(?:^ *|`)(?:\./)?scripts/([\w-]+\.(?:py|sh))\b", text_of(page))}
     check({"report.py", "their_code.py", "setup.sh"} <= called, f"{called}")
     for name in called - {"install.sh"}:

@@ -1,4 +1,4 @@
-/* The maps of THEORY.md, section 2 for each basis: identities that any basis must satisfy, and ties at nodes. */
+/* The maps of docs/theory.md, section 2 for each basis: identities that any basis must satisfy, and ties at nodes. */
 #include "scheme/kernels.h"
 #include "check.h"
 #include "scene/layout.h"

@@ -1,4 +1,4 @@
-/* The hash, and the places of particles that follow from it: THEORY.md, section 1. */
+/* The hash, and the places of particles that follow from it: docs/theory.md, section 1. */
 #include "check.h"
 #include "scene/layout.h"
 
