@@ -1,7 +1,7 @@
 /* Starts MPI and PETSc, finds the task by its name, runs it, and ends the program with its exit status. */
 #include <mpmstab/errors.h>
 #include "base/launch.h"
-#include "operator/plugin_host.h"
+#include "probe/plugin_host.h"
 #include "scene/settings.h"
 #include "base/stop.h"
 #include "base/suggest.h"

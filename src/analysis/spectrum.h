@@ -4,11 +4,12 @@
 */
 #pragma once
 #include "analysis/modes.h"
-#include "operator/certificates.h"
 #include "symbol/predict.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/run.h"
 #include "analysis/transient.h"
+
+typedef struct MpmCertificates_ MpmCertificates; /* probe/certificates.h */
 
 /*S
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.

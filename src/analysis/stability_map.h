@@ -1,6 +1,10 @@
 /* Stability map: growth over a rectangle of two parameters, of a scene through the symbol or of a code by probing. */
 #pragma once
-#include "analysis/program.h"
+#include "scene/request.h"
+#include <mpmstab/scene.h>
+#include <mpmstab/verdict.h>
+
+typedef struct MpmProgram_ MpmProgram; /* probe/program.h */
 
 /*S
    MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, stored with the second axis
@@ -39,15 +43,6 @@ typedef struct {
 */
 PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *request, MpmStabilityMap **map);
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
-
-/*
-   MpmStabilityMapOfProgram - probes a code at each point, where two of its parameters have the point's numbers.
-
-   Collective on PETSC_COMM_WORLD: the ranks share the columns of each point. The program must have been opened and not be
-   prepared; afterwards it is prepared for the point that grows fastest, and must outlive the map. Errors:
-   PETSC_ERR_USER_INPUT when the code has no such parameter, or fails at a point.
-*/
-PetscErrorCode MpmStabilityMapOfProgram(MpmProgram *program, MpmStabilityMap **map);
 
 /*
    MpmStabilityMapBegin, MpmStabilityMapSum - make an empty map of a request, whose scene or program, waves and phases are

@@ -4,7 +4,7 @@
    written gives blocks, too, if all cells are alike.
 */
 #pragma once
-#include "operator/certificates.h"
+#include "probe/certificates.h"
 #include "symbol/blocks.h"
 
 /*

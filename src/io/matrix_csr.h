@@ -1,7 +1,7 @@
 /* A sparse matrix on the first rank, between a file and the ranks. */
 #pragma once
 #include "io/arrays.h"
-#include "io/hooked.h"
+#include "probe/hooked.h"
 #include <petscmat.h>
 
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */

@@ -2,7 +2,7 @@
    Matrix Market: a line that says what the file is, comments, sizes, and an entry a line (Boisvert, Pozo and Remington
    1996, NISTIR 5935). Rows and columns count from 1.
 
-   A comment '% steps: 8' says that the matrix covers 8 steps. For other comments see io/hooked.h.
+   A comment '% steps: 8' says that the matrix covers 8 steps. For other comments see probe/hooked.h.
 */
 #include "io/matrix_file.h"
 #include <math.h>

@@ -1,6 +1,6 @@
 /* What shows that an operator that was probed is the operator of a step. */
 #pragma once
-#include "operator/certificates.h"
+#include "probe/certificates.h"
 #include "report/report.h"
 
 /* Collective. Prints the certificates that were taken, what fails where one does not hold, and the scales of fields. */

@@ -1,6 +1,6 @@
 /* A code beside a scheme of our own: a table for people, and JSON. */
 #pragma once
-#include "analysis/compare_program.h"
+#include "probe/compare_program.h"
 #include "report/report.h"
 
 /* Collective. Prints what goes with what, where the two differ, and a sentence that says whether they are the same. */

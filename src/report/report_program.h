@@ -1,6 +1,6 @@
 /* What the reports of tasks on a code that was probed share. */
 #pragma once
-#include "analysis/critical_program.h"
+#include "probe/critical_program.h"
 #include "report/report_certificates.h"
 
 /* Collective. Prints the code, how it is probed and why, and what that costs, before the work. */

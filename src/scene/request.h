@@ -45,7 +45,7 @@ typedef struct {
 } MpmAxis;
 
 /*E
-   MpmProbeKind - how a program or plugin is probed (see operator/probe.h). MPM_PROBE_ANY: it was not said.
+   MpmProbeKind - how a program or plugin is probed (see probe/probe.h). MPM_PROBE_ANY: it was not said.
 E*/
 typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_MATRIX_FREE, MPM_PROBE_ANY } MpmProbeKind;
 extern const char *const MpmProbeNames[];

@@ -5,7 +5,7 @@
 #include "task/spectrum_program.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
-#include "analysis/program_growth.h"
+#include "probe/program_growth.h"
 #include "report/report_compare.h"
 #include "report/report_program.h"
 #include "report/results.h"

@@ -1,4 +1,5 @@
 /* The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
+#include "probe/program_map.h"
 #include "task/expect.h"
 #include "report/results.h"
 #include "task/task.h"

@@ -1,6 +1,6 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
-#include "analysis/certified.h"
+#include "probe/certified.h"
 #include "analysis/frozen.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"

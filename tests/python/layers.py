@@ -13,9 +13,9 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["base", "linalg", "scheme", "scene", "march", "operator", "symbol", "analysis", "io", "report", "task"]
+LAYERS = ["base", "linalg", "scheme", "scene", "march", "operator", "symbol", "analysis", "probe", "io", "report", "task"]
 PUBLIC = {"compat": "base", "boundary": "scheme", "formulation": "scheme", "transfer": "scheme", "basis": "scheme",
-          "scheme": "scheme", "material": "scheme", "plugin": "operator", "mpmstab": "task"}
+          "scheme": "scheme", "material": "scheme", "plugin": "probe", "mpmstab": "task"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<(mpmstab/[^>]+)>)', re.M)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

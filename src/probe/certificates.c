@@ -1,0 +1,360 @@
+/* Certificates of a code that is probed: what its answers to known questions should be. */
+#include "probe/certificates.h"
+#include "base/hash.h"
+#include <float.h>
+#include <math.h>
+
+#define SWITCHES 0.02 /* of smooth steps the response depends on its size by up to 2e-3 (a thousandfold curvature) */
+/*
+   Of what should vanish with the size of perturbations. Smooth steps were measured to have up to 3e-7, of floats 3e-4. A
+   clamp on one particle of 32 that has a thousandth of its strength shows 1e-4, and made growth of 3e-5 per step that was
+   not there.
+*/
+#define KINKS 1e-5
+#define KINKS_SINGLE 1e-3
+#define ROUNDINGS 4       /* that one number of a response, of two sizes, has */
+#define SMALL 1e-3        /* the size at which switches are looked for */
+#define SMALL_SINGLE 0.01 /* larger, above rounding */
+#define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
+#define SPREAD_SINGLE 100
+#define NORM_STEPS 20       /* of the power method */
+#define AT_REST 1e-9        /* a change of the base state per application, in scales, that is rounding */
+#define AT_REST_SINGLE 1e-5 /* of floats */
+
+const char *const MpmCertificateNames[] = {"repeat",      "two sizes", "additivity", "one side",
+                                           "equilibrium", "reach",     "columns",    "scales"};
+
+const char *const MpmCertificateTexts[] = {"a state stepped again, also after another one",
+                                           "probed with two sizes: norm of the difference",
+                                           "a sum of perturbations against the sum of responses",
+                                           "forward against backward at the base state",
+                                           "the base state after a step",
+                                           "what is felt farther away than should be",
+                                           "everything perturbed at once against the columns",
+                                           "scales of fields, looked for once more: change in powers of 2"};
+
+const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
+                                            "two sizes of perturbations give two operators",
+                                            "the step has switches (responses do not add up)",
+                                            "the base state is on a switch",
+                                            "the base state moves, so that the operator is that of one step",
+                                            "the block of cells is too small for the reach of a step",
+                                            "the columns are not those of the whole state",
+                                            "the scale of a field was not found (it can be declared)"};
+
+PetscBool MpmCertificatesTaken(const MpmCertificates *c)
+{
+  for (int i = 0; i < MPM_CERTIFICATES; i++)
+    if (!isnan(c->value[i])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
+{
+  return isnan(c->value[which]) || c->value[which] <= c->bound[which] ? PETSC_FALSE : PETSC_TRUE;
+}
+
+void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *c)
+{
+  c->tolerance = tolerance;
+  c->cells     = 1;
+  c->nfields   = 0;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) {
+    c->value[i] = NAN;
+    c->bound[i] = tolerance;
+    c->most[i]  = MPM_NONE;
+  }
+  c->bound[MPM_CERTIFY_ADDITIVITY] = SWITCHES;
+  c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = single ? KINKS_SINGLE : KINKS;
+  c->bound[MPM_CERTIFY_SCALES]                                    = 1;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_SIZES]                                     = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
+}
+
+/* Everything at once is perturbed by little, so that products of two perturbations are small. */
+static PetscReal Small(const MpmProbe *p)
+{
+  return PetscMin(p->size, p->single ? SMALL_SINGLE : SMALL);
+}
+
+/* Takes a difference of unknown i if it is the largest so far. */
+static void Most(MpmCertificates *c, MpmCertificate which, PetscInt64 i, PetscReal difference)
+{
+  if (difference <= c->value[which]) return;
+  c->value[which] = difference;
+  c->most[which]  = i;
+}
+
+/* All ranks take the largest value. */
+static PetscErrorCode Share(MpmCertificates *c)
+{
+  PetscReal value[MPM_CERTIFICATES];
+
+  PetscFunctionBegin;
+  for (int i = 0; i < MPM_CERTIFICATES; i++) value[i] = isnan(c->value[i]) ? -1 : c->value[i];
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, value, MPM_CERTIFICATES, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  for (int i = 0; i < MPM_CERTIFICATES; i++) c->value[i] = value[i] < 0 ? NAN : value[i];
+  PetscCallMPI(MPI_Bcast(c->most, MPM_CERTIFICATES, MPIU_INT64, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Steps a perturbed state, then others, then the same one again. Among the others is the base state with its particles in
+   the opposite order: it is as good a state as the base, and every particle is elsewhere.
+*/
+static PetscErrorCode Repeat(MpmProbe *p, MpmCertificates *c)
+{
+  MpmStepper      *s = p->stepper;
+  const PetscInt64 n = s->particles * s->width;
+  PetscReal       *first, *again, *amount;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n, &first, n, &again, n, &amount));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, first));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  c->value[MPM_CERTIFY_REPEAT] = 0;
+  for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
+  for (PetscInt64 i = 0; i < s->particles; i++)
+    PetscCall(PetscArraycpy(again + i * s->width, s->base + (s->particles - 1 - i) * s->width, s->width));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
+  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
+  PetscCall(PetscArraycpy(again, s->base, n));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
+  Most(c, MPM_CERTIFY_REPEAT, MPM_NONE, MpmProbeDistance(p, again, p->rest) / p->size);
+  PetscCall(PetscFree3(first, again, amount));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The responses to two perturbations and to their sum. */
+static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount[3], *response[3], largest = 0;
+  PetscInt64      *unknown;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &unknown));
+  for (int k = 0; k < 3; k++) PetscCall(PetscMalloc2(n, &amount[k], n, &response[k]));
+  for (int k = 0; k < 2; k++) PetscCall(MpmProbeRandom(p, 21 + k, size, amount[k], response[k]));
+  for (PetscInt64 i = 0; i < n; i++) {
+    unknown[i]   = i;
+    amount[2][i] = size * (amount[0][i] + amount[1][i]);
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount[2], response[2]));
+  for (PetscInt64 i = 0; i < n; i++) {
+    response[2][i] = p->apart[i % p->stepper->width] ? 0 : response[2][i] / size;
+    largest        = PetscMax(largest, PetscAbsReal(response[2][i]));
+  }
+  PetscCall(MpmProbeBends(p, &c->value[MPM_CERTIFY_ADDITIVITY], &c->most[MPM_CERTIFY_ADDITIVITY]));
+  for (PetscInt64 i = 0; i < n && largest > 0; i++)
+    Most(c, MPM_CERTIFY_ADDITIVITY, i, PetscAbsReal(response[2][i] - response[0][i] - response[1][i]) / largest);
+  for (int k = 0; k < 3; k++) PetscCall(PetscFree2(amount[k], response[k]));
+  PetscCall(PetscFree(unknown));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   What rounding a number of the state may make of a response, in scales, with perturbations of a size. Floats have a few digits
+   of a place left when its scale is the width of a cell.
+*/
+static PetscReal Rounding(const MpmProbe *p, PetscInt64 i, PetscReal size)
+{
+  const PetscReal epsilon = p->single ? FLT_EPSILON : PETSC_MACHINE_EPSILON;
+
+  return ROUNDINGS * epsilon * PetscAbsReal(p->stepper->base[i]) / p->scale[i % p->stepper->width] / size;
+}
+
+/*
+   D(s) = (F(q + s r) + F(q - s r) - 2 F(q)) / (2 s) is of the order of s where F is smooth, and does not depend on s where
+   F has a kink at q. So 2 D(s / 2) - D(s) shows the kink.
+*/
+static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *forward, *central, *kink, largest = 0;
+  PetscInt64      *unknown;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &unknown));
+  PetscCall(PetscMalloc4(n, &amount, n, &forward, n, &central, n, &kink));
+  for (PetscInt64 i = 0; i < n; i++) {
+    unknown[i] = i;
+    kink[i]    = 0;
+  }
+  for (int half = 0; half < 2; half++) {
+    const PetscReal by = half ? size / 2 : size;
+
+    PetscCall(MpmProbeRandom(p, 31, by, amount, central));
+    for (PetscInt64 i = 0; i < n; i++) amount[i] *= by;
+    PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, unknown, amount, forward));
+    for (PetscInt64 i = 0; i < n; i++) {
+      if (p->apart[i % p->stepper->width]) continue;
+      kink[i] += (half ? 2 : -1) * (forward[i] / by - central[i]);
+      largest = PetscMax(largest, PetscAbsReal(central[i]));
+    }
+  }
+  c->value[MPM_CERTIFY_ONE_SIDED] = 0;
+  for (PetscInt64 i = 0; i < n && largest > 0; i++)
+    Most(c, MPM_CERTIFY_ONE_SIDED, i, (PetscAbsReal(kink[i]) - Rounding(p, i, size)) / largest);
+  PetscCall(PetscFree4(amount, forward, central, kink));
+  PetscCall(PetscFree(unknown));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The response to a random perturbation of everything, for no size: of two sizes the error, which is of the order of their
+   square where the step is smooth, is taken out (Richardson 1911).
+*/
+static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal response[])
+{
+  const PetscInt64 n    = p->stepper->particles * p->stepper->width;
+  const PetscReal  size = Small(p);
+  PetscReal       *half, *of;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &half, n, &of));
+  PetscCall(MpmProbeRandom(p, 41, size, amount, response));
+  PetscCall(MpmProbeRandom(p, 41, size / 2, of, half));
+  for (PetscInt64 i = 0; i < n; i++) {
+    amount[i]   = (4 * of[i] - amount[i]) / 3;
+    response[i] = (4 * half[i] - response[i]) / 3;
+  }
+  PetscCall(PetscFree2(half, of));
+  PetscCall(MpmStepperAgree(p->stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode TakeScales(const MpmStepper *s, MpmCertificates *c)
+{
+  const char *found = s->unsettled <= c->bound[MPM_CERTIFY_SCALES] ? "found" : "guessed";
+
+  PetscFunctionBegin;
+  if (s->searched) c->value[MPM_CERTIFY_SCALES] = s->unsettled;
+  c->nfields = s->nfields;
+  for (PetscInt f = 0; f < s->nfields; f++) {
+    const MpmStepperField *field = &s->fields[f];
+    const PetscBool        cell  = f == s->place && field->scale == s->cell_width ? PETSC_TRUE : PETSC_FALSE;
+
+    c->field[f].scale = field->scale;
+    PetscCall(PetscStrncpy(c->field[f].name, field->name, sizeof c->field[f].name));
+    PetscCall(PetscStrncpy(c->field[f].from,
+                           field->found ? found
+                           : cell       ? "cell_width"
+                                        : "declared",
+                           sizeof c->field[f].from));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool apart[], MpmCertificates *c)
+{
+  const PetscReal size     = Small(p);
+  PetscReal       coarsest = 0;
+
+  PetscFunctionBegin;
+  MpmCertificatesBegin(p->single, tolerance, c);
+  p->apart = apart;
+  for (PetscInt64 i = 0; i < p->stepper->particles * p->stepper->width; i++)
+    coarsest = PetscMax(coarsest, Rounding(p, i, size));
+  c->bound[MPM_CERTIFY_COLUMNS] += coarsest;
+  PetscCall(Repeat(p, c));
+  PetscCall(Additivity(p, size, c));
+  PetscCall(OneSided(p, size, c));
+  c->value[MPM_CERTIFY_EQUILIBRIUM] = MpmProbeMoved(p, &c->most[MPM_CERTIFY_EQUILIBRIUM]);
+  PetscCall(TakeScales(p->stepper, c));
+  p->apart = NULL;
+  PetscCall(MpmStepperAgree(p->stepper));
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *one,
+                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *response, differ;
+  PetscInt         compared;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &amount, n, &response));
+  p->apart = apart;
+  PetscCall(RespondToAll(p, amount, response));
+  p->apart = NULL;
+  PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared));
+  PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
+  c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
+  c->cells                    = p->stepper->particles / l->sites;
+  if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
+  PetscCall(PetscFree2(amount, response));
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Euclidean norm of a matrix, by the power method on E^T E. */
+static PetscErrorCode Norm2(Mat E, PetscReal *norm)
+{
+  PetscInt first, last;
+  Vec      x, y;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(E, &x, &y));
+  PetscCall(VecGetOwnershipRange(x, &first, &last));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, 2 * MpmHash(51, i) - 1, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x));
+  PetscCall(VecAssemblyEnd(x));
+  *norm = 1;
+  for (int step = 0; step<NORM_STEPS && * norm> 0; step++) {
+    PetscCall(VecNormalize(x, NULL));
+    PetscCall(MatMult(E, x, y));
+    PetscCall(VecNorm(y, NORM_2, norm));
+    PetscCall(MatMultTranspose(E, y, x));
+  }
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
+                                const PetscBool apart[], MpmCertificates *c)
+{
+  const PetscInt64 n = p->stepper->particles * p->stepper->width;
+  PetscReal       *amount, *response, differ, largest = 0;
+  PetscInt         first, last, at;
+  Mat              E;
+  Vec              x, y;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n, &amount, n, &response));
+  p->apart = apart;
+  PetscCall(RespondToAll(p, amount, response));
+  p->apart = NULL;
+  PetscCall(MatCreateVecs(one, &x, &y));
+  PetscCall(VecGetOwnershipRange(x, &first, &last));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, amount[i], INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x));
+  PetscCall(VecAssemblyEnd(x));
+  PetscCall(MatMult(one, x, y));
+  for (PetscInt64 i = 0; i < n; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(y, i, -response[i], ADD_VALUES));
+  PetscCall(VecAssemblyBegin(y));
+  PetscCall(VecAssemblyEnd(y));
+  for (PetscInt i = first; i < last; i++)
+    if (apart[i % p->stepper->width]) PetscCall(VecSetValue(y, i, 0, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(y));
+  PetscCall(VecAssemblyEnd(y));
+  PetscCall(VecAbs(y));
+  PetscCall(VecMax(y, &at, &differ));
+  c->most[MPM_CERTIFY_COLUMNS]  = at;
+  c->value[MPM_CERTIFY_COLUMNS] = largest > 0 ? differ / largest : 0;
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
+  PetscCall(PetscFree2(amount, response));
+  PetscCall(MatDuplicate(kept, MAT_COPY_VALUES, &E));
+  PetscCall(MatAXPY(E, -1, other, DIFFERENT_NONZERO_PATTERN));
+  PetscCall(Norm2(E, &c->value[MPM_CERTIFY_SIZES]));
+  PetscCall(MatDestroy(&E));
+  c->value[MPM_CERTIFY_REACH] = colours->leaks;
+  PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

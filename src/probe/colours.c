@@ -1,0 +1,358 @@
+/*
+   Coloured probing. Cells are numbered along each direction, and cells whose numbers are equal modulo a stride have one
+   colour. The stride leaves free cells between what two particles of a colour reach. What arrives there shows that the
+   reach was taken too short.
+*/
+#include "probe/colours.h"
+#include "base/progress.h"
+#include <mpmstab/errors.h>
+#include <math.h>
+
+#define FREE 2          /* cells between the reaches of two particles of a colour, on each side one */
+#define FELT 1e-14      /* a response below this, of the largest, is none */
+#define FELT_SINGLE 0.0 /* floats far away do not change at all */
+
+/* Cells of particles, particles of cells, and the colours of both. */
+typedef struct {
+  MpmProbe   *probe;
+  PetscInt    dim, first[MPM_MAX_DIM], cells[MPM_MAX_DIM], stride[MPM_MAX_DIM], groups[MPM_MAX_DIM], reach[MPM_MAX_DIM];
+  PetscInt   *cell; /* of each particle, dim numbers */
+  PetscInt   *slot; /* the number of a particle among those of its cell */
+  PetscInt    slots;
+  PetscInt64 *owner; /* the particle of slot 0 .. slots - 1 of each cell, or -1 */
+} Colouring;
+
+static PetscInt CellOf(const MpmStepper *s, PetscInt64 i, PetscInt a)
+{
+  if (s->place == MPM_NONE) return s->cell[i * s->dim + a];
+  return (PetscInt)floor(s->base[i * s->width + s->fields[s->place].first + a] / s->cell_width);
+}
+
+/* With a period cells are counted around it, without one from the first particle to the last. */
+static PetscErrorCode Box(Colouring *c)
+{
+  const MpmStepper *s = c->probe->stepper;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c->cells[a] = 1;
+  for (PetscInt a = 0; a < c->dim; a++) {
+    PetscInt least = CellOf(s, 0, a), most = least;
+
+    for (PetscInt64 i = 0; i < s->particles; i++) {
+      least = PetscMin(least, CellOf(s, i, a));
+      most  = PetscMax(most, CellOf(s, i, a));
+    }
+    c->first[a] = least;
+    c->cells[a] = s->period[a] > 0 ? (PetscInt)ceil(s->period[a] / s->cell_width - 1e-6) : most - least + 1;
+  }
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    for (PetscInt a = 0; a < c->dim; a++) {
+      const PetscInt at = CellOf(s, i, a) - c->first[a];
+
+      c->cell[i * c->dim + a] = (at % c->cells[a] + c->cells[a]) % c->cells[a];
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscInt Number(const Colouring *c, const PetscInt cell[])
+{
+  PetscInt number = 0;
+
+  for (PetscInt a = c->dim - 1; a >= 0; a--) number = number * c->cells[a] + cell[a];
+  return number;
+}
+
+static PetscErrorCode Slots(Colouring *c)
+{
+  const MpmStepper *s   = c->probe->stepper;
+  const PetscInt64  all = (PetscInt64)c->cells[0] * c->cells[1] * c->cells[2];
+  PetscInt         *count;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(all, &count));
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    c->slot[i] = count[Number(c, &c->cell[i * c->dim])]++;
+    c->slots   = PetscMax(c->slots, c->slot[i] + 1);
+  }
+  PetscCall(PetscFree(count));
+  PetscCall(PetscMalloc1(all * c->slots, &c->owner));
+  for (PetscInt64 i = 0; i < all * c->slots; i++) c->owner[i] = -1;
+  for (PetscInt64 i = 0; i < s->particles; i++)
+    c->owner[(PetscInt64)Number(c, &c->cell[i * c->dim]) * c->slots + c->slot[i]] = i;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Begin(MpmProbe *p, Colouring *c)
+{
+  const MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  *c = (Colouring){.probe = p, .dim = s->dim};
+  MpmCheckInput(s->place != MPM_NONE || s->cell,
+                "%s: it does not say where its particles are; needed: a field with \"place\": true, or \"cell\" in its "
+                "description",
+                s->where);
+  PetscCall(PetscMalloc2(s->particles * s->dim, &c->cell, s->particles, &c->slot));
+  PetscCall(Box(c));
+  PetscCall(Slots(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode End(Colouring *c)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(c->cell, c->slot));
+  PetscCall(PetscFree(c->owner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- reach ---- */
+
+/* The distance of two cells along a direction, the shorter way round a period. */
+static PetscInt Distance(const Colouring *c, PetscInt one, PetscInt other, PetscInt a)
+{
+  const PetscInt n = c->cells[a], d = PetscAbsInt(one - other);
+
+  return c->probe->stepper->period[a] > 0 ? PetscMin(d, n - d) : d;
+}
+
+/* The particle that is nearest to the middle of the box, where the response has most room. */
+static PetscInt64 Central(const Colouring *c)
+{
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt64        central = 0;
+  PetscReal         nearest = PETSC_MAX_REAL;
+
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    PetscReal distance = 0;
+
+    for (PetscInt a = 0; a < c->dim; a++) distance += PetscSqr(c->cell[i * c->dim + a] - c->cells[a] / 2.0);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    central = i;
+  }
+  return central;
+}
+
+static PetscErrorCode Reach(Colouring *c)
+{
+  MpmProbe         *p       = c->probe;
+  const MpmStepper *s       = p->stepper;
+  const PetscInt64  central = Central(c);
+  PetscInt64       *unknown;
+  PetscReal        *amount, *response, largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(s->width, &unknown, s->width, &amount, s->particles * s->width, &response));
+  for (PetscInt j = 0; j < s->width; j++) {
+    unknown[j] = central * s->width + j;
+    amount[j]  = p->size;
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, s->width, unknown, amount, response));
+  PetscCall(MpmStepperAgree(p->stepper));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
+    if (PetscAbsReal(response[i]) <= (p->single ? FELT_SINGLE : FELT) * largest) continue;
+    for (PetscInt a = 0; a < c->dim; a++)
+      c->reach[a] =
+          PetscMax(c->reach[a], Distance(c, c->cell[i / s->width * c->dim + a], c->cell[central * c->dim + a], a));
+  }
+  PetscCall(PetscFree3(unknown, amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Cells of a group are a stride apart. Around a period the cells that are left over have groups of their own. */
+static PetscErrorCode Strides(Colouring *c, MpmProbeColours *colours)
+{
+  PetscFunctionBegin;
+  colours->colours = c->slots * c->probe->stepper->width;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt wish = 2 * c->reach[a] + 1 + FREE, n = c->cells[a];
+
+    if (c->probe->stepper->period[a] > 0)
+      c->groups[a] = n < 2 * wish ? n : wish + n % wish;
+    else
+      c->groups[a] = PetscMin(wish, n);
+    c->stride[a]      = PetscMin(wish, n);
+    colours->reach[a] = c->reach[a];
+    colours->colours *= c->groups[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The group of a cell along a direction. */
+static PetscInt Group(const Colouring *c, PetscInt cell, PetscInt a)
+{
+  const PetscInt whole = c->cells[a] / c->stride[a] * c->stride[a];
+
+  if (c->groups[a] == c->cells[a]) return cell;
+  return cell < whole || c->probe->stepper->period[a] == 0 ? cell % c->stride[a] : c->stride[a] + cell - whole;
+}
+
+PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
+{
+  Colouring c;
+
+  PetscFunctionBegin;
+  *colours = (MpmProbeColours){.colours = 0};
+  PetscCall(Begin(p, &c));
+  PetscCall(Reach(&c));
+  PetscCall(Strides(&c, colours));
+  colours->everywhere = PETSC_TRUE;
+  for (PetscInt a = 0; a < c.dim; a++)
+    if (2 * c.reach[a] + 1 < c.cells[a]) colours->everywhere = PETSC_FALSE;
+  PetscCall(End(&c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- columns ---- */
+
+/* The perturbed particle of a colour that is within reach of a particle, or -1. */
+static PetscInt64 Source(const Colouring *c, const PetscInt group[], PetscInt slot, PetscInt64 i)
+{
+  const PetscInt *at = &c->cell[i * c->dim];
+  PetscInt        cell[MPM_MAX_DIM], d[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < c->dim; a++) {
+    PetscBool found = PETSC_FALSE;
+
+    for (d[a] = -c->reach[a]; d[a] <= c->reach[a] && !found; d[a]++) {
+      cell[a] = at[a] + d[a];
+      if (c->probe->stepper->period[a] > 0) cell[a] = (cell[a] % c->cells[a] + c->cells[a]) % c->cells[a];
+      if (cell[a] >= 0 && cell[a] < c->cells[a] && Group(c, cell[a], a) == group[a]) found = PETSC_TRUE;
+    }
+    if (!found) return -1;
+  }
+  return c->owner[(PetscInt64)Number(c, cell) * c->slots + slot];
+}
+
+/* Splits the number of a colour into the groups of cells, the slot in a cell, and the number of a particle. */
+static void SplitColour(const Colouring *c, PetscInt colour, PetscInt group[], PetscInt *slot, PetscInt *number)
+{
+  *number = colour % c->probe->stepper->width;
+  colour /= c->probe->stepper->width;
+  *slot = colour % c->slots;
+  colour /= c->slots;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    group[a] = colour % c->groups[a];
+    colour /= c->groups[a];
+  }
+}
+
+/* Room for the columns of a colour. amount has for each particle what its unknown was perturbed by. */
+typedef struct {
+  PetscInt64 *unknown;
+  PetscReal  *amount, *by, *response, largest;
+} Room;
+
+static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, Room *r, Mat A, PetscReal *leaks)
+{
+  MpmProbe         *p = c->probe;
+  const MpmStepper *s = p->stepper;
+  PetscInt          group[MPM_MAX_DIM], slot, number;
+  PetscInt64        n = 0;
+
+  PetscFunctionBegin;
+  SplitColour(c, colour, group, &slot, &number);
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    PetscBool in = c->slot[i] == slot ? PETSC_TRUE : PETSC_FALSE;
+
+    for (PetscInt a = 0; a < c->dim && in; a++)
+      if (Group(c, c->cell[i * c->dim + a], a) != group[a]) in = PETSC_FALSE;
+    if (!in) continue;
+    r->unknown[n]  = i * s->width + number;
+    r->amount[n++] = size;
+  }
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, r->unknown, r->amount, r->response));
+  for (PetscInt64 k = 0; k < n; k++) r->by[r->unknown[k] / s->width] = r->amount[k];
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    const PetscInt64 source = Source(c, group, slot, i);
+
+    for (PetscInt j = 0; j < s->width; j++) {
+      const PetscReal felt = r->response[i * s->width + j];
+      const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)(source * s->width + number);
+
+      r->largest = PetscMax(r->largest, PetscAbsReal(felt));
+      if (source < 0)
+        *leaks = PetscMax(*leaks, PetscAbsReal(felt));
+      else if (felt != 0)
+        PetscCall(MatSetValue(A, row, column, felt / r->by[source], INSERT_VALUES));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
+{
+  const MpmStepper *s       = c->probe->stepper;
+  PetscReal         seen[2] = {0, 0};
+  MpmProgress       progress;
+  PetscMPIInt       rank, ranks;
+  Room              r = {.largest = 0};
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  PetscCall(PetscMalloc4(s->particles, &r.unknown, s->particles, &r.amount, s->particles, &r.by,
+                         s->particles * s->width, &r.response));
+  PetscCall(MpmProgressBegin("colours probed", &progress));
+  for (PetscInt colour = rank; colour < colours->colours; colour += ranks) {
+    PetscCall(Colour(c, colour, size, &r, A, &seen[0]));
+    PetscCall(MpmProgressUpdate(&progress, colour + 1, colours->colours));
+  }
+  PetscCall(MpmProgressEnd(&progress));
+  PetscCall(PetscFree4(r.unknown, r.amount, r.by, r.response));
+  PetscCall(MpmStepperAgree(c->probe->stepper));
+  PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  seen[1] = r.largest;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  colours->leaks = seen[1] > 0 ? seen[0] / seen[1] : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A matrix whose rows of a particle are on one rank. */
+static PetscErrorCode NewMatrix(const MpmStepper *s, Mat *A)
+{
+  PetscMPIInt rank, ranks;
+  PetscInt    rows;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
+  rows = (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
+  PetscCall(MatCreate(PETSC_COMM_WORLD, A));
+  PetscCall(MatSetSizes(*A, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetType(*A, MATAIJ));
+  PetscCall(MatSetUp(*A));
+  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colours, Mat *A)
+{
+  Colouring c;
+  PetscBool grows = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  *A = NULL;
+  PetscCall(Begin(p, &c));
+  PetscCall(Reach(&c));
+  for (PetscInt a = 0; a < c.dim; a++) c.reach[a] = PetscMax(c.reach[a], colours->reach[a]);
+  do {
+    PetscCall(Strides(&c, colours));
+    PetscCall(MatDestroy(A));
+    PetscCall(NewMatrix(p->stepper, A));
+    PetscCall(Columns(&c, size, colours, *A));
+    grows = PETSC_FALSE;
+    for (PetscInt a = 0; a < c.dim; a++) {
+      if (colours->leaks <= FELT || 2 * c.reach[a] + 1 >= c.cells[a]) continue;
+      c.reach[a]++;
+      grows = PETSC_TRUE;
+    }
+  } while (grows);
+  PetscCall(End(&c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

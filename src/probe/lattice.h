@@ -1,0 +1,75 @@
+/*
+   Bloch probing: where all cells are alike, the response to one cell's unknowns is that to every cell's. It gives the
+   blocks A_d, the response of the cell at distance d, and with them G(beta) = sum over d of A_d e^(-i beta.d) for every
+   phase, whatever the number of cells.
+*/
+#pragma once
+#include "probe/probe.h"
+
+/*S
+   MpmProbeLattice - the cells of a base state.
+
+   cells    - their number in each direction; first: the cell with the least indices
+   wraps    - whether they fill the period of that direction, so that they have no edge there
+   sites    - the number of particles in each cell; xi: their places in it, MPM_MAX_DIM numbers each, 0 without a place
+   lo, hi   - the least and the largest of these in each direction; gap: the largest distance of two next to one another
+   particle - the particle of each site of each cell: particle[cell * sites + site], x fastest
+   cell_of, site_of - the same the other way round
+S*/
+typedef struct {
+  PetscInt    cells[MPM_MAX_DIM], first[MPM_MAX_DIM], sites;
+  PetscBool   wraps[MPM_MAX_DIM];
+  PetscReal  *xi, lo[MPM_MAX_DIM], hi[MPM_MAX_DIM], gap[MPM_MAX_DIM];
+  PetscInt64 *particle;
+  PetscInt   *cell_of, *site_of;
+} MpmProbeLattice;
+
+/*S
+   MpmProbeBlocks - the blocks of a lattice.
+
+   order  - of a block: sites times numbers of a particle
+   n      - number of blocks; d: their distances, MPM_MAX_DIM numbers each; A: the blocks by columns, one after another
+   farthest - the largest entry of the blocks for particles at the edge, over the largest of all: 0 when nothing arrives
+            there
+S*/
+typedef struct {
+  PetscInt   order, n, *d;
+  PetscReal *A, farthest;
+} MpmProbeBlocks;
+
+/*
+   MpmProbeLatticeFind - sorts particles into cells. why_not: why the cells are not alike, empty if they are.
+
+   Not collective.
+*/
+PetscErrorCode MpmProbeLatticeFind(const MpmProbe *probe, MpmProbeLattice *lattice, size_t room, char why_not[]);
+PetscErrorCode MpmProbeLatticeDestroy(MpmProbeLattice *lattice);
+
+/* Not collective. The cell in the middle. */
+PetscInt MpmProbeLatticeMiddle(const MpmProbe *probe, const MpmProbeLattice *lattice);
+
+/*
+   MpmProbeBlocksCreate - probes the unknowns of a cell, with perturbations of a size.
+
+   Collective: the ranks share the columns, and all get all blocks.
+*/
+PetscErrorCode MpmProbeBlocksCreate(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
+                                    MpmProbeBlocks *blocks);
+PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *blocks);
+
+/*
+   Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases.
+   apart[c]: whether number c of a particle's width numbers is left out.
+*/
+PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
+                                      const PetscBool apart[], PetscReal *distance);
+
+/*
+   MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.
+
+   Not collective. amount, response: as MpmProbeRandom has them. apart: as above. differ: the largest difference, over the
+   largest number of the response. compared: the number of cells.
+*/
+PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice,
+                                     const MpmProbeBlocks *blocks, const PetscReal amount[], const PetscReal response[],
+                                     const PetscBool apart[], PetscReal *differ, PetscInt *compared);

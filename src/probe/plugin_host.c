@@ -1,0 +1,192 @@
+/* Loads a shared library, and answers the messages of protocol 1 with its functions. */
+#include "probe/plugin_host.h"
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SAID 400 /* bytes of what a library says that stand in a failure */
+
+/* numbers: of the base state; room: of state. */
+typedef struct {
+  void *library;
+  const char *(*describe)(const double **state);
+  int (*set)(const char name[], double value);
+  int (*step)(int steps, int64_t particles, double state[]);
+  const char *(*error)(void);
+  FILE   *in, *out;
+  size_t  particles, width, room;
+  double *state;
+} Host;
+
+/* Answers with a failure. */
+static void Fail(Host *h, const char format[], ...) __attribute__((format(printf, 2, 3)));
+static void Fail(Host *h, const char format[], ...)
+{
+  char    text[2048];
+  json_t *answer, *words;
+  va_list arguments;
+
+  va_start(arguments, format);
+  (void)vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  words = json_string(text);
+  if (!words) { /* no UTF-8 */
+    for (char *c = text; *c; c++)
+      if (*c & 0x80) *c = '?';
+    words = json_string(text);
+  }
+  answer = json_pack("{s:o}", "failure", words);
+  (void)json_dumpf(answer, h->out, JSON_COMPACT);
+  (void)fputc('\n', h->out);
+  json_decref(answer);
+}
+
+static const char *Said(const Host *h)
+{
+  const char *said = h->error ? h->error() : NULL;
+
+  return said ? said : "it does not say why";
+}
+
+/* C has no conversion between pointers to objects and to functions; POSIX has this one. Returns whether it is there. */
+static int Find(Host *h, const char name[], void *function)
+{
+  *(void **)function = dlsym(h->library, name);
+  if (!*(void **)function) Fail(h, "it has no function %s (see <mpmstab/plugin.h>)", name);
+  return *(void **)function != NULL;
+}
+
+static int Open(Host *h, const char path[])
+{
+  char *here = malloc(strlen(path) + 3);
+
+  if (!here) return 0;
+  (void)sprintf(here, "%s%s", strchr(path, '/') ? "" : "./", path);
+  h->library = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+  free(here);
+  if (!h->library) {
+    Fail(h, "cannot be loaded: %.*s; allowed: a shared library", SAID, dlerror());
+    return 0;
+  }
+  *(void **)&h->error = dlsym(h->library, "mpmstab_error");
+  return Find(h, "mpmstab_describe", &h->describe) && Find(h, "mpmstab_set", &h->set) &&
+         Find(h, "mpmstab_step", &h->step);
+}
+
+/* The size of the state, from the description; 0 when the description is wrong, which its reader says. */
+static void TakeSize(Host *h, const char line[])
+{
+  json_t *description = json_loads(line, 0, NULL), *field;
+  size_t  f;
+
+  h->particles = (size_t)json_integer_value(json_object_get(description, "particles"));
+  h->width     = 0;
+  json_array_foreach(json_object_get(description, "fields"), f, field)
+  {
+    h->width += (size_t)json_integer_value(json_object_get(field, "size"));
+  }
+  json_decref(description);
+}
+
+/* The description becomes one line: outside its words, where a line cannot end, JSON takes a blank for the end of a line. */
+static void Describe(Host *h, const char path[])
+{
+  const double *state = NULL;
+  const char   *line;
+
+  if (!h->library && !Open(h, path)) return;
+  line = h->describe(&state);
+  if (!line)
+    Fail(h, "describe: %.*s", SAID, Said(h));
+  else if (!state)
+    Fail(h, "describe gives no base state");
+  else {
+    for (const char *c = line; *c; c++) (void)fputc(*c == '\n' || *c == '\r' ? ' ' : *c, h->out);
+    (void)fputc('\n', h->out);
+    (void)fflush(h->out); /* what it says of a state may not be so */
+    TakeSize(h, line);
+    (void)fwrite(state, sizeof *state, h->particles * h->width, h->out);
+  }
+}
+
+static void Set(Host *h, json_t *message)
+{
+  const char *name;
+  json_t     *value;
+
+  json_object_foreach(message, name, value)
+  {
+    if (!json_is_number(value)) continue;
+    if (h->set(name, json_number_value(value)))
+      Fail(h, "set %s to %.17g: %.*s", name, json_number_value(value), SAID, Said(h));
+    else
+      (void)fputs("{}\n", h->out);
+  }
+}
+
+/* Returns whether the state has come and there is memory for it. */
+static int Step(Host *h, const json_t *message)
+{
+  const json_t *given     = json_object_get(message, "particles");
+  const size_t  particles = given ? (size_t)json_integer_value(given) : h->particles, n = particles * h->width;
+
+  if (n > h->room) {
+    free(h->state);
+    h->state = calloc(n, sizeof *h->state);
+    h->room  = n;
+  }
+  if (!h->state || fread(h->state, sizeof *h->state, n, h->in) != n) return 0;
+  if (h->step((int)json_integer_value(json_object_get(message, "steps")), (int64_t)particles, h->state))
+    Fail(h, "step: %.*s", SAID, Said(h));
+  else {
+    (void)fputs("{}\n", h->out);
+    (void)fwrite(h->state, sizeof *h->state, n, h->out);
+  }
+  return 1;
+}
+
+/* The pipes get numbers of their own, which nothing that the library starts inherits. */
+static int OpenPipes(Host *h)
+{
+  const int in = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3), out = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  const int nothing = open("/dev/null", O_RDONLY);
+
+  if (in < 0 || out < 0 || nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    return 0;
+  (void)close(nothing);
+  h->in  = fdopen(in, "r");
+  h->out = fdopen(out, "w");
+  return h->in && h->out;
+}
+
+int MpmPluginHost(const char path[])
+{
+  Host   h    = {0};
+  char  *line = NULL;
+  size_t room = 0;
+  int    goes = OpenPipes(&h);
+
+  if (!goes) return 1;
+  while (goes && getline(&line, &room, h.in) > 0) {
+    json_t     *message = json_loads(line, 0, NULL);
+    const char *what    = json_string_value(json_object_get(message, "do"));
+
+    if (what && !strcmp(what, "describe"))
+      Describe(&h, path);
+    else if (what && !strcmp(what, "set"))
+      Set(&h, message);
+    else
+      goes = what && !strcmp(what, "step") ? Step(&h, message) : 0;
+    json_decref(message);
+    (void)fflush(h.out);
+  }
+  if (h.library) (void)dlclose(h.library);
+  free(line);
+  free(h.state);
+  return 0;
+}

@@ -1,0 +1,73 @@
+/* Program: the code of somebody else in the place of a scene. It is started, probed and judged here. */
+#pragma once
+#include "probe/certificates.h"
+#include "probe/unread.h"
+#include "scene/request.h"
+#include "symbol/blocks.h"
+
+#define MPM_PROGRAM_WHY 256
+
+/*S
+   MpmProgram - a code, its base state, and what was found by probing it.
+
+   request      - names the program or the plugin
+   kind         - how it is probed; why: what stands against Bloch probing, empty if nothing does
+   whole        - all particles are to be probed, even if cells are alike
+   shell        - the operator of all particles is no matrix: its products are asked for
+   alike        - a probe whose sizes of perturbations are taken again; NULL: they are chosen
+   lattice      - the cells of the base state, for Bloch probing
+   colours      - of the coloured probing that was done last
+   certificates - what shows that the operator is right; unread: unknowns that are only integrated
+   tolerance    - of the verdict; at least 1e-5 in single precision
+   columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they are
+                  known
+S*/
+typedef struct MpmProgram_ {
+  const MpmRequest *request;
+  MpmStepper       *stepper;
+  MpmProbe          probe;
+  MpmProbeKind      kind;
+  char              why[MPM_PROGRAM_WHY];
+  PetscBool         whole, shell;
+  const MpmProbe   *alike;
+  MpmProbeLattice   lattice;
+  MpmProbeColours   colours;
+  MpmCertificates   certificates;
+  MpmUnread         unread;
+  PetscReal         tolerance;
+  PetscInt          columns;
+} MpmProgram;
+
+/*
+   MpmProgramOpen - starts the code that a request names and sets its parameters.
+   MpmProgramPrepare - looks at its base state and chooses how to probe it. longest: as MpmProbeBegin has it.
+   MpmProgramForget - undoes MpmProgramPrepare, so that another state or other parameters can be looked at.
+
+   Collective. Errors: PETSC_ERR_USER_INPUT when the code fails, or the wanted way of probing is not possible.
+*/
+PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *program);
+PetscErrorCode MpmProgramPrepare(MpmProgram *program);
+PetscErrorCode MpmProgramForget(MpmProgram *program);
+PetscErrorCode MpmProgramClose(MpmProgram *program);
+
+/* Collective. Replaces the base state by the one after some steps. The program must not be prepared. */
+PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
+
+/*
+   MpmProgramBlocks - the blocks of a lattice, probed with both sizes, without unknowns that are only integrated; takes all
+   certificates. MpmProgramMatrix does the same for the operator of all particles; of a shell nothing is set apart. other NULL: probes with one size and
+   takes no certificate.
+
+   Collective. Free them with MpmBlocksFree or MatDestroy.
+*/
+PetscErrorCode MpmProgramBlocks(MpmProgram *program, MpmBlocks *one, MpmBlocks *other);
+PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
+
+/*
+   MpmProgramJudge - a finding's verdict, given what the certificates say. It is unstable only if growth - 1 is larger than
+   the tolerance and what the errors of the operator can make of an eigenvalue, with both sizes of perturbations. A
+   certificate that fails makes it undecided, unless growth is beyond what it can make.
+
+   Not collective. other: growth with the other size. condition: of the eigenvalue.
+*/
+PetscErrorCode MpmProgramJudge(const MpmProgram *program, PetscReal other, PetscReal condition, MpmFinding *finding);

@@ -1,0 +1,123 @@
+/* Strongly connected sets of the pattern of an operator, over the numbers of a particle. */
+#include "probe/unread.h"
+#include <math.h>
+
+/*
+   Pattern - couples[i * width + j]: the largest abs by which number i of a particle feels number j of one; most[i]: the
+   largest abs by which number i of a particle feels itself.
+*/
+typedef struct {
+  PetscInt   width;
+  PetscReal *couples, *most;
+} Pattern;
+
+static void See(Pattern *p, PetscInt row, PetscInt column, PetscBool own, PetscReal value)
+{
+  const PetscInt i = row % p->width, j = column % p->width;
+
+  if (own)
+    p->most[i] = PetscMax(p->most[i], PetscAbsReal(value));
+  else
+    p->couples[i * p->width + j] = PetscMax(p->couples[i * p->width + j], PetscAbsReal(value));
+}
+
+static PetscErrorCode Begin(PetscInt width, Pattern *p)
+{
+  PetscFunctionBegin;
+  p->width = width;
+  PetscCall(PetscCalloc2(width * width, &p->couples, width, &p->most));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A number is alone when it does not reach itself through others (Warshall 1962). */
+static PetscErrorCode SetApart(Pattern *p, PetscReal noise, MpmUnread *u)
+{
+  const PetscInt w = p->width;
+  PetscBool     *reaches;
+
+  PetscFunctionBegin;
+  *u = (MpmUnread){.width = w};
+  PetscCall(PetscCalloc1(w, &u->apart));
+  PetscCall(PetscMalloc1(w * w, &reaches));
+  for (PetscInt i = 0; i < w * w; i++) reaches[i] = p->couples[i] > noise ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt k = 0; k < w; k++)
+    for (PetscInt i = 0; i < w; i++)
+      for (PetscInt j = 0; j < w && reaches[i * w + k]; j++)
+        if (reaches[k * w + j]) reaches[i * w + j] = PETSC_TRUE;
+  for (PetscInt i = 0; i < w; i++) {
+    u->apart[i] = reaches[i * w + i] || p->most[i] > 1 + noise ? PETSC_FALSE : PETSC_TRUE;
+    if (u->apart[i]) u->factor = PetscMax(u->factor, p->most[i]);
+    if (!u->apart[i]) u->n++;
+  }
+  if (u->n == 0) { /* a step that does nothing: something must be left to look at */
+    PetscCall(PetscArrayzero(u->apart, w));
+    u->n = w;
+  }
+  PetscCall(PetscFree(reaches));
+  PetscCall(PetscFree2(p->couples, p->most));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnreadOfBlocks(const MpmProbeBlocks *b, PetscInt width, PetscReal noise, MpmUnread *u)
+{
+  Pattern p;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(width, &p));
+  for (PetscInt k = 0; k < b->n; k++) {
+    const PetscInt *d    = &b->d[k * MPM_MAX_DIM];
+    const PetscBool here = d[0] == 0 && d[1] == 0 && d[2] == 0 ? PETSC_TRUE : PETSC_FALSE;
+
+    for (PetscInt j = 0; j < b->order; j++)
+      for (PetscInt i = 0; i < b->order; i++)
+        See(&p, i, j, here && i == j ? PETSC_TRUE : PETSC_FALSE, b->A[((size_t)k * b->order + j) * b->order + i]);
+  }
+  PetscCall(SetApart(&p, noise, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnreadOfMatrix(Mat A, PetscInt width, PetscReal noise, MpmUnread *u)
+{
+  PetscInt first, last;
+  Pattern  p;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(width, &p));
+  PetscCall(MatGetOwnershipRange(A, &first, &last));
+  for (PetscInt row = first; row < last; row++) {
+    PetscInt           n;
+    const PetscInt    *columns;
+    const PetscScalar *values;
+
+    PetscCall(MatGetRow(A, row, &n, &columns, &values));
+    for (PetscInt i = 0; i < n; i++) See(&p, row, columns[i], row == columns[i] ? PETSC_TRUE : PETSC_FALSE, values[i]);
+    PetscCall(MatRestoreRow(A, row, &n, &columns, &values));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, p.couples, width * width, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, p.most, width, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  PetscCall(SetApart(&p, noise, u));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnreadDestroy(MpmUnread *u)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree(u->apart));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnreadReduce(const MpmUnread *u, Mat A, Mat *reduced)
+{
+  PetscInt first, last, *kept, n = 0;
+  IS       is;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(A, &first, &last));
+  PetscCall(PetscMalloc1(last - first, &kept));
+  for (PetscInt row = first; row < last; row++)
+    if (!u->apart[row % u->width]) kept[n++] = row;
+  PetscCall(ISCreateGeneral(PETSC_COMM_WORLD, n, kept, PETSC_OWN_POINTER, &is));
+  PetscCall(MatCreateSubMatrix(A, is, is, MAT_INITIAL_MATRIX, reduced));
+  PetscCall(ISDestroy(&is));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
