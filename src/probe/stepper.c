@@ -1,12 +1,25 @@
-/* What all steppers share: the description, agreement between ranks, and checks of what a step gives. */
+/*
+   A stepper behind two pipes: a program, or the process in which a shared library runs. A message is a line of JSON,
+   followed by raw doubles where the protocol says so:
+
+     > {"do":"describe"}                        < {"protocol":1, ...}   the base state
+     > {"do":"set","NAME":VALUE}                < {}
+     > {"do":"step","steps":N}   the state      < {}                    the state
+     > {"do":"quit"}
+
+   Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
+*/
 #include "probe/stepper.h"
+#include "base/child.h"
 #include "base/text.h"
+#include "probe/plugin_host.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
+#include <unistd.h>
 
-#define PROTOCOL 1
+#define WROTE 900 /* bytes of standard error in a message */
 
 PetscErrorCode MpmStepperFail(MpmStepper *s, const char format[], ...)
 {
@@ -35,169 +48,69 @@ PetscErrorCode MpmStepperAgree(MpmStepper *s)
   MpmRefuse("%s: %s", s->where, s->failure);
 }
 
-/* ---- the description ---- */
+/* ---- the talk ---- */
 
-static PetscErrorCode Whole(MpmStepper *s, const json_t *object, const char key[], json_int_t least, json_int_t most,
-                            PetscInt64 *value)
+/* Takes over the child's failure, with what it has last written to standard error. */
+static PetscErrorCode TakeFailure(MpmStepper *s)
 {
-  const json_t    *number = json_object_get(object, key);
-  const json_int_t given  = json_integer_value(number);
+  const MpmChild *child   = s->child;
+  const char     *failure = MpmChildFailure(child), *errors = MpmChildErrors(child);
+  char            wrote[WROTE];
+  size_t          length = strlen(errors);
 
   PetscFunctionBegin;
-  *value = PetscMax(least, 0);
-  if (!number || !json_is_integer(number) || given < least || given > most)
-    PetscCall(MpmStepperFail(s, "its description has %s %s; needed: a whole number from %lld to %lld",
-                             number ? "a wrong" : "no", key, (long long)least, (long long)most));
-  else
-    *value = given;
+  if (!failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  while (length > 0 && errors[length - 1] == '\n') length--; /* a message is one line */
+  if (length >= sizeof wrote) errors += length - sizeof wrote + 1;
+  (void)snprintf(wrote, sizeof wrote, "%.*s", (int)PetscMin(length, sizeof wrote - 1), errors);
+  for (char *c = wrote; *c; c++)
+    if (*c == '\n') *c = '|';
+  PetscCall(MpmStepperFail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Name(MpmStepper *s, const json_t *object, const char of[], char name[MPM_STEPPER_NAME])
+/*
+   Sends a command with a state or without, and takes the answer, an object of JSON that the caller frees; NULL after a failure.
+   what: was asked for, as messages say it; of a description they say nothing of the kind.
+*/
+static PetscErrorCode Ask(MpmStepper *s, const char what[], json_t *command, const PetscReal *state, size_t n,
+                          json_t **answer)
 {
-  const char *given = json_string_value(json_object_get(object, "name"));
+  char       *line = json_dumps(command, JSON_COMPACT | JSON_REAL_PRECISION(17));
+  const char *said, *error, *failure;
 
   PetscFunctionBegin;
-  if (!given || !given[0] || strlen(given) >= MPM_STEPPER_NAME)
-    PetscCall(
-        MpmStepperFail(s, "its description has no name of %s; needed: 1 to %d characters", of, MPM_STEPPER_NAME - 1));
-  else
-    PetscCall(PetscStrncpy(name, given, MPM_STEPPER_NAME));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Fields(MpmStepper *s, const json_t *fields)
-{
-  PetscFunctionBegin;
-  if (!json_is_array(fields) || json_array_size(fields) == 0 || json_array_size(fields) > MPM_STEPPER_FIELDS) {
-    PetscCall(MpmStepperFail(s, "its description has no fields; needed: 1 to %d of them", MPM_STEPPER_FIELDS));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (size_t f = 0; f < json_array_size(fields); f++) {
-    const json_t    *of = json_array_get(fields, f), *scale = json_object_get(of, "scale");
-    MpmStepperField *field = &s->fields[s->nfields];
-    PetscInt64       size;
-
-    PetscCall(Name(s, of, "a field", field->name));
-    PetscCall(Whole(s, of, "size", 1, MPM_STEPPER_WIDTH, &size));
-    if (s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
-    field->size  = (PetscInt)size;
-    field->first = s->width;
-    field->scale = json_number_value(scale);
-    if (scale && !(field->scale > 0 && isfinite(field->scale)))
-      PetscCall(MpmStepperFail(s, "field %s: its scale is no number above 0", field->name));
-    if (json_is_true(json_object_get(of, "place"))) {
-      if (s->place != MPM_NONE) PetscCall(MpmStepperFail(s, "two fields are the place; allowed: one"));
-      if (field->size != s->dim)
-        PetscCall(MpmStepperFail(
-            s, "field %s is the place and has size %" PetscInt_FMT "; needed: dim, which is %" PetscInt_FMT,
-            field->name, field->size, s->dim));
-      s->place = s->nfields;
-    }
-    s->width += field->size;
-    s->nfields++;
-  }
-  if (s->width > MPM_STEPPER_WIDTH)
-    PetscCall(
-        MpmStepperFail(s, "a particle has %" PetscInt_FMT " numbers; allowed: up to %d", s->width, MPM_STEPPER_WIDTH));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Parameters(MpmStepper *s, json_t *parameters)
-{
-  const char *name;
-  json_t     *value;
-
-  PetscFunctionBegin;
-  json_object_foreach(parameters, name, value)
-  {
-    if (s->nparameters == MPM_STEPPER_PARAMETERS || strlen(name) >= MPM_STEPPER_NAME || !json_is_number(value)) {
-      PetscCall(
-          MpmStepperFail(s, "parameter %.60s is no number, or there are more than %d", name, MPM_STEPPER_PARAMETERS));
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-    PetscCall(PetscStrncpy(s->parameters[s->nparameters].name, name, MPM_STEPPER_NAME));
-    s->parameters[s->nparameters].value = s->parameters[s->nparameters].now = json_number_value(value);
-    s->nparameters++;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Grid(MpmStepper *s, const json_t *description)
-{
-  const json_t *width = json_object_get(description, "cell_width"), *periods = json_object_get(description, "periodic");
-
-  PetscFunctionBegin;
-  s->cell_width = json_number_value(width);
-  if (!(s->cell_width > 0) || !isfinite(s->cell_width))
-    PetscCall(MpmStepperFail(s, "its description has no cell_width; needed: a number above 0"));
-  if (periods && !json_is_null(periods) && (!json_is_array(periods) || json_array_size(periods) != (size_t)s->dim))
-    PetscCall(MpmStepperFail(s, "its description has a wrong periodic; needed: for each direction a period or null"));
-  for (PetscInt a = 0; a < s->dim && json_is_array(periods) && !s->failure[0]; a++) {
-    const json_t *period = json_array_get(periods, (size_t)a);
-
-    if (!period || json_is_null(period)) continue;
-    s->period[a] = json_number_value(period);
-    if (!(s->period[a] > 0) || !isfinite(s->period[a]))
-      PetscCall(MpmStepperFail(s, "its description has a period that is no number above 0"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The cells of the particles: a list of whole numbers, dim of them for each particle, or a list of such lists. */
-static PetscErrorCode Cells(MpmStepper *s, const json_t *cells)
-{
-  const size_t dim = (size_t)s->dim, n = (size_t)s->particles;
-
-  PetscFunctionBegin;
-  if (!cells || s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!json_is_array(cells) || (json_array_size(cells) != n && json_array_size(cells) != n * dim)) {
-    PetscCall(MpmStepperFail(s, "its description has a wrong cell; needed: dim whole numbers for each particle"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PetscMalloc1(n * dim, &s->cell));
-  for (size_t i = 0; i < n * dim; i++) {
-    const json_t *one = json_array_size(cells) == n * dim ? json_array_get(cells, i) : json_array_get(cells, i / dim);
-
-    if (json_is_array(one)) one = json_array_get(one, i % dim);
-    if (!json_is_integer(one)) PetscCall(MpmStepperFail(s, "its description has a cell that is no whole number"));
-    s->cell[i] = (PetscInt)json_integer_value(one);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStepperDescribe(MpmStepper *s, const char line[])
-{
-  json_error_t error;
-  json_t      *description = json_loads(line, 0, &error);
-  const char  *refused     = json_string_value(json_object_get(description, "error")),
-             *failure      = json_string_value(json_object_get(description, "failure"));
-  PetscInt64 dim, steps = 1, protocol;
-
-  PetscFunctionBegin;
-  s->place = MPM_NONE;
-  if (!json_is_object(description))
-    PetscCall(MpmStepperFail(s, "does not describe itself with an object of JSON: %.80s", line));
+  *answer = NULL;
+  PetscCheck(line, PETSC_COMM_SELF, PETSC_ERR_MEM, "a line of JSON");
+  json_decref(command);
+  PetscCall(MpmChildTalk(s->child, line, state, n * sizeof *state, &said));
+  free(line);
+  PetscCall(TakeFailure(s));
+  if (!said) PetscFunctionReturn(PETSC_SUCCESS);
+  *answer = json_loads(said, 0, NULL);
+  failure = json_string_value(json_object_get(*answer, "failure"));
+  error   = json_string_value(json_object_get(*answer, "error"));
+  if (!json_is_object(*answer))
+    PetscCall(MpmStepperFail(s,
+                             what ? "%s: its answer is not a line of JSON: %.80s"
+                                  : "%sdoes not describe itself with an object of JSON: %.80s",
+                             what ? what : "", said));
   else if (failure)
     PetscCall(MpmStepperFail(s, "%s", failure));
-  else if (refused)
-    PetscCall(MpmStepperFail(s, "says: %.400s", refused));
-  if (!s->failure[0]) {
-    PetscCall(Whole(s, description, "protocol", PROTOCOL, PROTOCOL, &protocol));
-    PetscCall(Name(s, description, "the code", s->name));
-    PetscCall(Whole(s, description, "dim", 1, MPM_MAX_DIM, &dim));
-    PetscCall(Whole(s, description, "particles", 1, 1000000000, &s->particles));
-    if (json_object_get(description, "steps")) PetscCall(Whole(s, description, "steps", 1, 1000000, &steps));
-    s->dim       = (PetscInt)dim;
-    s->described = s->particles;
-    s->steps     = (PetscInt)steps;
-    s->any_count = json_is_true(json_object_get(description, "any_count")) ? PETSC_TRUE : PETSC_FALSE;
-    PetscCall(Grid(s, description));
-    PetscCall(Fields(s, json_object_get(description, "fields")));
-    PetscCall(Parameters(s, json_object_get(description, "parameters")));
-    PetscCall(Cells(s, json_object_get(description, "cell")));
-  }
-  json_decref(description);
+  else if (error)
+    PetscCall(MpmStepperFail(s, "%s%s%.400s", what ? what : "", what ? ": the program says: " : "says: ", error));
+  if (!s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  json_decref(*answer);
+  *answer = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes numbers that follow an answer. */
+static PetscErrorCode TakeState(MpmStepper *s, PetscInt64 n, PetscReal state[])
+{
+  PetscFunctionBegin;
+  PetscCall(MpmChildTake(s->child, (size_t)n * sizeof *state, state));
+  PetscCall(TakeFailure(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -237,19 +150,78 @@ PetscErrorCode MpmStepperBegin(MpmStepper *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscReal state[])
+/* Asks a child that has been started to describe itself. */
+static PetscErrorCode Begin(const char option[], const char value[], const char whose[], MpmChild *child,
+                            MpmStepper **stepper)
 {
-  PetscReal *after;
+  json_t     *answer = NULL;
+  MpmStepper *s;
 
   PetscFunctionBegin;
-  if (s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscNew(stepper));
+  s        = *stepper;
+  s->child = child;
+  s->whose = whose;
+  PetscCall(PetscSNPrintf(s->where, sizeof s->where, "%s %s", option, value));
+  PetscCall(TakeFailure(s));
+  if (!s->failure[0]) PetscCall(Ask(s, NULL, json_pack("{s:s}", "do", "describe"), NULL, 0, &answer));
+  if (answer) PetscCall(MpmStepperDescribe(s, answer));
+  json_decref(answer);
+  if (!s->failure[0]) {
+    PetscCall(PetscMalloc1(s->particles * s->width, &s->base));
+    PetscCall(TakeState(s, s->particles * s->width, s->base));
+  }
+  PetscCall(MpmStepperBegin(s));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper)
+{
+  MpmChild *child;
+
+  PetscFunctionBegin;
+  PetscCall(MpmChildStartCommand(command, timeout, &child));
+  PetscCall(Begin("program", command, "the program", child, stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* This program once more, whose main function sees from the words what it shall be. */
+PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper)
+{
+  char      own[PETSC_MAX_PATH_LEN] = "/proc/self/exe", host[] = MPM_PLUGIN_HOST, *library;
+  MpmChild *child;
+  ssize_t   n;
+
+  PetscFunctionBegin;
+  n = readlink("/proc/self/exe", own, sizeof own - 1);
+  if (n > 0) own[n] = '\0';
+  PetscCall(PetscStrallocpy(path, &library));
+  PetscCall(MpmChildStart((char *[]){own, host, library, NULL}, timeout, &child));
+  PetscCall(PetscFree(library));
+  PetscCall(Begin("plugin", path, "the library", child, stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscReal state[])
+{
+  const PetscInt64 n       = particles * s->width;
+  json_t          *command = json_pack("{s:s, s:i}", "do", "step", "steps", (int)steps), *answer = NULL;
+  PetscReal       *after;
+
+  PetscFunctionBegin;
+  if (particles != s->described) (void)json_object_set_new(command, "particles", json_integer(particles));
   PetscCheck(particles == s->particles || s->any_count, PETSC_COMM_SELF, PETSC_ERR_PLIB, "another number of particles");
-  PetscCall(PetscMalloc1(particles * s->width, &after));
-  PetscCall(PetscArraycpy(after, state, particles * s->width));
-  PetscCall(s->step(s, steps, particles, after));
+  if (s->failure[0]) {
+    json_decref(command);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscMalloc1(n, &after));
+  PetscCall(Ask(s, "step", command, state, (size_t)n, &answer));
+  if (answer) PetscCall(TakeState(s, n, after));
+  json_decref(answer);
   s->calls++;
   if (!s->failure[0]) PetscCall(CheckFinite(s, "the state after a step", particles, after));
-  if (!s->failure[0]) PetscCall(PetscArraycpy(state, after, particles * s->width));
+  if (!s->failure[0]) PetscCall(PetscArraycpy(state, after, n));
   PetscCall(PetscFree(after));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -284,6 +256,8 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
 {
   PetscBool found;
   PetscReal start;
+  json_t   *answer = NULL;
+  char      what[128];
   MpmText   names = {NULL, 0};
 
   PetscFunctionBegin;
@@ -293,7 +267,9 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
     PetscCall(MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text));
     PetscCall(MpmTextFree(&names));
   }
-  if (!s->failure[0]) PetscCall(s->set(s, name, value));
+  (void)snprintf(what, sizeof what, "set %s to %.17g", name, (double)value);
+  if (!s->failure[0]) PetscCall(Ask(s, what, json_pack("{s:s, s:f}", "do", "set", name, value), NULL, 0, &answer));
+  json_decref(answer);
   PetscCall(MpmStepperAgree(s));
   for (PetscInt i = 0; i < s->nparameters; i++)
     if (!strcmp(s->parameters[i].name, name)) s->parameters[i].now = value;
@@ -304,7 +280,7 @@ PetscErrorCode MpmStepperDestroy(MpmStepper **stepper)
 {
   PetscFunctionBegin;
   if (!*stepper) PetscFunctionReturn(PETSC_SUCCESS);
-  if ((*stepper)->end) PetscCall((*stepper)->end(*stepper));
+  PetscCall(MpmChildEnd(&(*stepper)->child, "{\"do\":\"quit\"}"));
   PetscCall(PetscFree((*stepper)->cell));
   PetscCall(PetscFree((*stepper)->base));
   PetscCall(PetscFree(*stepper));

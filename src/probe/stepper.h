@@ -5,6 +5,7 @@
    A step may fail on one rank alone. So MpmStepperStep returns no error for that; MpmStepperAgree tells all ranks.
 */
 #pragma once
+#include "base/child.h"
 #include "base/text.h"
 #include <mpmstab/compat.h>
 #include <mpmstab/fraction.h>
@@ -51,7 +52,7 @@ typedef struct {
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
    calls       - steps asked for on this rank
-   set, step, end - what the kinds of stepper do; context is theirs
+   child       - the process that does the steps
 S*/
 typedef struct MpmStepper_ MpmStepper;
 struct MpmStepper_ {
@@ -65,10 +66,7 @@ struct MpmStepper_ {
   MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
   PetscInt           *cell;
   PetscReal          *base;
-  void               *context;
-  PetscErrorCode (*set)(MpmStepper *stepper, const char name[], PetscReal value);
-  PetscErrorCode (*step)(MpmStepper *stepper, PetscInt steps, PetscInt64 particles, PetscReal state[]);
-  PetscErrorCode (*end)(MpmStepper *stepper);
+  MpmChild           *child;
 };
 
 /*
@@ -118,7 +116,7 @@ PetscErrorCode MpmStepperAgree(MpmStepper *stepper);
 
    Not collective. Part of MpmStepperStart...
 */
-PetscErrorCode MpmStepperDescribe(MpmStepper *stepper, const char line[]);
+PetscErrorCode MpmStepperDescribe(MpmStepper *stepper, const json_t *description);
 
 /*
    MpmStepperBegin - ends the start of a stepper: checks its base state, and gives all ranks that of the first one.
