@@ -269,8 +269,8 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *c)
+PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *one, const MpmBlocks *kept,
+                                const MpmBlocks *other, const PetscBool apart[], MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *response, differ;
@@ -282,9 +282,8 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   PetscCall(RespondToAll(p, amount, response));
   p->apart = NULL;
   PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared));
-  PetscCall(MpmProbeBlocksDistance(one, other, p->stepper->width, apart, &c->value[MPM_CERTIFY_SIZES]));
-  c->value[MPM_CERTIFY_REACH] = PetscMax(one->farthest, other->farthest);
-  c->cells                    = p->stepper->particles / l->sites;
+  PetscCall(MpmProbeBlocksDistance(kept, other, &c->value[MPM_CERTIFY_SIZES]));
+  c->cells = p->stepper->particles / l->sites;
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
   PetscCall(PetscFree2(amount, response));
   PetscCall(Share(c));

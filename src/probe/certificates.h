@@ -72,8 +72,9 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
 
 /*
    MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium, scales. The others are NaN.
-   MpmCertifyBlocks - adds two sizes, reach and columns, of blocks that were probed with the two sizes of probe.
-   MpmCertifyMatrix - does the same for a matrix.
+   MpmCertifyBlocks - adds two sizes and columns, of blocks that were probed with the two sizes of probe. Their reach is known
+   where they are.
+   MpmCertifyMatrix - does the same for a matrix, with its reach.
 
    What is set apart does not count, because no eigenvalue that is judged feels its error: apart[c] says whether number c of
    a particle is; kept and other are without it, one is with it.
@@ -82,7 +83,8 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
 */
 PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, const PetscBool apart[],
                               MpmCertificates *certificates);
-PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbeBlocks *one,
-                                const MpmProbeBlocks *other, const PetscBool apart[], MpmCertificates *certificates);
+PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *one,
+                                const MpmBlocks *kept, const MpmBlocks *other, const PetscBool apart[],
+                                MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 const PetscBool apart[], MpmCertificates *certificates);

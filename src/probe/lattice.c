@@ -219,28 +219,30 @@ static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt c
   return PETSC_FALSE;
 }
 
-/* A column of all blocks: columns has for each cell the order numbers of its particles. */
+/* The response to unknown j of a cell, as column j of the blocks of all cells. */
 static PetscErrorCode Column(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscInt j, PetscReal size,
-                             PetscReal response[], PetscReal column[])
+                             PetscReal response[], PetscReal all[])
 {
   const MpmStepper *s       = p->stepper;
   const PetscInt64  unknown = l->particle[cell * l->sites + j / s->width] * s->width + j % s->width;
+  const PetscInt    order   = l->sites * s->width;
   PetscReal         amount  = size;
 
   PetscFunctionBegin;
   PetscCall(MpmProbeRespond(p, PETSC_FALSE, 1, &unknown, &amount, response));
   for (PetscInt64 i = 0; i < s->particles; i++)
     for (PetscInt c = 0; c < s->width; c++)
-      column[(l->cell_of[i] * l->sites + l->site_of[i]) * s->width + c] = response[i * s->width + c] / amount;
+      all[((size_t)(l->cell_of[i] * l->sites + l->site_of[i]) * s->width + c) * order + j] =
+          response[i * s->width + c] / amount;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Keeps the cells where something arrives, as blocks; all[(cell x order + row) x order + column]. */
 static PetscErrorCode Keep(const MpmProbe *p, const MpmProbeLattice *l, PetscInt from, const PetscReal all[],
-                           MpmProbeBlocks *b)
+                           MpmBlocks *b, PetscReal *farthest)
 {
   const MpmStepper *s     = p->stepper;
-  const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], square = b->order * b->order;
+  const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], square = b->size * b->size;
   PetscReal        *peak, largest = 0, far = 0;
 
   PetscFunctionBegin;
@@ -249,43 +251,41 @@ static PetscErrorCode Keep(const MpmProbe *p, const MpmProbeLattice *l, PetscInt
     for (PetscInt e = 0; e < square; e++) {
       const PetscReal value = PetscAbsReal(all[(size_t)c * square + e]);
 
-      if (value > far && IsFar(s, l, c, e % b->order / s->width, from, e / b->order / s->width)) far = value;
+      if (value > far && IsFar(s, l, c, e / b->size / s->width, from, e % b->size / s->width)) far = value;
       peak[c] = PetscMax(peak[c], value);
     }
     largest = PetscMax(largest, peak[c]);
     if (peak[c] > 0) b->n++;
   }
-  b->farthest = largest > 0 ? far / largest : 0;
-  PetscCall(PetscCalloc2(b->n * MPM_MAX_DIM, &b->d, b->n * square, &b->A));
+  *farthest = largest > 0 ? far / largest : 0;
+  PetscCall(MpmBlocksAllocate(b));
   for (PetscInt c = 0, k = 0; c < cells; c++) {
     if (!(peak[c] > 0)) continue;
-    for (PetscInt a = 0; a < s->dim; a++) b->d[k * MPM_MAX_DIM + a] = Distance(l, c, from, a);
-    PetscCall(PetscArraycpy(b->A + k++ * square, all + c * square, square));
+    for (PetscInt a = 0; a < s->dim; a++) b->d[k * s->dim + a] = Distance(l, c, from, a);
+    PetscCall(PetscArraycpy(b->A + (size_t)k++ * square, all + (size_t)c * square, square));
   }
   PetscCall(PetscFree(peak));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeBlocksCreate(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscReal size,
-                                    MpmProbeBlocks *b)
+PetscErrorCode MpmProbeBlocks(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscReal size, MpmBlocks *b,
+                              PetscReal *farthest)
 {
   const MpmStepper *s     = p->stepper;
   const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], order = l->sites * s->width;
-  PetscReal        *response, *column, *all;
+  PetscReal        *response, *all;
   PetscMPIInt       rank, ranks;
   MpmProgress       progress;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  *b = (MpmProbeBlocks){.order = order};
-  PetscCall(PetscMalloc2(s->particles * s->width, &response, s->particles * s->width, &column));
+  *b = (MpmBlocks){.dim = s->dim, .size = order, .period = p->steps, .cell_width = s->cell_width};
+  PetscCall(PetscMalloc1(s->particles * s->width, &response));
   PetscCall(PetscCalloc1((size_t)cells * order * order, &all));
   PetscCall(MpmProgressBegin("unknowns probed", &progress));
   for (PetscInt j = rank; j < order; j += ranks) {
-    PetscCall(Column(p, l, cell, j, size, response, column));
-    for (PetscInt c = 0; c < cells; c++)
-      PetscCall(PetscArraycpy(all + (size_t)(c * order + j) * order, column + c * order, order));
+    PetscCall(Column(p, l, cell, j, size, response, all));
     PetscCall(MpmProgressUpdate(&progress, j + 1, order));
   }
   PetscCall(MpmProgressEnd(&progress));
@@ -293,32 +293,26 @@ PetscErrorCode MpmProbeBlocksCreate(MpmProbe *p, const MpmProbeLattice *l, Petsc
   for (PetscInt c = 0; c < cells; c++)
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, all + (size_t)c * order * order, order * order, MPIU_REAL, MPI_SUM,
                                PETSC_COMM_WORLD));
-  PetscCall(Keep(p, l, cell, all, b));
+  PetscCall(Keep(p, l, cell, all, b, farthest));
   PetscCall(PetscFree(all));
-  PetscCall(PetscFree2(response, column));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *b)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscFree2(b->d, b->A));
+  PetscCall(PetscFree(response));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- what blocks give ---- */
 
 /* Adds weight e^(-i beta.d) A_d of all blocks to a matrix, real and imaginary parts one after another. */
-static void AddAt(const MpmProbeBlocks *b, PetscReal weight, const PetscReal beta[], PetscReal sum[])
+static void AddAt(const MpmBlocks *b, PetscReal weight, const PetscReal beta[], PetscReal sum[])
 {
-  const PetscInt square = b->order * b->order;
+  const PetscInt square = b->size * b->size;
 
   for (PetscInt k = 0; k < b->n; k++) {
-    const PetscInt  *d     = &b->d[k * MPM_MAX_DIM];
-    const PetscReal  angle = beta[0] * d[0] + beta[1] * d[1] + beta[2] * d[2];
-    const PetscReal  re = weight * cos(angle), im = -weight * sin(angle);
-    const PetscReal *A = b->A + (size_t)k * square;
+    const PetscReal *A     = b->A + (size_t)k * square;
+    PetscReal        angle = 0, re, im;
 
+    for (PetscInt a = 0; a < b->dim; a++) angle += beta[a] * b->d[k * b->dim + a];
+    re = weight * cos(angle);
+    im = -weight * sin(angle);
     for (PetscInt e = 0; e < square; e++) {
       sum[e] += re * A[e];
       sum[square + e] += im * A[e];
@@ -326,24 +320,21 @@ static void AddAt(const MpmProbeBlocks *b, PetscReal weight, const PetscReal bet
   }
 }
 
-PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
-                                      const PetscBool apart[], PetscReal *distance)
+PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance)
 {
-  const PetscInt order = one->order, square = order * order;
-  PetscReal     *differ, largest            = 0;
+  const PetscInt numbers = 2 * one->size * one->size;
+  PetscReal     *differ, largest = 0;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(2 * square, &differ));
+  PetscCall(PetscMalloc1(numbers, &differ));
   for (PetscInt i = 0; i < PHASES; i++) {
     PetscReal beta[MPM_MAX_DIM], sum = 0;
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(3, i * MPM_MAX_DIM + a);
-    PetscCall(PetscArrayzero(differ, 2 * square));
+    PetscCall(PetscArrayzero(differ, numbers));
     AddAt(one, 1, beta, differ);
     AddAt(other, -1, beta, differ);
-    for (PetscInt e = 0; e < square; e++)
-      if (!apart[e % order % width] && !apart[e / order % width])
-        sum += PetscSqr(differ[e]) + PetscSqr(differ[square + e]);
+    for (PetscInt e = 0; e < numbers; e++) sum += PetscSqr(differ[e]);
     largest = PetscMax(largest, sum);
   }
   *distance = sqrt(largest);
@@ -352,13 +343,13 @@ PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeB
 }
 
 /* The cell from which block k reaches a cell, or MPM_NONE beyond an edge. */
-static PetscInt From(const MpmProbeLattice *l, const PetscInt d[], PetscInt cell)
+static PetscInt From(const MpmProbeLattice *l, PetscInt dim, const PetscInt d[], PetscInt cell)
 {
   PetscInt from = 0;
 
   for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--) {
     const PetscInt n  = l->cells[a];
-    PetscInt       at = Along(l, cell, a) - d[a];
+    PetscInt       at = Along(l, cell, a) - (a < dim ? d[a] : 0);
 
     if (l->wraps[a]) at = (at % n + n) % n;
     if (at < 0 || at >= n) return MPM_NONE;
@@ -368,22 +359,23 @@ static PetscInt From(const MpmProbeLattice *l, const PetscInt d[], PetscInt cell
 }
 
 /* Whether blocks reach a cell, and it reaches others, without going beyond an edge. */
-static PetscBool IsInside(const MpmProbeLattice *l, const MpmProbeBlocks *b, PetscInt cell)
+static PetscBool IsInside(const MpmProbeLattice *l, const MpmBlocks *b, PetscInt cell)
 {
   for (PetscInt k = 0; k < b->n; k++) {
-    const PetscInt *d       = &b->d[k * MPM_MAX_DIM];
-    const PetscInt  back[3] = {-d[0], -d[1], -d[2]};
+    const PetscInt *d = &b->d[k * b->dim];
+    PetscInt        back[MPM_MAX_DIM];
 
-    if (From(l, d, cell) == MPM_NONE || From(l, back, cell) == MPM_NONE) return PETSC_FALSE;
+    for (PetscInt a = 0; a < b->dim; a++) back[a] = -d[a];
+    if (From(l, b->dim, d, cell) == MPM_NONE || From(l, b->dim, back, cell) == MPM_NONE) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l, const MpmProbeBlocks *b,
+PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *b,
                                      const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
                                      PetscReal *differ, PetscInt *compared)
 {
-  const PetscInt w = p->stepper->width, all = l->cells[0] * l->cells[1] * l->cells[2], order = b->order;
+  const PetscInt w = p->stepper->width, all = l->cells[0] * l->cells[1] * l->cells[2], order = b->size;
   PetscReal      largest = 0;
 
   PetscFunctionBegin;
@@ -398,10 +390,10 @@ PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l
 
       if (apart[row % w]) continue;
       for (PetscInt k = 0; k < b->n; k++) {
-        const PetscInt from = From(l, &b->d[k * MPM_MAX_DIM], cell);
+        const PetscInt from = From(l, b->dim, &b->d[k * b->dim], cell);
 
         for (PetscInt j = 0; j < order; j++)
-          sum += b->A[((size_t)k * order + j) * order + row] * amount[l->particle[from * l->sites + j / w] * w + j % w];
+          sum += b->A[((size_t)k * order + row) * order + j] * amount[l->particle[from * l->sites + j / w] * w + j % w];
       }
       *differ = PetscMax(*differ, PetscAbsReal(felt - sum));
       largest = PetscMax(largest, PetscAbsReal(felt));

@@ -5,6 +5,7 @@
 */
 #pragma once
 #include "probe/probe.h"
+#include "symbol/blocks.h"
 
 /*S
    MpmProbeLattice - the cells of a base state.
@@ -24,19 +25,6 @@ typedef struct {
   PetscInt   *cell_of, *site_of;
 } MpmProbeLattice;
 
-/*S
-   MpmProbeBlocks - the blocks of a lattice.
-
-   order  - of a block: sites times numbers of a particle
-   n      - number of blocks; d: their distances, MPM_MAX_DIM numbers each; A: the blocks by columns, one after another
-   farthest - the largest entry of the blocks for particles at the edge, over the largest of all: 0 when nothing arrives
-            there
-S*/
-typedef struct {
-  PetscInt   order, n, *d;
-  PetscReal *A, farthest;
-} MpmProbeBlocks;
-
 /*
    MpmProbeLatticeFind - sorts particles into cells. why_not: why the cells are not alike, empty if they are.
 
@@ -49,27 +37,23 @@ PetscErrorCode MpmProbeLatticeDestroy(MpmProbeLattice *lattice);
 PetscInt MpmProbeLatticeMiddle(const MpmProbe *probe, const MpmProbeLattice *lattice);
 
 /*
-   MpmProbeBlocksCreate - probes the unknowns of a cell, with perturbations of a size.
+   MpmProbeBlocks - probes the unknowns of a cell, with perturbations of a size.
 
-   Collective: the ranks share the columns, and all get all blocks.
+   Collective: the ranks share the columns, and all get all blocks. farthest: the largest entry of the blocks for particles
+   at the edge, over the largest of all: 0 when nothing arrives there.
 */
-PetscErrorCode MpmProbeBlocksCreate(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
-                                    MpmProbeBlocks *blocks);
-PetscErrorCode MpmProbeBlocksDestroy(MpmProbeBlocks *blocks);
+PetscErrorCode MpmProbeBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
+                              MpmBlocks *blocks, PetscReal *farthest);
 
-/*
-   Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases.
-   apart[c]: whether number c of a particle's width numbers is left out.
-*/
-PetscErrorCode MpmProbeBlocksDistance(const MpmProbeBlocks *one, const MpmProbeBlocks *other, PetscInt width,
-                                      const PetscBool apart[], PetscReal *distance);
+/* Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases. */
+PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance);
 
 /*
    MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.
 
-   Not collective. amount, response: as MpmProbeRandom has them. apart: as above. differ: the largest difference, over the
+   Not collective. amount, response: as MpmProbeRandom has them. apart[c]: whether number c of a particle is left out. differ: the largest difference, over the
    largest number of the response. compared: the number of cells.
 */
-PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice,
-                                     const MpmProbeBlocks *blocks, const PetscReal amount[], const PetscReal response[],
-                                     const PetscBool apart[], PetscReal *differ, PetscInt *compared);
+PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
+                                     const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
+                                     PetscReal *differ, PetscInt *compared);

@@ -135,50 +135,34 @@ static PetscReal Noise(const MpmProgram *p)
   return p->probe.single ? NOISE_SINGLE : NOISE;
 }
 
-/* Blocks without the unknowns that are set apart. Those that were probed are by columns. */
-static PetscErrorCode Reduce(const MpmProgram *p, const MpmProbeBlocks *from, MpmBlocks *to)
+/* Probes blocks with a size of perturbations, and leaves out what is set apart, which the first ones tell. */
+static PetscErrorCode Blocks(MpmProgram *p, PetscReal size, MpmBlocks *all, MpmBlocks *kept, PetscReal *farthest)
 {
-  const MpmStepper *s    = p->stepper;
-  const PetscInt    size = p->lattice.sites * p->unread.n;
-  PetscInt         *kept, n = 0;
-
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(size, &kept));
-  for (PetscInt i = 0; i < from->order; i++)
-    if (!p->unread.apart[i % s->width]) kept[n++] = i;
-  *to = (MpmBlocks){.dim = s->dim, .size = size, .period = p->probe.steps, .n = from->n, .cell_width = s->cell_width};
-  MpmCheckInput(size <= MPM_BLOCKS_SIZE && (PetscReal)size * size * from->n <= MPM_BLOCKS_NUMBERS,
-                "%s: a cell has %" PetscInt_FMT " unknowns; allowed: up to %d", s->where, size, MPM_BLOCKS_SIZE);
-  PetscCall(MpmBlocksAllocate(to));
-  for (PetscInt b = 0; b < from->n; b++) {
-    const PetscReal *A = from->A + (size_t)b * from->order * from->order;
-
-    for (PetscInt a = 0; a < s->dim; a++) to->d[b * s->dim + a] = from->d[b * MPM_MAX_DIM + a];
-    for (PetscInt i = 0; i < size; i++)
-      for (PetscInt j = 0; j < size; j++)
-        to->A[((size_t)b * size + i) * size + j] = A[(size_t)kept[j] * from->order + kept[i]];
-  }
-  PetscCall(PetscFree(kept));
+  PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->probe, &p->lattice), size, all, farthest));
+  if (!p->unread.apart) PetscCall(MpmUnreadOfBlocks(all, p->stepper->width, Noise(p), &p->unread));
+  size = (PetscReal)p->lattice.sites * p->unread.n;
+  MpmCheckInput(size <= MPM_BLOCKS_SIZE && size * size * all->n <= MPM_BLOCKS_NUMBERS,
+                "%s: a cell has %.0f unknowns; allowed: up to %d", p->stepper->where, (double)size, MPM_BLOCKS_SIZE);
+  PetscCall(MpmUnreadReduceBlocks(&p->unread, all, kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
 {
-  const PetscInt middle = MpmProbeLatticeMiddle(&p->probe, &p->lattice);
-  MpmProbeBlocks probed[2];
+  MpmBlocks all[2];
+  PetscReal farthest[2];
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.size, &probed[0]));
-  PetscCall(MpmUnreadOfBlocks(&probed[0], p->stepper->width, Noise(p), &p->unread));
-  PetscCall(Reduce(p, &probed[0], one));
+  PetscCall(Blocks(p, p->probe.size, &all[0], one, &farthest[0]));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
-    PetscCall(MpmProbeBlocksCreate(&p->probe, &p->lattice, middle, p->probe.other, &probed[1]));
-    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &probed[0], &probed[1], p->unread.apart, &p->certificates));
-    PetscCall(Reduce(p, &probed[1], other));
-    PetscCall(MpmProbeBlocksDestroy(&probed[1]));
+    PetscCall(Blocks(p, p->probe.other, &all[1], other, &farthest[1]));
+    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &all[0], one, other, p->unread.apart, &p->certificates));
+    p->certificates.value[MPM_CERTIFY_REACH] = PetscMax(farthest[0], farthest[1]);
+    PetscCall(MpmBlocksFree(&all[1]));
   }
-  PetscCall(MpmProbeBlocksDestroy(&probed[0]));
+  PetscCall(MpmBlocksFree(&all[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -58,19 +58,20 @@ static PetscErrorCode SetApart(Pattern *p, PetscReal noise, MpmUnread *u)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmUnreadOfBlocks(const MpmProbeBlocks *b, PetscInt width, PetscReal noise, MpmUnread *u)
+PetscErrorCode MpmUnreadOfBlocks(const MpmBlocks *b, PetscInt width, PetscReal noise, MpmUnread *u)
 {
   Pattern p;
 
   PetscFunctionBegin;
   PetscCall(Begin(width, &p));
   for (PetscInt k = 0; k < b->n; k++) {
-    const PetscInt *d    = &b->d[k * MPM_MAX_DIM];
-    const PetscBool here = d[0] == 0 && d[1] == 0 && d[2] == 0 ? PETSC_TRUE : PETSC_FALSE;
+    PetscBool here = PETSC_TRUE;
 
-    for (PetscInt j = 0; j < b->order; j++)
-      for (PetscInt i = 0; i < b->order; i++)
-        See(&p, i, j, here && i == j ? PETSC_TRUE : PETSC_FALSE, b->A[((size_t)k * b->order + j) * b->order + i]);
+    for (PetscInt a = 0; a < b->dim; a++)
+      if (b->d[k * b->dim + a]) here = PETSC_FALSE;
+    for (PetscInt i = 0; i < b->size; i++)
+      for (PetscInt j = 0; j < b->size; j++)
+        See(&p, i, j, here && i == j ? PETSC_TRUE : PETSC_FALSE, b->A[((size_t)k * b->size + i) * b->size + j]);
   }
   PetscCall(SetApart(&p, noise, u));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -119,5 +120,25 @@ PetscErrorCode MpmUnreadReduce(const MpmUnread *u, Mat A, Mat *reduced)
   PetscCall(ISCreateGeneral(PETSC_COMM_WORLD, n, kept, PETSC_OWN_POINTER, &is));
   PetscCall(MatCreateSubMatrix(A, is, is, MAT_INITIAL_MATRIX, reduced));
   PetscCall(ISDestroy(&is));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmUnreadReduceBlocks(const MpmUnread *u, const MpmBlocks *from, MpmBlocks *to)
+{
+  PetscInt *kept, n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(from->size, &kept));
+  for (PetscInt i = 0; i < from->size; i++)
+    if (!u->apart[i % u->width]) kept[n++] = i;
+  *to      = *from;
+  to->size = n;
+  PetscCall(MpmBlocksAllocate(to));
+  PetscCall(PetscArraycpy(to->d, from->d, from->n * from->dim));
+  for (size_t b = 0; b < (size_t)from->n; b++)
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt j = 0; j < n; j++)
+        to->A[(b * n + i) * n + j] = from->A[(b * from->size + kept[i]) * from->size + kept[j]];
+  PetscCall(PetscFree(kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -24,9 +24,10 @@ typedef struct {
 
    Collective for the matrix.
 */
-PetscErrorCode MpmUnreadOfBlocks(const MpmProbeBlocks *blocks, PetscInt width, PetscReal noise, MpmUnread *unread);
+PetscErrorCode MpmUnreadOfBlocks(const MpmBlocks *blocks, PetscInt width, PetscReal noise, MpmUnread *unread);
 PetscErrorCode MpmUnreadOfMatrix(Mat A, PetscInt width, PetscReal noise, MpmUnread *unread);
 PetscErrorCode MpmUnreadDestroy(MpmUnread *unread);
 
-/* Collective. The rows and columns of a matrix that are not set apart. */
+/* The rows and columns of a matrix, or of blocks, that are not set apart. Collective for the matrix. */
 PetscErrorCode MpmUnreadReduce(const MpmUnread *unread, Mat A, Mat *reduced);
+PetscErrorCode MpmUnreadReduceBlocks(const MpmUnread *unread, const MpmBlocks *blocks, MpmBlocks *reduced);
