@@ -7,6 +7,7 @@
    Cells are alike when every cell c has the same entries from c to c + d.
 */
 #include "io/blocks_of_matrix.h"
+#include "probe/lattice.h"
 #include "scene/request.h"
 #include <math.h>
 #include <string.h>
@@ -18,14 +19,14 @@
 #define ALIKE_SINGLE 0.01
 
 /*S
-   Lattice - cells[a] cells in each direction; cell[i] and site[i] of each particle, and its place xi[i] in the cell. reach:
-   how far the middle cell is felt in each direction, in cells.
+   Felt - the cells of a matrix. width: the numbers of a particle; reach: how far the middle cell is felt in each direction, in
+   cells.
 S*/
 typedef struct {
   const MpmHooked *said;
-  PetscInt         cells[MPM_MAX_DIM], all, sites, width, *cell, *site, *order, middle, reach[MPM_MAX_DIM];
-  PetscReal (*xi)[MPM_MAX_DIM];
-} Lattice;
+  MpmProbeLattice  cells;
+  PetscInt         width, middle, reach[MPM_MAX_DIM];
+} Felt;
 
 static PetscErrorCode CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
 {
@@ -55,120 +56,57 @@ static PetscErrorCode CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The cells in each direction, and the cell of each particle. Without a period cells begin at the first particle. */
-static PetscErrorCode FindCells(Lattice *l, char why[MPM_WHY_TEXT])
+/* Without a period cells begin at the first particle. */
+static PetscErrorCode FindCells(Felt *l, char why[MPM_WHY_TEXT])
 {
-  const MpmHooked *h   = l->said;
-  PetscReal        all = 1;
+  const MpmHooked *h      = l->said;
+  MpmProbePlaces   places = {.dim = h->dim, .n = h->places, .near = NEAR};
+  PetscReal       *at;
 
   PetscFunctionBegin;
-  l->all = 1;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscBool wraps = h->period[a] > 0 ? PETSC_TRUE : PETSC_FALSE;
-    PetscReal       low = wraps ? 0 : INFINITY, high = -INFINITY, cells;
+  PetscCall(PetscMalloc1(h->places * h->dim, &at));
+  for (PetscInt a = 0; a < h->dim; a++) {
+    PetscReal low = h->period[a] > 0 ? 0 : INFINITY;
 
-    for (PetscInt64 i = 0; i < h->places; i++) {
-      low  = PetscMin(low, h->x[MPM_MAX_DIM * i + a]);
-      high = PetscMax(high, h->x[MPM_MAX_DIM * i + a]);
-    }
-    if (wraps) low = 0;
-    cells = wraps ? rint(h->period[a] / h->cell_width) : floor((high - low) / h->cell_width + NEAR) + 1;
-    all *= cells;
-    if (!(cells >= 1 && all <= (PetscReal)h->places) || (wraps && fabs(h->period[a] / h->cell_width - cells) > NEAR)) {
-      PetscCall(PetscStrncpy(why, "the particles are not in cells that are alike: some cells have none", MPM_WHY_TEXT));
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-    l->cells[a] = (PetscInt)cells;
-    for (PetscInt64 i = 0; i < h->places; i++) {
-      const PetscReal at = (h->x[MPM_MAX_DIM * i + a] - low) / h->cell_width, cell = floor(at + NEAR);
-
-      l->xi[i][a] = at - cell;
-      l->cell[i] += l->all * (PetscInt)(cell - cells * floor(cell / cells));
-    }
-    l->all *= l->cells[a];
+    for (PetscInt64 i = 0; i < h->places && !(h->period[a] > 0); i++) low = PetscMin(low, h->x[MPM_MAX_DIM * i + a]);
+    for (PetscInt64 i = 0; i < h->places; i++) at[i * h->dim + a] = (h->x[MPM_MAX_DIM * i + a] - low) / h->cell_width;
+    places.period[a] = h->period[a] / h->cell_width;
   }
+  places.at = at;
+  PetscCall(MpmProbeLatticeFind(&places, &l->cells, MPM_WHY_TEXT, why));
+  for (PetscInt a = 0; a < h->dim; a++)
+    if (h->period[a] > 0 && !l->cells.wraps[a])
+      PetscCall(PetscStrncpy(why, "some cells have none of the particles", MPM_WHY_TEXT));
+  PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether two particles are at the same site; before: whether the first has the smaller place otherwise. */
-static PetscBool SameSite(const Lattice *l, PetscInt i, PetscInt k, PetscBool *before)
+static void Distance(const Felt *l, PetscInt to, PetscInt from, PetscInt d[])
 {
-  for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--) {
-    if (fabs(l->xi[i][a] - l->xi[k][a]) <= NEAR) continue;
-    *before = l->xi[i][a] < l->xi[k][a] ? PETSC_TRUE : PETSC_FALSE;
-    return PETSC_FALSE;
-  }
-  *before = PETSC_FALSE;
-  return PETSC_TRUE;
-}
-
-/* Sorts the particles of a cell by their places, and gives each its site. They are few. */
-static PetscErrorCode FindSites(Lattice *l, char why[MPM_WHY_TEXT])
-{
-  PetscInt *held;
-
-  PetscFunctionBegin;
-  l->sites = (PetscInt)(l->said->places / l->all);
-  PetscCall(PetscCalloc1(l->all, &held));
-  for (PetscInt i = 0; i < l->said->places && !why[0]; i++) {
-    PetscInt *of = l->order + (size_t)l->cell[i] * l->sites, at = held[l->cell[i]]++;
-    PetscBool before;
-
-    if (at == l->sites || l->said->places % l->all) {
-      PetscCall(PetscStrncpy(why, "its cells have different numbers of particles", MPM_WHY_TEXT));
-      continue;
-    }
-    for (; at > 0 && !SameSite(l, i, of[at - 1], &before) && before; at--) of[at] = of[at - 1];
-    of[at] = i;
-  }
-  for (PetscInt c = 0; c < l->all && !why[0]; c++) {
-    for (PetscInt j = 0; j < l->sites && !why[0]; j++) {
-      PetscBool before;
-
-      l->site[l->order[c * l->sites + j]] = j;
-      if (!SameSite(l, l->order[c * l->sites + j], l->order[j], &before))
-        PetscCall(PetscStrncpy(why, "the particles of some cells have other places in them", MPM_WHY_TEXT));
-    }
-  }
-  PetscCall(PetscFree(held));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The distance of two cells, the shorter way round where there is a period. */
-static void Distance(const Lattice *l, PetscInt to, PetscInt from, PetscInt d[])
-{
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt n = l->cells[a];
-
-    d[a] = to % n - from % n;
-    to /= n;
-    from /= n;
-    if (!(l->said->period[a] > 0)) continue;
-    d[a] = (d[a] % n + n) % n;
-    if (d[a] > n / 2) d[a] -= n;
-  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) d[a] = MpmProbeLatticeDistance(&l->cells, to, from, a);
 }
 
 /* Whether what a cell gives, and what it gets, stays away from edges by the reach of a step. */
-static PetscBool IsInside(const Lattice *l, PetscInt cell)
+static PetscBool IsInside(const Felt *l, PetscInt cell)
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt at = cell % l->cells[a];
+    const PetscInt at = cell % l->cells.cells[a];
 
-    if (a < l->said->dim && !(l->said->period[a] > 0) && (at <= l->reach[a] || at >= l->cells[a] - 1 - l->reach[a]))
+    if (a < l->said->dim && !(l->said->period[a] > 0) &&
+        (at <= l->reach[a] || at >= l->cells.cells[a] - 1 - l->reach[a]))
       return PETSC_FALSE;
-    cell /= l->cells[a];
+    cell /= l->cells.cells[a];
   }
   return PETSC_TRUE;
 }
 
 /* Finds the reach of the middle cell. Returns whether what is felt has not come from, or gone on, beyond an edge. */
-static PetscBool FindReach(Lattice *l, const MpmEntries *e, PetscReal *largest)
+static PetscBool FindReach(Felt *l, const MpmEntries *e, PetscReal *largest)
 {
   *largest = 0;
   for (PetscInt64 k = 0; k < e->n; k++) *largest = PetscMax(*largest, fabs(e->value[k]));
   for (PetscInt64 k = 0; k < e->n; k++) {
-    const PetscInt to = l->cell[e->row[k] / l->width], from = l->cell[e->column[k] / l->width];
+    const PetscInt to = l->cells.cell_of[e->row[k] / l->width], from = l->cells.cell_of[e->column[k] / l->width];
     PetscInt       d[MPM_MAX_DIM];
 
     Distance(l, to, from, d);
@@ -177,14 +115,14 @@ static PetscBool FindReach(Lattice *l, const MpmEntries *e, PetscReal *largest)
         l->reach[a] = PetscMax(l->reach[a], PetscAbsInt(d[a]));
   }
   for (PetscInt a = 0; a < l->said->dim; a++) {
-    const PetscInt n = l->cells[a], reach = l->reach[a];
+    const PetscInt n = l->cells.cells[a], reach = l->reach[a];
 
     if (l->said->period[a] > 0 ? 2 * reach >= n - 1 && n > 1 : 2 * reach >= n - 2) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-static PetscBool IsBeyond(const Lattice *l, const PetscInt d[])
+static PetscBool IsBeyond(const Felt *l, const PetscInt d[])
 {
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
     if (PetscAbsInt(d[a]) > l->reach[a]) return PETSC_TRUE;
@@ -192,44 +130,45 @@ static PetscBool IsBeyond(const Lattice *l, const PetscInt d[])
 }
 
 /* The place of an entry in the blocks: which = number of the block round the middle, times order squared, and so on. */
-static size_t PlaceOf(const Lattice *l, const MpmEntries *e, PetscInt64 k, const PetscInt d[])
+static size_t PlaceOf(const Felt *l, const MpmEntries *e, PetscInt64 k, const PetscInt d[])
 {
-  const PetscInt order = l->sites * l->width, i = e->row[k] / l->width, j = e->column[k] / l->width;
+  const PetscInt order = l->cells.sites * l->width, i = e->row[k] / l->width, j = e->column[k] / l->width;
   size_t         block = 0;
 
   for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--)
     block = block * (size_t)(2 * l->reach[a] + 1) + (size_t)(d[a] + l->reach[a]);
-  return (block * (size_t)order + (size_t)(l->site[i] * l->width + e->row[k] % l->width)) * (size_t)order +
-         (size_t)(l->site[j] * l->width + e->column[k] % l->width);
+  return (block * (size_t)order + (size_t)(l->cells.site_of[i] * l->width + e->row[k] % l->width)) * (size_t)order +
+         (size_t)(l->cells.site_of[j] * l->width + e->column[k] % l->width);
 }
 
 /* The largest difference between the columns of a cell that is inside and those of the middle one. */
-static PetscReal Differ(const Lattice *l, const MpmEntries *e, const PetscReal A[], size_t n)
+static PetscReal Differ(const Felt *l, const MpmEntries *e, const PetscReal A[], size_t n)
 {
-  PetscReal *sum, *square, whole = 0, differ = 0;
+  const PetscInt all = l->cells.cells[0] * l->cells.cells[1] * l->cells.cells[2];
+  PetscReal     *sum, *square, whole = 0, differ = 0;
 
-  if (PetscCalloc2(l->all, &sum, l->all, &square)) return INFINITY;
+  if (PetscCalloc2(all, &sum, all, &square)) return INFINITY;
   for (size_t i = 0; i < n; i++) whole += PetscSqr(A[i]);
   for (PetscInt64 k = 0; k < e->n; k++) {
-    const PetscInt from = l->cell[e->column[k] / l->width];
+    const PetscInt from = l->cells.cell_of[e->column[k] / l->width];
     PetscInt       d[MPM_MAX_DIM];
     PetscReal      of;
 
     if (!IsInside(l, from)) continue;
-    Distance(l, l->cell[e->row[k] / l->width], from, d);
+    Distance(l, l->cells.cell_of[e->row[k] / l->width], from, d);
     of = IsBeyond(l, d) ? 0 : A[PlaceOf(l, e, k, d)];
     sum[from] += PetscSqr(e->value[k] - of);
     square[from] += PetscSqr(of);
   }
-  for (PetscInt c = 0; c < l->all; c++)
+  for (PetscInt c = 0; c < all; c++)
     if (IsInside(l, c)) differ = PetscMax(differ, sqrt(sum[c] + PetscMax(0, whole - square[c])));
   (void)PetscFree2(sum, square);
   return differ;
 }
 
-static PetscErrorCode Take(Lattice *l, const MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_TEXT])
+static PetscErrorCode Take(Felt *l, const MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_TEXT])
 {
-  const PetscInt  order = l->sites * l->width;
+  const PetscInt  order = l->cells.sites * l->width;
   const PetscReal alike = l->said->single > 0 ? ALIKE_SINGLE : ALIKE;
   PetscReal       largest, differ;
   size_t          n = (size_t)order * (size_t)order;
@@ -253,8 +192,8 @@ static PetscErrorCode Take(Lattice *l, const MpmEntries *e, MpmBlocks *b, char w
   for (PetscInt64 k = 0; k < e->n; k++) {
     PetscInt d[MPM_MAX_DIM];
 
-    if (l->cell[e->column[k] / l->width] != l->middle) continue;
-    Distance(l, l->cell[e->row[k] / l->width], l->middle, d);
+    if (l->cells.cell_of[e->column[k] / l->width] != l->middle) continue;
+    Distance(l, l->cells.cell_of[e->row[k] / l->width], l->middle, d);
     if (!IsBeyond(l, d)) b->A[PlaceOf(l, e, k, d)] += e->value[k];
   }
   differ = Differ(l, e, b->A, n);
@@ -268,18 +207,15 @@ static PetscErrorCode Take(Lattice *l, const MpmEntries *e, MpmBlocks *b, char w
 
 PetscErrorCode MpmBlocksOfMatrix(MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_TEXT])
 {
-  const PetscInt64 n = e->hooked.places;
-  Lattice          l = {.said = &e->hooked, .width = (PetscInt)e->hooked.numbers};
+  Felt l = {.said = &e->hooked, .width = (PetscInt)e->hooked.numbers};
 
   PetscFunctionBegin;
   PetscCall(CheckSaid(e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscCalloc4(n, &l.cell, n, &l.site, n, &l.order, n, &l.xi));
   PetscCall(FindCells(&l, why));
-  if (!why[0]) PetscCall(FindSites(&l, why));
   MpmEntriesToScales(e);
-  for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--) l.middle = l.middle * l.cells[a] + l.cells[a] / 2;
+  l.middle = MpmProbeLatticeMiddle(&l.cells);
   if (!why[0]) PetscCall(Take(&l, e, b, why));
-  PetscCall(PetscFree4(l.cell, l.site, l.order, l.xi));
+  PetscCall(MpmProbeLatticeDestroy(&l.cells));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -123,7 +123,7 @@ static PetscErrorCode Cut(Search *s, PetscInt site)
   const MpmProgram      *p  = s->program;
   const MpmProbeLattice *l  = &p->lattice;
   const MpmStepper      *of = p->stepper;
-  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(&p->probe, l), block = s->critical->block;
+  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(l), block = s->critical->block;
 
   PetscFunctionBegin;
   s->cut           = *of;

@@ -11,110 +11,80 @@
 
 /* ---- the lattice ---- */
 
-/* The cell of a particle along a direction, and its place in it. A place just below a face is on it. */
-static PetscInt CellAlong(const MpmProbe *p, PetscInt64 i, PetscInt a, PetscReal *xi)
-{
-  const MpmStepper *s = p->stepper;
-  PetscReal         at;
-
-  *xi = 0;
-  if (s->place == MPM_NONE) return s->cell[i * s->dim + a];
-  at  = s->base[i * s->width + s->fields[s->place].first + a] / s->cell_width;
-  *xi = at - floor(at + p->near);
-  return (PetscInt)floor(at + p->near);
-}
-
 typedef struct {
   PetscInt   cell;
   PetscReal  xi[MPM_MAX_DIM];
   PetscInt64 particle;
 } Place;
 
+/* Sites are numbered with x fastest. */
 static int ByPlace(const void *one, const void *other)
 {
   const Place *p = one, *q = other;
 
   if (p->cell != q->cell) return p->cell < q->cell ? -1 : 1;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+  for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--)
     if (PetscAbsReal(p->xi[a] - q->xi[a]) > BESIDE) return p->xi[a] < q->xi[a] ? -1 : 1;
   return p->particle < q->particle ? -1 : p->particle > q->particle;
 }
 
-/* The box of cells that has all particles. */
-static PetscErrorCode Box(const MpmProbe *p, MpmProbeLattice *l)
+/*
+   The box of cells that has all particles, and the cell of each. Particles beyond a period are where they would be without. A
+   place just below a face is on it. Returns whether there are as many particles as cells, so that none needs to be empty.
+*/
+static PetscBool FindCells(const MpmProbePlaces *p, MpmProbeLattice *l, Place places[])
 {
-  const MpmStepper *s = p->stepper;
-  PetscReal         xi;
+  PetscInt all = 1;
 
-  PetscFunctionBegin;
+  for (PetscInt64 i = 0; i < p->n; i++) places[i] = (Place){.particle = i};
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) l->cells[a] = 1;
-  for (PetscInt a = 0; a < s->dim; a++) {
-    PetscInt last = l->first[a] = CellAlong(p, 0, a, &xi);
+  for (PetscInt a = 0; a < p->dim; a++) {
+    const PetscReal around = rint(p->period[a]);
+    PetscReal       first = INFINITY, last = -INFINITY, cells;
 
-    for (PetscInt64 i = 0; i < s->particles; i++) {
-      const PetscInt cell = CellAlong(p, i, a, &xi);
-
-      l->first[a] = PetscMin(l->first[a], cell);
-      last        = PetscMax(last, cell);
+    for (PetscInt64 i = 0; i < p->n; i++) {
+      first = PetscMin(first, floor(p->at[i * p->dim + a] + p->near));
+      last  = PetscMax(last, floor(p->at[i * p->dim + a] + p->near));
     }
-    l->cells[a] = last - l->first[a] + 1;
-    l->wraps[a] =
-        PetscAbsReal(s->period[a] / s->cell_width - l->cells[a]) < p->near * l->cells[a] ? PETSC_TRUE : PETSC_FALSE;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+    cells = around > 0 ? PetscMin(last - first + 1, around) : last - first + 1;
+    if (!(cells * all <= (PetscReal)p->n)) return PETSC_FALSE;
+    l->cells[a] = (PetscInt)cells;
+    l->wraps[a] = around > 0 && PetscAbsReal(p->period[a] - cells) < p->near * cells ? PETSC_TRUE : PETSC_FALSE;
+    for (PetscInt64 i = 0; i < p->n; i++) {
+      const PetscReal at = p->at[i * p->dim + a], cell = floor(at + p->near);
 
-/* Whether site by site the particles of two cells are alike. */
-static PetscBool CellsAlike(const MpmProbe *p, const Place one[], const Place other[], PetscInt sites)
-{
-  const MpmStepper *s = p->stepper;
-
-  for (PetscInt j = 0; j < sites; j++) {
-    for (PetscInt a = 0; a < s->dim; a++)
-      if (PetscAbsReal(one[j].xi[a] - other[j].xi[a]) > p->near) return PETSC_FALSE;
-    for (PetscInt c = 0; c < s->width; c++) {
-      const PetscReal difference = s->base[one[j].particle * s->width + c] - s->base[other[j].particle * s->width + c];
-      const PetscInt  axis       = s->place == MPM_NONE ? -1 : c - s->fields[s->place].first;
-
-      if ((axis < 0 || axis >= s->dim) && PetscAbsReal(difference) > p->near * p->scale[c]) return PETSC_FALSE;
+      places[i].xi[a] = at - cell;
+      places[i].cell += all * (PetscInt)fmod(cell - first, cells);
     }
+    all *= l->cells[a];
   }
   return PETSC_TRUE;
 }
 
-static PetscErrorCode Sort(const MpmProbe *p, MpmProbeLattice *l, Place places[], size_t room, char why_not[])
+/* Whether cells have as many particles, at the same sites; places are sorted. */
+static PetscErrorCode CheckSites(const MpmProbePlaces *p, const MpmProbeLattice *l, const Place places[], size_t room,
+                                 char why_not[])
 {
-  const MpmStepper *s   = p->stepper;
-  const PetscInt    all = l->cells[0] * l->cells[1] * l->cells[2];
+  const PetscInt all = l->cells[0] * l->cells[1] * l->cells[2];
 
   PetscFunctionBegin;
-  for (PetscInt64 i = 0; i < s->particles; i++) {
-    PetscInt cell = 0;
-
-    places[i] = (Place){.particle = i};
-    for (PetscInt a = s->dim - 1; a >= 0; a--)
-      cell = cell * l->cells[a] + CellAlong(p, i, a, &places[i].xi[a]) - l->first[a];
-    places[i].cell = cell;
-  }
-  qsort(places, (size_t)s->particles, sizeof *places, ByPlace);
-  l->sites = (PetscInt)(s->particles / all);
-  if (s->particles % all) PetscCall(PetscSNPrintf(why_not, room, "cells have different numbers of particles"));
-  for (PetscInt64 i = 0; i < s->particles && !why_not[0]; i++)
-    if (places[i].cell != i / l->sites)
+  for (PetscInt64 i = 0; i < p->n && !why_not[0]; i++)
+    if (p->n % all || places[i].cell != i / l->sites)
       PetscCall(PetscSNPrintf(why_not, room, "cells have different numbers of particles"));
-  for (PetscInt c = 1; c < all && !why_not[0]; c++)
-    if (!CellsAlike(p, places, places + c * l->sites, l->sites))
-      PetscCall(PetscSNPrintf(why_not, room, "the particles of some cells have other places or values"));
+  for (PetscInt64 i = l->sites; i < p->n && !why_not[0]; i++)
+    for (PetscInt a = 0; a < p->dim; a++)
+      if (PetscAbsReal(places[i].xi[a] - places[i % l->sites].xi[a]) > p->near)
+        PetscCall(PetscSNPrintf(why_not, room, "the particles of some cells have other places in them"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Keeps the places of sites, and how far apart they are at most along each direction, also across a face. */
-static PetscErrorCode KeepSites(const MpmStepper *s, const Place places[], MpmProbeLattice *l)
+static PetscErrorCode KeepSites(PetscInt dim, const Place places[], MpmProbeLattice *l)
 {
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(l->sites * MPM_MAX_DIM, &l->xi));
   for (PetscInt j = 0; j < l->sites; j++) PetscCall(PetscArraycpy(l->xi + j * MPM_MAX_DIM, places[j].xi, MPM_MAX_DIM));
-  for (PetscInt a = 0; a < s->dim; a++) {
+  for (PetscInt a = 0; a < dim; a++) {
     l->lo[a] = l->hi[a] = l->xi[a];
     for (PetscInt j = 0; j < l->sites; j++) {
       const PetscReal at   = l->xi[j * MPM_MAX_DIM + a];
@@ -133,31 +103,70 @@ static PetscErrorCode KeepSites(const MpmStepper *s, const Place places[], MpmPr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeLatticeFind(const MpmProbe *p, MpmProbeLattice *l, size_t room, char why_not[])
+PetscErrorCode MpmProbeLatticeFind(const MpmProbePlaces *p, MpmProbeLattice *l, size_t room, char why_not[])
 {
-  const MpmStepper *s = p->stepper;
-  Place            *places;
+  Place *places;
 
   PetscFunctionBegin;
   *l         = (MpmProbeLattice){.sites = 0};
   why_not[0] = '\0';
-  if (s->place == MPM_NONE && !s->cell) {
-    PetscCall(PetscSNPrintf(why_not, room, "no field is the place, and there are no cells"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(Box(p, l));
-  PetscCall(PetscMalloc1(s->particles, &places));
-  PetscCall(Sort(p, l, places, room, why_not));
+  PetscCall(PetscMalloc1(p->n, &places));
+  if (FindCells(p, l, places)) {
+    l->sites = (PetscInt)(p->n / (l->cells[0] * l->cells[1] * l->cells[2]));
+    qsort(places, (size_t)p->n, sizeof *places, ByPlace);
+    PetscCall(CheckSites(p, l, places, room, why_not));
+  } else
+    PetscCall(PetscSNPrintf(why_not, room, "some cells have none of the particles"));
   if (!why_not[0]) {
-    PetscCall(PetscMalloc3(s->particles, &l->particle, s->particles, &l->cell_of, s->particles, &l->site_of));
-    for (PetscInt64 i = 0; i < s->particles; i++) {
+    PetscCall(PetscMalloc3(p->n, &l->particle, p->n, &l->cell_of, p->n, &l->site_of));
+    for (PetscInt64 i = 0; i < p->n; i++) {
       l->particle[i]                 = places[i].particle;
       l->cell_of[places[i].particle] = (PetscInt)(i / l->sites);
       l->site_of[places[i].particle] = (PetscInt)(i % l->sites);
     }
-    PetscCall(KeepSites(s, places, l));
+    PetscCall(KeepSites(p->dim, places, l));
   }
   PetscCall(PetscFree(places));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether site by site the particles of all cells have the same values. */
+static PetscBool ValuesAlike(const MpmProbe *p, const MpmProbeLattice *l)
+{
+  const MpmStepper *s = p->stepper;
+
+  for (PetscInt64 i = l->sites; i < s->particles; i++)
+    for (PetscInt c = 0; c < s->width; c++) {
+      const PetscReal *one   = s->base + l->particle[i] * s->width,
+                      *first = s->base + l->particle[i % l->sites] * s->width;
+      const PetscInt axis    = s->place == MPM_NONE ? -1 : c - s->fields[s->place].first;
+
+      if ((axis < 0 || axis >= s->dim) && PetscAbsReal(one[c] - first[c]) > p->near * p->scale[c]) return PETSC_FALSE;
+    }
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmProbeLatticeOf(const MpmProbe *p, MpmProbeLattice *l, size_t room, char why_not[])
+{
+  const MpmStepper *s      = p->stepper;
+  MpmProbePlaces    places = {.dim = s->dim, .n = s->particles, .near = p->near};
+  PetscReal        *at;
+
+  PetscFunctionBegin;
+  *l = (MpmProbeLattice){.sites = 0};
+  if (s->place == MPM_NONE && !s->cell) {
+    PetscCall(PetscSNPrintf(why_not, room, "no field is the place, and there are no cells"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscMalloc1(s->particles * s->dim, &at));
+  for (PetscInt64 i = 0; i < s->particles * s->dim; i++)
+    at[i] = s->place == MPM_NONE ? (PetscReal)s->cell[i] : MpmStepperPlace(s, i / s->dim)[i % s->dim] / s->cell_width;
+  for (PetscInt a = 0; a < s->dim; a++) places.period[a] = s->period[a] / s->cell_width;
+  places.at = at;
+  PetscCall(MpmProbeLatticeFind(&places, l, room, why_not));
+  if (!why_not[0] && !ValuesAlike(p, l))
+    PetscCall(PetscSNPrintf(why_not, room, "the particles of some cells have other values"));
+  PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,18 +184,17 @@ static PetscInt Along(const MpmProbeLattice *l, PetscInt cell, PetscInt a)
   return cell % l->cells[a];
 }
 
-PetscInt MpmProbeLatticeMiddle(const MpmProbe *p, const MpmProbeLattice *l)
+PetscInt MpmProbeLatticeMiddle(const MpmProbeLattice *l)
 {
   PetscInt cell = 0;
 
-  for (PetscInt a = p->stepper->dim - 1; a >= 0; a--) cell = cell * l->cells[a] + l->cells[a] / 2;
+  for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--) cell = cell * l->cells[a] + l->cells[a] / 2;
   return cell;
 }
 
 /* ---- blocks ---- */
 
-/* The distance of a cell from another one, the shorter way round where there is a period. */
-static PetscInt Distance(const MpmProbeLattice *l, PetscInt cell, PetscInt from, PetscInt a)
+PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *l, PetscInt cell, PetscInt from, PetscInt a)
 {
   const PetscInt n = l->cells[a];
   PetscInt       d = Along(l, cell, a) - Along(l, from, a);
@@ -209,7 +217,7 @@ static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt c
     const PetscInt  at = Along(l, cell, a), n = l->cells[a];
 
     if (l->wraps[a]) {
-      const PetscInt  d    = Distance(l, cell, from, a);
+      const PetscInt  d    = MpmProbeLatticeDistance(l, cell, from, a);
       const PetscReal away = remainder((PetscReal)d + apart, (PetscReal)n);
 
       if (2 * d == n || 2 * PetscAbsReal(away) + l->gap[a] > n - BESIDE) return PETSC_TRUE;
@@ -261,7 +269,7 @@ static PetscErrorCode Keep(const MpmProbe *p, const MpmProbeLattice *l, PetscInt
   PetscCall(MpmBlocksAllocate(b));
   for (PetscInt c = 0, k = 0; c < cells; c++) {
     if (!(peak[c] > 0)) continue;
-    for (PetscInt a = 0; a < s->dim; a++) b->d[k * s->dim + a] = Distance(l, c, from, a);
+    for (PetscInt a = 0; a < s->dim; a++) b->d[k * s->dim + a] = MpmProbeLatticeDistance(l, c, from, a);
     PetscCall(PetscArraycpy(b->A + (size_t)k++ * square, all + (size_t)c * square, square));
   }
   PetscCall(PetscFree(peak));

@@ -10,7 +10,7 @@
 /*S
    MpmProbeLattice - the cells of a base state.
 
-   cells    - their number in each direction; first: the cell with the least indices
+   cells    - their number in each direction, 1 beyond the last one
    wraps    - whether they fill the period of that direction, so that they have no edge there
    sites    - the number of particles in each cell; xi: their places in it, MPM_MAX_DIM numbers each, 0 without a place
    lo, hi   - the least and the largest of these in each direction; gap: the largest distance of two next to one another
@@ -18,23 +18,40 @@
    cell_of, site_of - the same the other way round
 S*/
 typedef struct {
-  PetscInt    cells[MPM_MAX_DIM], first[MPM_MAX_DIM], sites;
+  PetscInt    cells[MPM_MAX_DIM], sites;
   PetscBool   wraps[MPM_MAX_DIM];
   PetscReal  *xi, lo[MPM_MAX_DIM], hi[MPM_MAX_DIM], gap[MPM_MAX_DIM];
   PetscInt64 *particle;
   PetscInt   *cell_of, *site_of;
 } MpmProbeLattice;
 
+/*S
+   MpmProbePlaces - where n particles are: dim numbers each, in cell widths, as the periods are (0: none). near: places in a cell
+   that differ by less are the same.
+S*/
+typedef struct {
+  PetscInt         dim;
+  PetscInt64       n;
+  const PetscReal *at;
+  PetscReal        period[MPM_MAX_DIM], near;
+} MpmProbePlaces;
+
 /*
-   MpmProbeLatticeFind - sorts particles into cells. why_not: why the cells are not alike, empty if they are.
+   MpmProbeLatticeFind - sorts particles into cells. MpmProbeLatticeOf - does so with those of a base state, whose cells must also
+   have the same values. why_not: why the cells are not alike, empty if they are.
 
    Not collective.
 */
-PetscErrorCode MpmProbeLatticeFind(const MpmProbe *probe, MpmProbeLattice *lattice, size_t room, char why_not[]);
+PetscErrorCode MpmProbeLatticeFind(const MpmProbePlaces *places, MpmProbeLattice *lattice, size_t room, char why_not[]);
+PetscErrorCode MpmProbeLatticeOf(const MpmProbe *probe, MpmProbeLattice *lattice, size_t room, char why_not[]);
 PetscErrorCode MpmProbeLatticeDestroy(MpmProbeLattice *lattice);
 
-/* Not collective. The cell in the middle. */
-PetscInt MpmProbeLatticeMiddle(const MpmProbe *probe, const MpmProbeLattice *lattice);
+/*
+   Not collective. The cell in the middle; and the distance of a cell from another one in a direction, the shorter way round
+   where there is a period.
+*/
+PetscInt MpmProbeLatticeMiddle(const MpmProbeLattice *lattice);
+PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *lattice, PetscInt cell, PetscInt from, PetscInt axis);
 
 /*
    MpmProbeBlocks - probes the unknowns of a cell, with perturbations of a size.

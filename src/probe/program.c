@@ -57,7 +57,7 @@ static PetscErrorCode Choose(MpmProgram *p)
   const PetscBool    any  = wish == MPM_PROBE_ANY ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeLatticeFind(&p->probe, &p->lattice, sizeof p->why, p->why));
+  PetscCall(MpmProbeLatticeOf(&p->probe, &p->lattice, sizeof p->why, p->why));
   p->kind = MPM_PROBE_COLOURED;
   if (one && !p->why[0] && (any || wish == MPM_PROBE_BLOCH)) p->kind = MPM_PROBE_BLOCH;
   if (wish == MPM_PROBE_MATRIX_FREE || (any && s->place == MPM_NONE && !s->cell)) p->kind = MPM_PROBE_MATRIX_FREE;
@@ -139,7 +139,7 @@ static PetscReal Noise(const MpmProgram *p)
 static PetscErrorCode Blocks(MpmProgram *p, PetscReal size, MpmBlocks *all, MpmBlocks *kept, PetscReal *farthest)
 {
   PetscFunctionBegin;
-  PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->probe, &p->lattice), size, all, farthest));
+  PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), size, all, farthest));
   if (!p->unread.apart) PetscCall(MpmUnreadOfBlocks(all, p->stepper->width, Noise(p), &p->unread));
   size = (PetscReal)p->lattice.sites * p->unread.n;
   MpmCheckInput(size <= MPM_BLOCKS_SIZE && size * size * all->n <= MPM_BLOCKS_NUMBERS,
