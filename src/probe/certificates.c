@@ -17,6 +17,7 @@
 #define SMALL_SINGLE 0.01 /* larger, above rounding */
 #define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
 #define SPREAD_SINGLE 100
+#define MOVES_BY 1e-3       /* the share of a mode's growth by which the base state may move */
 #define NORM_STEPS 20       /* of the power method */
 #define AT_REST 1e-9        /* a change of the base state per application, in scales, that is rounding */
 #define AT_REST_SINGLE 1e-5 /* of floats */
@@ -47,6 +48,14 @@ PetscBool MpmCertificatesTaken(const MpmCertificates *c)
   for (int i = 0; i < MPM_CERTIFICATES; i++)
     if (!isnan(c->value[i])) return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+MpmCertificate MpmCertificatesFault(const MpmCertificates *c)
+{
+  MpmCertificate which = 0;
+
+  while (which < MPM_CERTIFICATES && !MpmCertificateFails(c, which)) which++;
+  return which;
 }
 
 PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
@@ -110,14 +119,14 @@ static PetscErrorCode Repeat(MpmProbe *p, MpmCertificates *c)
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(n, &first, n, &again, n, &amount));
-  PetscCall(MpmProbeRandom(p, 11, p->size, amount, first));
-  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, first));
+  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, again));
   c->value[MPM_CERTIFY_REPEAT] = 0;
   for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
   for (PetscInt64 i = 0; i < s->particles; i++)
     PetscCall(PetscArraycpy(again + i * s->width, s->base + (s->particles - 1 - i) * s->width, s->width));
   PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
-  PetscCall(MpmProbeRandom(p, 11, p->size, amount, again));
+  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, again));
   for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
   PetscCall(PetscArraycpy(again, s->base, n));
   PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
@@ -136,7 +145,7 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &unknown));
   for (int k = 0; k < 3; k++) PetscCall(PetscMalloc2(n, &amount[k], n, &response[k]));
-  for (int k = 0; k < 2; k++) PetscCall(MpmProbeRandom(p, 21 + k, size, amount[k], response[k]));
+  for (int k = 0; k < 2; k++) PetscCall(MpmProbeRandom(p, 21 + k, size, NULL, amount[k], response[k]));
   for (PetscInt64 i = 0; i < n; i++) {
     unknown[i]   = i;
     amount[2][i] = size * (amount[0][i] + amount[1][i]);
@@ -185,7 +194,7 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
   for (int half = 0; half < 2; half++) {
     const PetscReal by = half ? size / 2 : size;
 
-    PetscCall(MpmProbeRandom(p, 31, by, amount, central));
+    PetscCall(MpmProbeRandom(p, 31, by, NULL, amount, central));
     for (PetscInt64 i = 0; i < n; i++) amount[i] *= by;
     PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, unknown, amount, forward));
     for (PetscInt64 i = 0; i < n; i++) {
@@ -214,8 +223,8 @@ static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal re
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(n, &half, n, &of));
-  PetscCall(MpmProbeRandom(p, 41, size, amount, response));
-  PetscCall(MpmProbeRandom(p, 41, size / 2, of, half));
+  PetscCall(MpmProbeRandom(p, 41, size, NULL, amount, response));
+  PetscCall(MpmProbeRandom(p, 41, size / 2, NULL, of, half));
   for (PetscInt64 i = 0; i < n; i++) {
     amount[i]   = (4 * of[i] - amount[i]) / 3;
     response[i] = (4 * half[i] - response[i]) / 3;
@@ -355,5 +364,45 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
   PetscCall(MatDestroy(&E));
   c->value[MPM_CERTIFY_REACH] = colours->leaks;
   PetscCall(Share(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the verdict ---- */
+
+/*
+   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
+   too far away may be felt in every cell.
+*/
+static PetscBool IsBeyond(const MpmCertificates *c, MpmCertificate which, PetscReal condition, const MpmFinding *f)
+{
+  const PetscReal value  = c->value[which] * (PetscReal)(which == MPM_CERTIFY_REACH ? c->cells : 1),
+                  excess = f->growth - 1;
+
+  if (which == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
+  return excess > f->tolerance + condition * value ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmCertificatesJudge(const MpmCertificates *c, const PetscReal *other, PetscReal condition,
+                                    PetscInt period, MpmFinding *f)
+{
+  PetscReal error = 0;
+
+  PetscFunctionBegin;
+  f->tolerance = c->tolerance;
+  if (!isnan(c->value[MPM_CERTIFY_SIZES])) error += c->value[MPM_CERTIFY_SIZES];
+  if (!isnan(c->value[MPM_CERTIFY_REPEAT])) error += c->value[MPM_CERTIFY_REPEAT];
+  if (f->growth > 1 + f->tolerance)
+    f->uncertainty =
+        PetscMax(f->uncertainty, MpmUncertaintyOf(f->growth, condition * error / pow(f->growth, period), period));
+  f->verdict = MpmVerdictOf(f);
+  if (other && f->verdict == MPM_UNSTABLE && !(*other - 1 > f->tolerance + f->uncertainty))
+    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it does not grow so"));
+  if (other && f->verdict == MPM_STABLE && *other - 1 > f->tolerance)
+    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it grows"));
+  for (MpmCertificate which = 0; which < MPM_CERTIFICATES; which++) {
+    if (!MpmCertificateFails(c, which)) continue;
+    if (f->verdict == MPM_UNSTABLE && IsBeyond(c, which, condition, f)) continue;
+    PetscCall(MpmFindingDispute(f, MpmCertificateFaults[which]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,7 @@
 #pragma once
 #include "probe/colours.h"
 #include "probe/lattice.h"
+#include <mpmstab/verdict.h>
 
 /*E
    MpmCertificate - what is looked at.
@@ -70,6 +71,9 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
 PetscBool MpmCertificatesTaken(const MpmCertificates *certificates);
 PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
 
+/* Not collective. The first that does not hold, or MPM_CERTIFICATES. */
+MpmCertificate MpmCertificatesFault(const MpmCertificates *certificates);
+
 /*
    MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium, scales. The others are NaN.
    MpmCertifyBlocks - adds two sizes and columns, of blocks that were probed with the two sizes of probe. Their reach is known
@@ -88,3 +92,14 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice,
                                 MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 const PetscBool apart[], MpmCertificates *certificates);
+
+/*
+   MpmCertificatesJudge - the verdict of a finding, given its growth. It is unstable only if growth - 1 is larger than the
+   tolerance and what the errors of the operator (two sizes and repeat) can make of an eigenvalue, with both sizes of
+   perturbations. A certificate that fails makes it undecided, unless growth is beyond what its fault can make.
+
+   Not collective. other: growth with the other size, NULL where it is not known. condition: of the eigenvalue. period: the
+   steps that the operator covers.
+*/
+PetscErrorCode MpmCertificatesJudge(const MpmCertificates *certificates, const PetscReal *other, PetscReal condition,
+                                    PetscInt period, MpmFinding *finding);

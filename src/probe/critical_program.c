@@ -215,12 +215,12 @@ static PetscErrorCode JudgeAt(MpmProgram *p, PetscReal started, PetscReal dt, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first certificate that fails, or NULL. */
+/* What is wrong by the first certificate that fails, or NULL. */
 static const char *Fault(const MpmProgram *p)
 {
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++)
-    if (MpmCertificateFails(&p->certificates, c)) return MpmCertificateFaults[c];
-  return NULL;
+  const MpmCertificate which = MpmCertificatesFault(&p->certificates);
+
+  return which == MPM_CERTIFICATES ? NULL : MpmCertificateFaults[which];
 }
 
 /* Just above a limit its mode is looked at, and the certificates must hold there, too. */

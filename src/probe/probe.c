@@ -165,23 +165,26 @@ PetscErrorCode MpmProbeRespond(MpmProbe *p, PetscBool forward, PetscInt64 n, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, PetscReal amount[], PetscReal response[])
+PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, const PetscBool part[], PetscReal amount[],
+                              PetscReal response[])
 {
-  const PetscInt64 n = p->stepper->particles * p->stepper->width;
-  PetscInt64      *unknown;
+  const PetscInt   w = p->stepper->width;
+  const PetscInt64 n = p->stepper->particles * w;
+  PetscInt64      *unknown, m = 0;
+  PetscReal       *by;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &unknown));
+  PetscCall(PetscMalloc2(n, &unknown, n, &by));
   for (PetscInt64 i = 0; i < n; i++) {
-    unknown[i] = i;
-    amount[i]  = IsApart(p, (PetscInt)(i % p->stepper->width)) ? 0 : size * (2 * MpmHash(seed, i) - 1);
+    if (amount) amount[i] = 0;
+    if (IsApart(p, (PetscInt)(i % w)) || (part && !part[i % w])) continue;
+    unknown[m] = i;
+    by[m++]    = size * (2 * MpmHash(seed, i) - 1);
   }
-  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount, response));
-  for (PetscInt64 i = 0; i < n; i++) {
-    amount[i] /= size;
-    response[i] = IsApart(p, (PetscInt)(i % p->stepper->width)) ? 0 : response[i] / size;
-  }
-  PetscCall(PetscFree(unknown));
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, m, unknown, by, response));
+  for (PetscInt64 i = 0; i < m && amount; i++) amount[unknown[i]] = by[i] / size;
+  for (PetscInt64 i = 0; i < n; i++) response[i] = IsApart(p, (PetscInt)(i % w)) ? 0 : response[i] / size;
+  PetscCall(PetscFree2(unknown, by));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -198,32 +201,9 @@ PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
 }
 
 /*
-   The response to a random perturbation of the places alone, or of everything else, over size. Apart from each other they
-   show the curvature of columns, which have one unknown; together they have products of places and other fields.
-*/
-static PetscErrorCode RespondInPart(MpmProbe *p, PetscBool places, PetscReal size, PetscReal response[])
-{
-  const MpmStepper *s = p->stepper;
-  const PetscInt64  n = s->particles * s->width;
-  PetscInt64       *unknown, m = 0;
-  PetscReal        *amount;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n, &unknown, n, &amount));
-  for (PetscInt64 i = 0; i < n; i++) {
-    if (IsApart(p, (PetscInt)(i % s->width)) || (PlaceAxis(s, (PetscInt)(i % s->width)) != MPM_NONE) != places)
-      continue;
-    unknown[m]  = i;
-    amount[m++] = size * (2 * MpmHash(2, i) - 1);
-  }
-  PetscCall(MpmProbeRespond(p, PETSC_FALSE, m, unknown, amount, response));
-  for (PetscInt64 i = 0; i < n; i++) response[i] = IsApart(p, (PetscInt)(i % s->width)) ? 0 : response[i] / size;
-  PetscCall(PetscFree2(unknown, amount));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   How much the responses of one size differ from those of the next. Of the sizes that are small bends is the largest difference
+   How much the responses of one size differ from those of the next, to a random perturbation of the places alone, or of
+   everything else. Apart from each other they show the curvature of columns, which have one unknown; together they have
+   products of places and other fields. Of the sizes that are small bends is the largest difference
    over the largest response: a step that has a derivative gives about the same for all.
 */
 static PetscErrorCode Compare(MpmProbe *p, PetscBool places, int first, PetscReal differ[], PetscReal *bends,
@@ -232,12 +212,17 @@ static PetscErrorCode Compare(MpmProbe *p, PetscBool places, int first, PetscRea
   const PetscInt64 n    = p->stepper->particles * p->stepper->width;
   const PetscReal *size = sizes[p->single], small = p->single ? SMALL_SINGLE : SMALL;
   PetscReal       *response[SIZES];
+  PetscBool       *part;
 
   PetscFunctionBegin;
+  PetscCall(PetscMalloc1(p->stepper->width, &part));
+  for (PetscInt c = 0; c < p->stepper->width; c++)
+    part[c] = (PlaceAxis(p->stepper, c) != MPM_NONE) == places ? PETSC_TRUE : PETSC_FALSE;
   for (int k = first; k < SIZES; k++) {
     PetscCall(PetscMalloc1(n, &response[k]));
-    PetscCall(RespondInPart(p, places, size[k], response[k]));
+    PetscCall(MpmProbeRandom(p, 2, size[k], part, NULL, response[k]));
   }
+  PetscCall(PetscFree(part));
   for (int k = first; k + 1 < SIZES; k++) {
     PetscReal  most = 0, peak = 0;
     PetscInt64 at = MPM_NONE;

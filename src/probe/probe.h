@@ -64,10 +64,11 @@ PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n,
    MpmProbeRandom - the response to a random perturbation of all unknowns that are not set apart, amount[i] = at most size, over
    size. The response of those that are is 0.
 
-   Not collective. seed chooses the perturbation. amount, response: particles x width numbers.
+   Not collective. seed chooses the perturbation. part[c]: whether number c of a particle is perturbed; NULL: all are. amount
+   (or NULL), response: particles x width numbers.
 */
-PetscErrorCode MpmProbeRandom(MpmProbe *probe, PetscInt64 seed, PetscReal size, PetscReal amount[],
-                              PetscReal response[]);
+PetscErrorCode MpmProbeRandom(MpmProbe *probe, PetscInt64 seed, PetscReal size, const PetscBool part[],
+                              PetscReal amount[], PetscReal response[]);
 
 /*
    MpmProbeBends - how much the response to a random perturbation depends on its size, relative to it; where nothing switches

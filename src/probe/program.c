@@ -1,6 +1,5 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "probe/program.h"
-#include "probe/certified.h"
 #include "probe/columns.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/errors.h>
@@ -223,13 +222,7 @@ PetscErrorCode MpmProgramJudge(const MpmProgram *p, PetscReal other, PetscReal c
   const PetscInt period = p->probe.steps;
 
   PetscFunctionBegin;
-  f->tolerance = p->tolerance;
-  f->growth    = PetscMax(f->growth, MpmGrowthPerStep(p->unread.factor, 0, period));
-  PetscCall(MpmCertifiedVerdict(&p->certificates, condition, period, f));
-  if (f->verdict == MPM_UNSTABLE && !(other - 1 > f->tolerance + f->uncertainty))
-    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it does not grow so"));
-  if (f->verdict == MPM_STABLE && other - 1 > f->tolerance)
-    PetscCall(MpmFindingDispute(f, "with the other size of perturbations it grows"));
-  PetscCall(MpmCertifiedDispute(&p->certificates, condition, f));
+  f->growth = PetscMax(f->growth, MpmGrowthPerStep(p->unread.factor, 0, period));
+  PetscCall(MpmCertificatesJudge(&p->certificates, &other, condition, period, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -64,10 +64,6 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *program, MpmBlocks *one, MpmBlocks *
 PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
 
 /*
-   MpmProgramJudge - a finding's verdict, given what the certificates say. It is unstable only if growth - 1 is larger than
-   the tolerance and what the errors of the operator can make of an eigenvalue, with both sizes of perturbations. A
-   certificate that fails makes it undecided, unless growth is beyond what it can make.
-
-   Not collective. other: growth with the other size. condition: of the eigenvalue.
+   MpmProgramJudge - a finding's verdict by MpmCertificatesJudge. What is set apart counts in its growth. Not collective.
 */
 PetscErrorCode MpmProgramJudge(const MpmProgram *program, PetscReal other, PetscReal condition, MpmFinding *finding);

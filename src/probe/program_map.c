@@ -32,15 +32,6 @@ static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first certificate that does not hold, or MPM_CERTIFICATES. */
-static PetscInt Fault(const MpmProgram *p)
-{
-  MpmCertificate c = 0;
-
-  while (c < MPM_CERTIFICATES && !MpmCertificateFails(&p->certificates, c)) c++;
-  return c;
-}
-
 static PetscErrorCode GoTo(MpmStabilityMap *m, PetscInt i)
 {
   PetscFunctionBegin;
@@ -78,7 +69,7 @@ static PetscErrorCode Solve(MpmStabilityMap *m)
     PetscCall(Judge(m, beta, &f));
     m->growth[i]  = f.growth;
     m->verdict[i] = f.verdict;
-    m->fault[i]   = Fault(m->program);
+    m->fault[i]   = (PetscInt)MpmCertificatesFault(&m->program->certificates);
     for (PetscInt a = 0; a < m->waves; a++) m->beta[a][i] = beta[a];
     PetscCall(MpmProgramForget(m->program));
     PetscCall(MpmProgressUpdate(&progress, i + 1, n));

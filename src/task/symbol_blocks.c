@@ -1,6 +1,5 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
 #include "task/symbol_blocks.h"
-#include "probe/certified.h"
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
@@ -66,11 +65,8 @@ static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
     PetscCall(MpmBlocksSource(&a->other, MpmRequestSource(request), &source));
     PetscCall(MpmSourceGrowthAt(&source, a->beta, &other));
     PetscCall(MpmProgramJudge(&a->program, other.growth, a->worst.condition, f));
-  } else if (MpmCertificatesTaken(&a->certificates)) {
-    f->tolerance = a->certificates.tolerance;
-    PetscCall(MpmCertifiedVerdict(&a->certificates, a->worst.condition, a->blocks.period, f));
-    PetscCall(MpmCertifiedDispute(&a->certificates, a->worst.condition, f));
-  }
+  } else if (MpmCertificatesTaken(&a->certificates))
+    PetscCall(MpmCertificatesJudge(&a->certificates, NULL, a->worst.condition, a->blocks.period, f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

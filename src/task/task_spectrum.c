@@ -1,6 +1,6 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
-#include "probe/certified.h"
+#include "probe/certificates.h"
 #include "analysis/frozen.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
@@ -24,10 +24,8 @@ static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmCe
   PetscCall(MpmSpectrumOfMatrix(request->matrix, A, steps, request, started, spectrum));
   s = *spectrum;
   if (MpmCertificatesTaken(certificates)) {
-    s->certificates      = certificates;
-    s->finding.tolerance = certificates->tolerance;
-    PetscCall(MpmCertifiedVerdict(certificates, isnan(s->condition) ? 1 : s->condition, steps, &s->finding));
-    PetscCall(MpmCertifiedDispute(certificates, isnan(s->condition) ? 1 : s->condition, &s->finding));
+    s->certificates = certificates;
+    PetscCall(MpmCertificatesJudge(certificates, NULL, isnan(s->condition) ? 1 : s->condition, steps, &s->finding));
   }
   PetscCall(MatDestroy(&A));
   PetscFunctionReturn(PETSC_SUCCESS);
