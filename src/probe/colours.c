@@ -5,6 +5,7 @@
 */
 #include "probe/colours.h"
 #include "base/progress.h"
+#include "probe/columns.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 
@@ -313,24 +314,6 @@ static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *col
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A matrix whose rows of a particle are on one rank. */
-static PetscErrorCode NewMatrix(const MpmStepper *s, Mat *A)
-{
-  PetscMPIInt rank, ranks;
-  PetscInt    rows;
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  rows = (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
-  PetscCall(MatCreate(PETSC_COMM_WORLD, A));
-  PetscCall(MatSetSizes(*A, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(MatSetType(*A, MATAIJ));
-  PetscCall(MatSetUp(*A));
-  PetscCall(MatSetOption(*A, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colours, Mat *A)
 {
   Colouring c;
@@ -344,7 +327,7 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colo
   do {
     PetscCall(Strides(&c, colours));
     PetscCall(MatDestroy(A));
-    PetscCall(NewMatrix(p->stepper, A));
+    PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_FALSE, A));
     PetscCall(Columns(&c, size, colours, *A));
     grows = PETSC_FALSE;
     for (PetscInt a = 0; a < c.dim; a++) {

@@ -16,17 +16,18 @@ static PetscInt LocalRows(const MpmStepper *s)
   return (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
 }
 
-/* ---- columns ---- */
-
-static PetscErrorCode NewMatrix(const MpmStepper *s, Mat *A)
+PetscErrorCode MpmProbeNewMatrix(const MpmStepper *s, PetscBool dense, Mat *A)
 {
   const PetscInt rows = LocalRows(s), all = (PetscInt)s->particles * s->width;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, all, all, rows, NULL, all - rows, NULL, A));
-  PetscCall(MatSetOption(*A, MAT_IGNORE_ZERO_ENTRIES, PETSC_TRUE));
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, all, all, dense ? rows : PETSC_DEFAULT, NULL,
+                         dense ? all - rows : PETSC_DEFAULT, NULL, A));
+  PetscCall(MatSetOption(*A, dense ? MAT_IGNORE_ZERO_ENTRIES : MAT_NEW_NONZERO_ALLOCATION_ERR, dense));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- columns ---- */
 
 /* Puts a 0 where the diagonal has nothing, which solvers need. */
 static PetscErrorCode FillDiagonal(Mat A)
@@ -53,7 +54,7 @@ PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(NewMatrix(p->stepper, A));
+  PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_TRUE, A));
   PetscCall(PetscMalloc2(n, &response, n, &rows));
   for (PetscInt i = 0; i < n; i++) rows[i] = i;
   PetscCall(MpmProgressBegin("unknowns probed", &progress));

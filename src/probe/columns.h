@@ -19,3 +19,11 @@ PetscErrorCode MpmProbeShell(MpmProbe *probe, PetscReal size, Mat *A);
 
 /* Collective. A lower bound of norm(one - other): the largest that a few random vectors show. */
 PetscErrorCode MpmProbeShellDistance(Mat one, Mat other, PetscReal *distance);
+
+/*
+   MpmProbeNewMatrix - a matrix without numbers, whose rows of a particle are on one rank. dense: with memory for all numbers;
+   those that are 0 are left out.
+
+   Collective.
+*/
+PetscErrorCode MpmProbeNewMatrix(const MpmStepper *stepper, PetscBool dense, Mat *A);

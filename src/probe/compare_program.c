@@ -12,7 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-#define TEXT 4096
 #define CELLS 16      /* of the scene, whose blocks do not depend on them */
 #define OFFSETS 10000 /* largest denominator of an offset */
 
@@ -36,41 +35,22 @@ static PetscBool SaysOneOf(const char text[], const char *const keys[])
 }
 
 /* Key: value, a line for each. What follows a comma without a key belongs to the value before. */
-static PetscErrorCode Lines(const char text[], size_t room, char yaml[])
+static PetscErrorCode Lines(const char text[], MpmText *yaml)
 {
-  PetscBool fits = PETSC_TRUE;
+  PetscBool fits = text[0] ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  yaml[0] = '\0';
-  for (const char *at = text; *at;) {
-    char        part[256];
+  for (const char *at = text; *at && fits;) {
     const char *equals = strchr(at, '='), *end = equals ? equals + strcspn(equals, ",") : at;
 
     while (*end && strchr(end, '=') && strcspn(end + 1, ",") < (size_t)(strchr(end, '=') - end))
       end += 1 + strcspn(end + 1, ",");
     if (*end && !strchr(end, '=')) end += strlen(end);
-    if (!equals || equals == at || end == equals + 1 || end - at >= (ptrdiff_t)sizeof part) fits = PETSC_FALSE;
-    if (!fits) break;
-    PetscCall(
-        PetscSNPrintf(part, sizeof part, "%.*s: %.*s\n", (int)(equals - at), at, (int)(end - equals - 1), equals + 1));
-    PetscCall(MpmTextJoin(yaml, part, room));
+    fits = equals && equals > at && end > equals + 1 ? PETSC_TRUE : PETSC_FALSE;
+    if (fits) PetscCall(MpmTextAdd(yaml, "%.*s: %.*s\n", (int)(equals - at), at, (int)(end - equals - 1), equals + 1));
     at = *end ? end + 1 : end;
   }
-  MpmCheckInput(fits && yaml[0] && strlen(yaml) + 512 < room,
-                "-compare %.200s: allowed: keys of a scene, as formulation=usl,transfer=apic,courant=0.5", text);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Add(char yaml[], const char key[], PetscInt n, const char *const value[])
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTextJoin(yaml, key, TEXT));
-  PetscCall(MpmTextJoin(yaml, ": ", TEXT));
-  for (PetscInt a = 0; a < n; a++) {
-    if (a) PetscCall(MpmTextJoin(yaml, ",", TEXT));
-    PetscCall(MpmTextJoin(yaml, value[a], TEXT));
-  }
-  PetscCall(MpmTextJoin(yaml, "\n", TEXT));
+  MpmCheckInput(fits, "-compare %.200s: allowed: keys of a scene, as formulation=usl,transfer=apic,courant=0.5", text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -101,43 +81,42 @@ static PetscInt CountPlaces(const MpmProgram *p, PetscInt a, PetscReal *first)
 }
 
 /* Particles in a cell, and their offset, of places. Of cells alone as many in each direction, where that fits. */
-static PetscErrorCode AddParticles(const MpmProgram *p, const char text[], char yaml[])
+static PetscErrorCode AddParticles(const MpmProgram *p, const char text[], MpmText *yaml)
 {
   static const char *const counts[] = {"ppc", "counts", NULL};
   const MpmStepper        *s        = p->stepper;
   const PetscInt           root     = (PetscInt)lround(pow(p->lattice.sites, 1.0 / s->dim));
-  char                     ppc[MPM_MAX_DIM][32], offset[MPM_MAX_DIM][64];
-  const char              *of[2][MPM_MAX_DIM];
+  MpmText                  ppc = {NULL, 0}, offset = {NULL, 0};
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscReal   first = 0.5 / root;
-    PetscInt    count = s->place == MPM_NONE ? root : CountPlaces(p, a, &first);
-    MpmFraction near  = MpmFractionNearest(first * count, OFFSETS);
+    PetscReal   first   = 0.5 / root;
+    PetscInt    count   = s->place == MPM_NONE ? root : CountPlaces(p, a, &first);
+    MpmFraction near    = MpmFractionNearest(first * count, OFFSETS);
+    const char *between = a ? "," : "";
 
+    PetscCall(MpmTextAdd(&ppc, "%s%" PetscInt_FMT, between, count));
     if (PetscAbsReal(near.value - first * count) <= p->probe.near * count)
-      PetscCall(PetscSNPrintf(offset[a], sizeof offset[a], "%" PetscInt64_FMT "/%" PetscInt64_FMT, near.num, near.den));
+      PetscCall(MpmTextAdd(&offset, "%s%" PetscInt64_FMT "/%" PetscInt64_FMT, between, near.num, near.den));
     else
-      PetscCall(PetscSNPrintf(offset[a], sizeof offset[a], "%.17g", (double)(first * count)));
-    PetscCall(PetscSNPrintf(ppc[a], sizeof ppc[a], "%" PetscInt_FMT, count));
-    of[0][a] = ppc[a];
-    of[1][a] = offset[a];
+      PetscCall(MpmTextAdd(&offset, "%s%.17g", between, (double)(first * count)));
   }
-  if (!SaysOneOf(text, counts)) PetscCall(Add(yaml, "ppc", s->dim, of[0]));
-  if (!Says(text, "offset")) PetscCall(Add(yaml, "offset", s->dim, of[1]));
+  if (!SaysOneOf(text, counts)) PetscCall(MpmTextAdd(yaml, "ppc: %s\n", ppc.text));
+  if (!Says(text, "offset")) PetscCall(MpmTextAdd(yaml, "offset: %s\n", offset.text));
+  PetscCall(MpmTextFree(&ppc));
+  PetscCall(MpmTextFree(&offset));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The time step, if a Courant number is not given and waves have a speed; and the drift. */
-static PetscErrorCode AddStep(const MpmProgram *p, const char text[], char yaml[])
+static PetscErrorCode AddStep(const MpmProgram *p, const char text[], MpmText *yaml)
 {
   static const char *const speeds[] = {"wave_speed", "sound_speed", "young", "bulk", NULL};
   static const char *const widths[] = {"length", "cell_width", NULL};
   static const char *const moves[]  = {"drift", "velocity", "mach", NULL};
   const MpmStepper        *s        = p->stepper;
-  const char              *name     = p->request->program_dt[0] ? p->request->program_dt : "dt", *value[MPM_MAX_DIM];
-  char                     number[MPM_MAX_DIM][64];
-  PetscReal                dt = NAN;
+  const char              *name     = p->request->program_dt[0] ? p->request->program_dt : "dt";
+  PetscReal                dt       = NAN;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->nparameters; i++)
@@ -147,45 +126,36 @@ static PetscErrorCode AddStep(const MpmProgram *p, const char text[], char yaml[
       "-compare %.200s: how far waves go in a step is not known; allowed: with courant, or with wave_speed, or "
       "with young and density, in the code's units",
       text);
-  if (!SaysOneOf(text, widths)) {
-    PetscCall(PetscSNPrintf(number[0], sizeof number[0], "%.17g", (double)s->cell_width));
-    value[0] = number[0];
-    if (SaysOneOf(text, speeds)) PetscCall(Add(yaml, "cell_width", 1, value));
-  }
+  if (!SaysOneOf(text, widths) && SaysOneOf(text, speeds))
+    PetscCall(MpmTextAdd(yaml, "cell_width: %.17g\n", (double)s->cell_width));
   if (!Says(text, "courant") && !Says(text, "dt")) {
     MpmCheckInput(dt > 0,
                   "-compare %.200s: the code has no parameter %s above 0, which would be its time step; allowed: "
                   "with courant or dt",
                   text, name);
-    PetscCall(PetscSNPrintf(number[0], sizeof number[0], "%.17g", (double)dt));
-    value[0] = number[0];
-    PetscCall(Add(yaml, "dt", 1, value));
+    PetscCall(MpmTextAdd(yaml, "dt: %.17g\n", (double)dt));
   }
-  for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(PetscSNPrintf(number[a], sizeof number[a], "%" PetscInt_FMT "/%" PetscInt_FMT, p->probe.shift[a],
-                            p->probe.steps));
-    value[a] = number[a];
-  }
-  if (!SaysOneOf(text, moves)) PetscCall(Add(yaml, "drift", s->dim, value));
+  if (SaysOneOf(text, moves)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < s->dim; a++)
+    PetscCall(
+        MpmTextAdd(yaml, "%s%" PetscInt_FMT "/%" PetscInt_FMT, a ? "," : "drift: ", p->probe.shift[a], p->probe.steps));
+  PetscCall(MpmTextAdd(yaml, "\n"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode MakeScene(const MpmProgram *p, MpmScene **scene)
 {
-  const char       *text = p->request->compare;
-  const MpmStepper *s    = p->stepper;
-  char              yaml[TEXT], number[32];
-  const char       *value[1] = {number};
+  const char *text = p->request->compare;
+  MpmText     yaml = {NULL, 0};
 
   PetscFunctionBegin;
-  PetscCall(Lines(text, sizeof yaml, yaml));
-  PetscCall(PetscSNPrintf(number, sizeof number, "%" PetscInt_FMT, s->dim));
-  if (!Says(text, "dim")) PetscCall(Add(yaml, "dim", 1, value));
-  PetscCall(PetscSNPrintf(number, sizeof number, "%d", CELLS));
-  if (!Says(text, "cells")) PetscCall(Add(yaml, "cells", 1, value));
-  PetscCall(AddParticles(p, text, yaml));
-  PetscCall(AddStep(p, text, yaml));
-  PetscCall(MpmSceneFromNamedText("-compare", yaml, scene));
+  PetscCall(Lines(text, &yaml));
+  if (!Says(text, "dim")) PetscCall(MpmTextAdd(&yaml, "dim: %" PetscInt_FMT "\n", p->stepper->dim));
+  if (!Says(text, "cells")) PetscCall(MpmTextAdd(&yaml, "cells: %d\n", CELLS));
+  PetscCall(AddParticles(p, text, &yaml));
+  PetscCall(AddStep(p, text, &yaml));
+  PetscCall(MpmSceneFromNamedText("-compare", yaml.text, scene));
+  PetscCall(MpmTextFree(&yaml));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
