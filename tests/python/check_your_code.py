@@ -444,11 +444,11 @@ def check_crash():
 #define mpmstab_step kept_step
 #include "{CODE / 'plugin.c'}"
 #undef mpmstab_step
-int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(SIGSEGV); }}
+int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(SIGABRT); }}
 ''', encoding="utf-8")
     shared("./libcrash.so", CC, "crash.c")
     done = subprocess.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
-    check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: the library was ended by signal 11 (Segmentation fault)\n",
+    check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: the library was ended by signal 6 (Aborted)\n",
           f"crash: status {done.returncode}, {done.stderr}")
 
 
