@@ -410,25 +410,14 @@ static inline void mpmstab_take_columns_(struct mpmstab_work *w)
   }
 }
 
-/*
-   Sets numbers apart that do not reach themselves through others (Warshall 1962), and whose own eigenvalue does not grow.
-   Where this would be all of them, none is.
-*/
+/* Sets numbers apart, and takes the certificates without them. */
 static inline void mpmstab_set_apart_(struct mpmstab_work *w)
 {
-  const double noise = w->single ? 1e-5 : 1e-8;
-  const int    n     = w->width;
-  int          left  = 0;
+  const int n     = w->width;
+  char     *feels = (char *)mpmstab_room_(NULL, (size_t)(n * n));
 
-  for (int k = 0; k < n; k++)
-    for (int i = 0; i < n; i++)
-      for (int j = 0; j < n && w->couples[i * n + k] > noise; j++)
-        if (w->couples[k * n + j] > noise) w->couples[i * n + j] = fmax(w->couples[i * n + j], 2 * noise);
-  for (int i = 0; i < n; i++) {
-    w->apart[i] = (char)!(w->couples[i * n + i] > noise || w->own[i] > 1 + noise);
-    left += !w->apart[i];
-  }
-  if (!left) memset(w->apart, 0, (size_t)n);
+  (void)mpmstab_set_apart_of_(n, w->single ? 1e-5 : 1e-8, w->couples, w->own, feels, w->apart);
+  free(feels);
   w->one_sided = w->two_sizes = 0;
   for (int i = 0; i < n * n; i++) {
     if (w->apart[i / n] || w->apart[i % n]) continue;

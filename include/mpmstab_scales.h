@@ -1,6 +1,6 @@
 /*
-   mpmstab_scales: sizes of fields that nobody has declared, found from the answers of a step. mpmstab and the hook
-   (mpmstab_probe.h) use it; it needs nothing else.
+   mpmstab_scales: sizes of fields that nobody has declared, found from the answers of a step, and the fields that no other
+   eigenvalue feels. mpmstab and the hook (mpmstab_probe.h) use it; it needs nothing else.
 
    Perturbations are made, and errors are judged, in scales d[i] of the fields. Couplings B[i][j] say how much field i
    changes in a step when field j is changed, largest number by largest number; a good choice of scales makes
@@ -52,16 +52,42 @@ static inline void mpmstab_scales_add_(mpmstab_scales *s, double value, double g
   s->scale[f] = given > 0 ? given : f == s->place ? s->cell : value > 0 ? value : 1e-12;
 }
 
-/* Which fields feel which others, through others, too (Warshall 1962). Places are an anchor, and in no set. */
+/* Adds to who feels whom, row by row of so many numbers, who does so through others (Warshall 1962). */
+static inline void mpmstab_through_others_(int n, int row, char *feels)
+{
+  for (int k = 0; k < n; k++)
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n && feels[i * row + k]; j++)
+        if (feels[k * row + j]) feels[i * row + j] = 1;
+}
+
+/*
+   Sets numbers of a particle apart that do not feel themselves through others, and whose own eigenvalue does not grow. Where
+   this would be all of them, none is. couples[i n + j]: the largest entry by which number i feels number j of a particle;
+   own: the largest by which it feels itself. feels: memory for n n. Returns how many are left.
+*/
+static inline int mpmstab_set_apart_of_(int n, double noise, const double *couples, const double *own, char *feels,
+                                        char *apart)
+{
+  int left = 0;
+
+  for (int i = 0; i < n * n; i++) feels[i] = couples[i] > noise;
+  mpmstab_through_others_(n, n, feels);
+  for (int i = 0; i < n; i++) {
+    apart[i] = (char)!(feels[i * n + i] || own[i] > 1 + noise);
+    left += !apart[i];
+  }
+  for (int i = 0; i < n && !left; i++) apart[i] = 0;
+  return left ? left : n;
+}
+
+/* Which fields feel which others, through others, too. Places are an anchor, and in no set. */
 static inline void mpmstab_scales_connect_(mpmstab_scales *s)
 {
   for (int i = 0; i < s->n; i++)
     for (int j = 0; j < s->n; j++)
       s->feels[i][j] = (char)(i == j || (i != s->place && j != s->place && s->couples[i][j] > 0));
-  for (int k = 0; k < s->n; k++)
-    for (int i = 0; i < s->n; i++)
-      for (int j = 0; j < s->n && s->feels[i][k]; j++)
-        if (s->feels[k][j]) s->feels[i][j] = 1;
+  mpmstab_through_others_(s->n, MPMSTAB_SCALES_MOST, s->feels[0]);
 }
 
 static inline int mpmstab_scales_same_(const mpmstab_scales *s, int i, int j)

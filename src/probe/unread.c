@@ -1,6 +1,6 @@
 /* Strongly connected sets of the pattern of an operator, over the numbers of a particle. */
 #include "probe/unread.h"
-#include <math.h>
+#include <mpmstab_scales.h>
 
 /*
    Pattern - couples[i * width + j]: the largest abs by which number i of a particle feels number j of one; most[i]: the
@@ -29,31 +29,21 @@ static PetscErrorCode Begin(PetscInt width, Pattern *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A number is alone when it does not reach itself through others (Warshall 1962). */
 static PetscErrorCode SetApart(Pattern *p, PetscReal noise, MpmUnread *u)
 {
   const PetscInt w = p->width;
-  PetscBool     *reaches;
+  char          *feels, *apart;
 
   PetscFunctionBegin;
   *u = (MpmUnread){.width = w};
   PetscCall(PetscCalloc1(w, &u->apart));
-  PetscCall(PetscMalloc1(w * w, &reaches));
-  for (PetscInt i = 0; i < w * w; i++) reaches[i] = p->couples[i] > noise ? PETSC_TRUE : PETSC_FALSE;
-  for (PetscInt k = 0; k < w; k++)
-    for (PetscInt i = 0; i < w; i++)
-      for (PetscInt j = 0; j < w && reaches[i * w + k]; j++)
-        if (reaches[k * w + j]) reaches[i * w + j] = PETSC_TRUE;
+  PetscCall(PetscMalloc2(w * w, &feels, w, &apart));
+  u->n = mpmstab_set_apart_of_((int)w, noise, p->couples, p->most, feels, apart);
   for (PetscInt i = 0; i < w; i++) {
-    u->apart[i] = reaches[i * w + i] || p->most[i] > 1 + noise ? PETSC_FALSE : PETSC_TRUE;
+    u->apart[i] = apart[i] ? PETSC_TRUE : PETSC_FALSE;
     if (u->apart[i]) u->factor = PetscMax(u->factor, p->most[i]);
-    if (!u->apart[i]) u->n++;
   }
-  if (u->n == 0) { /* a step that does nothing: something must be left to look at */
-    PetscCall(PetscArrayzero(u->apart, w));
-    u->n = w;
-  }
-  PetscCall(PetscFree(reaches));
+  PetscCall(PetscFree2(feels, apart));
   PetscCall(PetscFree2(p->couples, p->most));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
