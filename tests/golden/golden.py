@@ -33,6 +33,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*[
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_odls_base_sigkill_timeout": "0", "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "80"}
+PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left\n")  # a line a minute, on a machine that is busy
 
 
 class Case:
@@ -104,7 +105,7 @@ def run(case, arguments):
                 found[f"status {number}"] = "no end after 300 s"
                 break
             found[f"status {number}"] = done.returncode
-            for name, text in (("out", done.stdout), ("err", done.stderr)):
+            for name, text in (("out", done.stdout), ("err", PROGRESS.sub("", done.stderr))):
                 found[name] += digest.lines(text.replace(folder + "/", "").replace(ROOT + "/", ""))
         found.update(digest.files(folder))
     return found, time.monotonic() - began

@@ -31,12 +31,13 @@ if how == "mute":
 for line in sys.stdin.buffer:
     ask = json.loads(line)
     if ask["do"] == "describe":
+        if how == "shut":      # closes what it reads from, before the next message can be on its way
+            os.close(0)
         sys.stdout.buffer.write(json.dumps(describe).encode() + b"\n" + struct.pack("<4d", 0.5, 0, 1.5, 0))
         sys.stdout.flush()
         if how == "deaf":      # reads no more
             time.sleep(3600)
-        if how == "shut":      # closes what it reads from
-            os.close(0)
+        if how == "shut":
             time.sleep(3600)
         continue
     if how == "exits":
