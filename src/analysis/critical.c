@@ -27,14 +27,14 @@ static PetscErrorCode ClosedOnLine(const MpmPredictor *predictor, MpmCritical *c
 
   PetscFunctionBegin;
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
-    PetscCall(ClosedLimit((void *)predictor, MpmCriticalPhase(m), &limit));
+    PetscCall(ClosedLimit((void *)predictor, MpmSearchPhase(m), &limit));
     if (limit >= c->closed) continue;
     c->closed         = limit;
-    c->closed_beta[0] = MpmCriticalPhase(m);
+    c->closed_beta[0] = MpmSearchPhase(m);
   }
   if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmGoldenSection(ClosedLimit, (void *)predictor, MpmCriticalBeside(c->closed_beta[0], -1),
-                             MpmCriticalBeside(c->closed_beta[0], 1), &beta, &limit));
+  PetscCall(MpmSearchLeast(ClosedLimit, (void *)predictor, MPM_SEARCH_GOLDEN, MpmSearchBeside(c->closed_beta[0], -1),
+                           MpmSearchBeside(c->closed_beta[0], 1), &beta, &limit));
   if (limit < c->closed * (1 - PRECISION)) {
     c->closed         = limit;
     c->closed_beta[0] = beta;
@@ -163,9 +163,9 @@ static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, P
   *grows = PETSC_FALSE;
   PetscCall(MpmPredictorCreate(of->layout, of->scheme, MpmStepDrifts(&of->step), &predictor));
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !*grows; m--) {
-    PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
+    PetscCall(ClosedLimit(&predictor, MpmSearchPhase(m), &limit));
     if (limit >= courant) continue;
-    PetscCall(MpmCriticalGrowthOfPhase(of, courant, &(PetscReal){MpmCriticalPhase(m)}, &growth));
+    PetscCall(MpmCriticalGrowthOfPhase(of, courant, &(PetscReal){MpmSearchPhase(m)}, &growth));
     *grows = growth > 1 + GROWS ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(MpmPredictorDestroy(&predictor));

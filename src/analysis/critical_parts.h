@@ -1,5 +1,6 @@
 /* The parts of MpmCriticalFind. */
 #pragma once
+#include "analysis/search.h"
 #include "analysis/zoom.h"
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>

@@ -135,12 +135,12 @@ static PetscErrorCode Narrow(Samples *s, PetscReal bracket[2])
   PetscFunctionBegin;
   zoom.finest = LAST_STEP;
   for (int round = 0; round < ROUNDS; round++) {
-    const PetscReal        before = bracket[1];
-    const MpmCriticalSteps steps  = {
+    const PetscReal      before = bracket[1];
+    const MpmSearchSteps steps  = {
          .from = bracket[0] > 0 ? bracket[0] : bracket[1], .to = bracket[1], .ratio = 2, .width = MPM_CRITICAL_TO};
     PetscReal value;
 
-    PetscCall(MpmCriticalCross(GrowthThere, s, s->of->tolerance, &steps, PRECISION, bracket));
+    PetscCall(MpmSearchFirst(GrowthThere, s, s->of->tolerance, &steps, PRECISION, bracket));
     if (round > 0 && !(bracket[1] < before * (1 - PRECISION))) break;
     s->courant = bracket[1];
     PetscCall(Inverse(s, s->beta, &value));
@@ -278,7 +278,7 @@ static PetscErrorCode ScanSamples(Samples *s, MpmCritical *c, PetscReal bracket[
   PetscReal growth;
 
   PetscFunctionBegin;
-  PetscCall(MpmCriticalScan(GrowthWithAxes, s, s->of->tolerance, s->of->step.courant, SCANNED, c));
+  PetscCall(MpmSearchScan(GrowthWithAxes, s, s->of->tolerance, s->of->step.courant, SCANNED, c));
   bracket[0] = c->stable_at;
   bracket[1] = PetscMin(c->unstable_at, s->axes->unstable_at);
   if (isinf(bracket[1])) PetscFunctionReturn(PETSC_SUCCESS);
@@ -290,14 +290,14 @@ static PetscErrorCode ScanSamples(Samples *s, MpmCritical *c, PetscReal bracket[
 /* Finds the first Courant number at which a sample grows, up to the limit of axis waves. */
 static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal bracket[2])
 {
-  MpmCriticalSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+  MpmSearchSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
 
   PetscFunctionBegin;
   if (isfinite(axes->unstable_at)) {
     steps.to   = axes->unstable_at;
     steps.from = axes->unstable_at / BELOW;
   }
-  PetscCall(MpmCriticalCross(GrowthOfAll, s, s->of->tolerance, &steps, 1, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfAll, s, s->of->tolerance, &steps, 1, bracket));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -323,7 +323,7 @@ static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal bet
     PetscCall(TakeAxes(s, &axes, c));
   else if (isfinite(bracket[1])) {
     PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
-    if (!c->windows.n) PetscCall(MpmCriticalThreshold(GrowthThere, s, s->of->tolerance, c));
+    if (!c->windows.n) PetscCall(MpmSearchThreshold(GrowthThere, s, s->of->tolerance, 0, c));
   }
   MpmCriticalKeepBelow(c);
   c->courant = c->threshold || MpmStepDrifts(&s->of->step) ? c->stable_at : 0;

@@ -13,15 +13,15 @@
 
 /* The symbol as a function of Courant number and phase, and the state of the search. */
 typedef struct {
-  MpmBloch         bloch;
-  MpmSmallEigen    eigen;
-  PetscReal        tolerance, beta; /* beta: the phase */
-  PetscReal        asked;           /* the phase that grows most at the case's own Courant number; NaN: not asked for */
-  MpmCriticalSteps steps;           /* where the limit of that phase is sought */
-  PetscReal        least, least_beta; /* the least limit found so far, and its phase */
-  MpmProgress      progress;
-  PetscInt64       evaluations;
-  MPI_Comm         comm;
+  MpmBloch       bloch;
+  MpmSmallEigen  eigen;
+  PetscReal      tolerance, beta;   /* beta: the phase */
+  PetscReal      asked;             /* the phase that grows most at the case's own Courant number; NaN: not asked for */
+  MpmSearchSteps steps;             /* where the limit of that phase is sought */
+  PetscReal      least, least_beta; /* the least limit found so far, and its phase */
+  MpmProgress    progress;
+  PetscInt64     evaluations;
+  MPI_Comm       comm;
 } Probe;
 
 static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, const PetscReal beta[], PetscReal *growth)
@@ -49,7 +49,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
 
   PetscFunctionBegin;
   p->beta = beta;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   *limit = bracket[1];
   if (*limit < p->least) {
     p->least      = *limit;
@@ -65,15 +65,15 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 
   PetscFunctionBegin;
   if (isfinite(c->unstable_at)) {
-    PetscCall(GrowthAt(p, c->unstable_at, &(PetscReal){MpmCriticalPhase(m)}, &g));
+    PetscCall(GrowthAt(p, c->unstable_at, &(PetscReal){MpmSearchPhase(m)}, &g));
     if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
   }
-  PetscCall(LimitOfPhase(p, MpmCriticalPhase(m), &limit));
+  PetscCall(LimitOfPhase(p, MpmSearchPhase(m), &limit));
   if (limit >= c->unstable_at) PetscFunctionReturn(PETSC_SUCCESS);
   c->unstable_at = limit;
-  c->beta[0]     = MpmCriticalPhase(m);
+  c->beta[0]     = MpmSearchPhase(m);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,8 +114,8 @@ static PetscErrorCode Refine(Probe *p, PetscReal from, MpmCritical *c)
   p->steps.from = from;
   p->steps.to   = 2 * c->unstable_at;
   p->least      = INFINITY;
-  PetscCall(
-      MpmGoldenSection(LimitOfPhase, p, MpmCriticalBeside(found, -1), MpmCriticalBeside(found, 1), &beta, &limit));
+  PetscCall(MpmSearchLeast(LimitOfPhase, p, MPM_SEARCH_GOLDEN, MpmSearchBeside(found, -1), MpmSearchBeside(found, 1),
+                           &beta, &limit));
   if (p->least < c->unstable_at * (1 - PRECISION)) {
     c->unstable_at = p->least;
     c->beta[0]     = p->least_beta;
@@ -123,7 +123,7 @@ static PetscErrorCode Refine(Probe *p, PetscReal from, MpmCritical *c)
   }
   p->beta     = c->beta[0];
   p->steps.to = c->unstable_at;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = PetscMin(bracket[1], c->unstable_at);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -133,12 +133,12 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
 {
   PetscFunctionBegin;
   p->steps =
-      (MpmCriticalSteps){.from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+      (MpmSearchSteps){.from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
   PetscCall(SearchPhases(p, c));
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Refine(p, c->unstable_at / 2, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
+  PetscCall(MpmSearchThreshold(GrowthOfPhase, p, p->tolerance, 0, c));
   c->courant = c->threshold ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -150,7 +150,7 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
   c->unstable_at = courant;
   c->beta[0]     = beta;
   PetscCall(Refine(p, c->unstable_at / 2, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
+  PetscCall(MpmSearchThreshold(GrowthOfPhase, p, p->tolerance, 0, c));
   c->courant = c->stable_at;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,7 +170,7 @@ static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal
   for (PetscInt m = MPM_CRITICAL_PHASES - rank; m >= 0; m -= size) {
     PetscReal g;
 
-    beta = m > 0 ? MpmCriticalPhase(m) : p->asked;
+    beta = m > 0 ? MpmSearchPhase(m) : p->asked;
     if (isnan(beta)) continue;
     PetscCall(GrowthAt(p, courant, &beta, &g));
     if (!(g > mine[0])) continue;
@@ -194,14 +194,14 @@ static PetscErrorCode ScanPhases(Probe *p, PetscReal courant, MpmCritical *c)
   PetscReal                 growth, middle;
 
   PetscFunctionBegin;
-  PetscCall(MpmCriticalScan(GrowthOfPhases, p, p->tolerance, courant, SCANNED, c));
+  PetscCall(MpmSearchScan(GrowthOfPhases, p, p->tolerance, courant, SCANNED, c));
   c->courant = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GrowthOfPhases(p, c->unstable_at, &growth));
   c->beta[0] = p->beta;
   if (c->stable_at > 0) {
     middle   = (c->unstable_at + (w->n ? w->window[w->n - 1].to : 0)) / 2;
-    p->steps = (MpmCriticalSteps){.from = middle, .to = c->unstable_at, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+    p->steps = (MpmSearchSteps){.from = middle, .to = c->unstable_at, .ratio = RATIO, .width = MPM_CRITICAL_TO};
     PetscCall(LimitOfPhase(p, c->beta[0], &c->unstable_at));
     PetscCall(Refine(p, middle, c));
   }
