@@ -213,7 +213,7 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   const PetscInt64 order = of->scheme->table->nstate * of->layout->particles;
   PetscInt64       nodal = 0, unknowns;
@@ -222,6 +222,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  (void)start; /* there is no other place to begin */
   if (!of->all_particles) PetscCall(MpmNodalMatrixUnknowns(of->layout, of->scheme, &of->step, &nodal));
   unknowns = nodal ? nodal : order;
   PetscCall(MpmLayoutSizeText(of->layout, sizeof size, size));

@@ -1,9 +1,9 @@
 /*
-   The largest stable Courant number of particles at rest, through the symbol. Where a phase that is unstable stays so, the
-   first growth of each is looked for, and else growth is scanned. For moving particles see critical_drift.c.
+   The largest stable Courant number at rest in one dimension, through the symbol. Where a phase that is unstable stays so, the
+   first growth of each is looked for, and else growth is scanned. For moving particles see critical_line_drift.c.
 */
 #include "analysis/critical_parts.h"
-#include "symbol/bloch_growth.h"
+#include "analysis/waves.h"
 #include "base/progress.h"
 #include <math.h>
 
@@ -13,31 +13,21 @@
 
 /* The symbol as a function of Courant number and phase, and the state of the search. */
 typedef struct {
-  MpmBloch       bloch;
-  MpmSmallEigen  eigen;
+  MpmWaves       waves;
   PetscReal      tolerance, beta;   /* beta: the phase */
   PetscReal      asked;             /* the phase that grows most at the case's own Courant number; NaN: not asked for */
   MpmSearchSteps steps;             /* where the limit of that phase is sought */
   PetscReal      least, least_beta; /* the least limit found so far, and its phase */
   MpmProgress    progress;
-  PetscInt64     evaluations;
   MPI_Comm       comm;
 } Probe;
-
-static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, const PetscReal beta[], PetscReal *growth)
-{
-  PetscFunctionBegin;
-  p->evaluations++;
-  PetscCall(MpmBlochGrowth(&p->bloch, &p->eigen, courant, beta, growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal *growth)
 {
   Probe *p = (Probe *)context;
 
   PetscFunctionBegin;
-  PetscCall(GrowthAt(p, courant, &p->beta, growth));
+  PetscCall(MpmWavesGrowth(&p->waves, courant, &p->beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -65,7 +55,7 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 
   PetscFunctionBegin;
   if (isfinite(c->unstable_at)) {
-    PetscCall(GrowthAt(p, c->unstable_at, &(PetscReal){MpmSearchPhase(m)}, &g));
+    PetscCall(MpmWavesGrowth(&p->waves, c->unstable_at, &(PetscReal){MpmSearchPhase(m)}, &g));
     if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
@@ -172,7 +162,7 @@ static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal
 
     beta = m > 0 ? MpmSearchPhase(m) : p->asked;
     if (isnan(beta)) continue;
-    PetscCall(GrowthAt(p, courant, &beta, &g));
+    PetscCall(MpmWavesGrowth(&p->waves, courant, &beta, &g));
     if (!(g > mine[0])) continue;
     mine[0] = g;
     mine[1] = beta;
@@ -214,9 +204,8 @@ static PetscErrorCode Begin(const MpmCriticalCase *of, MpmCritical *c, Probe *p)
 {
   PetscFunctionBegin;
   *p = (Probe){.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
-  c->order = p->bloch.size;
-  PetscCall(MpmSmallEigenCreate(p->bloch.turn_size, &p->eigen));
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &p->waves));
+  c->order = p->waves.bloch.size;
   PetscCall(MpmProgressBegin("phase", &p->progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -225,69 +214,30 @@ static PetscErrorCode End(Probe *p, MpmCritical *c)
 {
   PetscFunctionBegin;
   PetscCall(MpmProgressEnd(&p->progress));
-  c->evaluations += p->evaluations;
-  PetscCall(MpmSmallEigenDestroy(&p->eigen));
-  PetscCall(MpmBlochDestroy(&p->bloch));
+  c->evaluations += p->waves.evaluations;
+  PetscCall(MpmWavesDestroy(&p->waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Probe probe;
 
   PetscFunctionBegin;
   PetscCall(Begin(of, c, &probe));
-  PetscCall(isfinite(unstable) ? Below(&probe, unstable, beta, c) : Search(&probe, c));
+  PetscCall(isfinite(start->unstable) ? Below(&probe, start->unstable, start->beta[0], c) : Search(&probe, c));
   PetscCall(End(&probe, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalScanned(const MpmCriticalCase *of, PetscReal asked, MpmCritical *c)
+PetscErrorCode MpmCriticalLineScanned(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Probe probe;
 
   PetscFunctionBegin;
   PetscCall(Begin(of, c, &probe));
-  probe.asked = asked;
-  PetscCall(ScanPhases(&probe, isnan(asked) ? 0 : of->step.courant, c));
+  probe.asked = start->beta[0];
+  PetscCall(ScanPhases(&probe, start->alone ? 0 : of->step.courant, c));
   PetscCall(End(&probe, c));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                        PetscReal *growth)
-{
-  Probe probe = {.tolerance = of->tolerance};
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
-  PetscCall(MpmSmallEigenCreate(probe.bloch.turn_size, &probe.eigen));
-  PetscCall(GrowthAt(&probe, courant, beta, growth));
-  PetscCall(MpmSmallEigenDestroy(&probe.eigen));
-  PetscCall(MpmBlochDestroy(&probe.bloch));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                   PetscReal *growth)
-{
-  MpmBloch        bloch;
-  PetscInt        exponent, other, n;
-  PetscReal       norm = 0, moved = 0;
-  double complex *matrix, *noisy;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
-  n = bloch.size * bloch.size;
-  PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_TRUE, noisy, &other));
-  for (PetscInt i = 0; i < n; i++) {
-    norm  = hypot(norm, cabs(matrix[i]));
-    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - matrix[i]));
-  }
-  *growth = MpmDefectiveErrorOf(PetscMax(moved, MPM_ROUNDING * norm), exponent, bloch.period);
-  PetscCall(PetscFree2(matrix, noisy));
-  PetscCall(MpmBlochDestroy(&bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

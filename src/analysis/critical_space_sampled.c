@@ -2,13 +2,12 @@
    The largest Courant number with growth within tolerance in two and three dimensions, by samples of the symbol: for
    particles that move, and for formulations without a closed form.
 
-   Waves along an axis are those of one dimension, with that direction's drift. The limit of these waves is an upper
-   bound of the limit of all. Oblique waves are sampled below it.
+   The limit of waves along an axis (critical_axes.c) is an upper bound. Oblique waves are sampled below it.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/leftmost.h"
 #include "scene/layout.h"
-#include "symbol/bloch_growth.h"
+#include "analysis/waves.h"
 #include "analysis/zoom.h"
 #include <mpmstab/symbol.h>
 #include <math.h>
@@ -26,8 +25,6 @@
 #define SCANNED 0.01    /* the same before it is narrowed down */
 #define ROUNDS 20       /* of bisection at the phases that grow most, and of the search for these */
 #define SAME 1e-6       /* relative distance within which limits are those of axis waves */
-#define NEARLY 0.9      /* modes whose growth is at least this part of the largest count as equally fast */
-#define STILL 1e-9      /* a mode whose nodal vector is smaller than this part of it does not move the nodes */
 
 /* How a search goes on from the grid, by dimension: from so many places, and its first and last step at one wave. */
 static const PetscInt  starts[] = {0, 0, 6, 3};
@@ -38,35 +35,24 @@ static const PetscReal finest[] = {0, 0, 1e-3, 0.1};
 /* The symbol as a function of Courant number and phases. beta: the phases of the largest growth found last. */
 typedef struct {
   const MpmCriticalCase *of;
-  MpmBloch               bloch;
-  MpmSmallEigen          eigen;
+  MpmWaves               waves;
   MpmZoom                zoom;
   PetscReal              courant, beta[MPM_MAX_DIM];
   const MpmCritical     *axes; /* the limit of axis waves */
-  PetscInt64             evaluations;
 } Samples;
 
 static PetscErrorCode SamplesCreate(const MpmCriticalCase *of, Samples *s)
 {
   PetscFunctionBegin;
   *s = (Samples){.of = of};
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &s->bloch));
-  PetscCall(MpmSmallEigenCreate(s->bloch.turn_size, &s->eigen));
-  s->zoom        = MpmCriticalZoom(of->layout, &of->scheme->space, of->step.drift);
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &s->waves));
+  s->zoom        = MpmZoomOf(of->layout, &of->scheme->space, of->step.drift);
   s->zoom.points = MpmCriticalSamples(of->layout, of->scheme);
   s->zoom.starts = starts[of->layout->dim];
   s->zoom.within = WITHIN;
   s->zoom.finest = finest[of->layout->dim];
   s->zoom.least  = LEAST_BETA;
   s->zoom.comm   = PETSC_COMM_WORLD;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode SamplesDestroy(Samples *s)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSmallEigenDestroy(&s->eigen));
-  PetscCall(MpmBlochDestroy(&s->bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -80,21 +66,14 @@ PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme)
   return n;
 }
 
-static PetscErrorCode GrowthAt(Samples *s, const PetscReal beta[], PetscReal *growth)
-{
-  PetscFunctionBegin;
-  s->evaluations++;
-  PetscCall(MpmBlochGrowth(&s->bloch, &s->eigen, s->courant, beta, growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The zoom looks for the least of a positive number. */
 static PetscErrorCode Inverse(void *context, const PetscReal beta[], PetscReal *value)
 {
+  Samples  *s = (Samples *)context;
   PetscReal growth;
 
   PetscFunctionBegin;
-  PetscCall(GrowthAt((Samples *)context, beta, &growth));
+  PetscCall(MpmWavesGrowth(&s->waves, s->courant, beta, &growth));
   *value = 1 / growth;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -119,8 +98,7 @@ static PetscErrorCode GrowthThere(void *context, PetscReal courant, PetscReal *g
   Samples *s = (Samples *)context;
 
   PetscFunctionBegin;
-  s->courant = courant;
-  PetscCall(GrowthAt(s, s->beta, growth));
+  PetscCall(MpmWavesGrowth(&s->waves, courant, s->beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,88 +127,6 @@ static PetscErrorCode Narrow(Samples *s, PetscReal bracket[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- waves along an axis ---- */
-
-/* Whether a direction has the same waves along its axis as one before it. */
-static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
-{
-  const MpmLayout *l = of->layout;
-
-  for (PetscInt a = 0; a < axis; a++)
-    if (l->ppc[a] == l->ppc[axis] && l->offset[a].value == l->offset[axis].value &&
-        of->step.drift[a].value == of->step.drift[axis].value && MpmSpaceAlike(&of->scheme->space, a, axis))
-      return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/*
-   The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
-   it depends on the direction (docs/theory.md, section 9).
-*/
-static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
-{
-  const PetscReal sigma0 = MpmSpacePrestress(of, axis, axis);
-  PetscReal       square = 1;
-
-  *along     = *of;
-  along->dim = 1;
-  if (!MpmSpaceIsPrestressed(of)) return 1;
-  square = MpmSpaceTangent(of, axis, axis, axis, axis) - sigma0;
-  for (PetscInt c = 0; c < MPM_MAX_STRESS; c++) along->prestress[c] = 0;
-  along->prestress[0] = sigma0 / square;
-  along->displaced    = sigma0 != 0 && of->curved ? PETSC_TRUE : PETSC_FALSE;
-  return sqrt(square);
-}
-
-/* Finds the limit of the waves along one axis. */
-static PetscErrorCode LimitOfAxis(const MpmCriticalCase *of, PetscInt axis, MpmCritical *c)
-{
-  MpmLayout       layout = *of->layout;
-  MpmScheme       scheme = *of->scheme;
-  MpmCriticalCase along  = *of;
-  PetscReal       speed;
-
-  PetscFunctionBegin;
-  layout.dim       = 1;
-  layout.grid[0]   = layout.grid[axis];
-  layout.offset[0] = layout.offset[axis];
-  MpmLayoutSetPpc(&layout, layout.ppc[axis]);
-  speed = AlongAxis(&of->scheme->space, axis, &scheme.space);
-  PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
-  along.layout = &layout;
-  along.scheme = &scheme;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along.step.drift[a] = (MpmFraction){.den = 1};
-  along.step.drift[0] = of->step.drift[axis];
-  along.step.courant *= speed;
-  PetscCall(MpmCriticalFind(&along, PETSC_TRUE, c));
-  c->stable_at /= speed;
-  c->unstable_at /= speed;
-  c->courant /= speed;
-  c->doubtful /= speed;
-  PetscCall(MpmTableDestroy(&scheme.table));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the least limit of the waves along the axes. Infinite: there is none. */
-static PetscErrorCode LimitOfAxes(const MpmCriticalCase *of, MpmCritical *least)
-{
-  PetscFunctionBegin;
-  *least = (MpmCritical){.stable_at = INFINITY, .unstable_at = INFINITY, .courant = INFINITY, .fading = NAN};
-  for (PetscInt axis = 0; axis < of->layout->dim; axis++) {
-    MpmCritical c;
-
-    if (IsRepeated(of, axis)) continue;
-    PetscCall(LimitOfAxis(of, axis, &c));
-    least->evaluations += c.evaluations;
-    if (!(c.unstable_at < least->unstable_at)) continue;
-    c.evaluations = least->evaluations;
-    *least        = c;
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) least->beta[a] = 0;
-    least->beta[axis] = c.beta[0];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- the search ---- */
 
 /* Takes over the limit of axis waves, if the symbol of all dimensions has them grow there too. */
@@ -245,8 +141,7 @@ static PetscErrorCode TakeAxes(Samples *s, const MpmCritical *axes, MpmCritical 
   c->fading      = axes->fading;
   c->doubtful    = axes->doubtful;
   PetscCall(PetscArraycpy(c->beta, axes->beta, MPM_MAX_DIM));
-  s->courant = c->unstable_at * (1 + SAME);
-  PetscCall(GrowthAt(s, c->beta, &growth));
+  PetscCall(MpmWavesGrowth(&s->waves, c->unstable_at * (1 + SAME), c->beta, &growth));
   if (growth <= 1 + s->of->tolerance / 2) c->disputed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -301,26 +196,23 @@ static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal beta[], MpmCritical *c)
+static PetscErrorCode Search(Samples *s, const MpmCriticalStart *start, MpmCritical *c)
 {
-  MpmCritical axes;
-  PetscReal   bracket[2] = {0, unstable};
+  const MpmCritical *axes       = s->axes;
+  PetscReal          bracket[2] = {0, start->unstable};
 
   PetscFunctionBegin;
-  PetscCall(LimitOfAxes(s->of, &axes));
-  c->evaluations += axes.evaluations;
-  s->axes = &axes;
-  if (isfinite(unstable))
-    PetscCall(PetscArraycpy(s->beta, beta, s->zoom.dim));
+  if (isfinite(start->unstable))
+    PetscCall(PetscArraycpy(s->beta, start->beta, s->zoom.dim));
   else if (MpmStepDrifts(&s->of->step) || MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step))
-    PetscCall(FindSample(s, &axes, bracket));
+    PetscCall(FindSample(s, axes, bracket));
   else
     PetscCall(ScanSamples(s, c, bracket));
   if (isfinite(bracket[1])) PetscCall(Narrow(s, bracket));
   c->stable_at   = isfinite(bracket[1]) ? bracket[0] : INFINITY;
   c->unstable_at = bracket[1];
-  if (isfinite(axes.unstable_at) && !(bracket[1] < axes.unstable_at * (1 - SAME)))
-    PetscCall(TakeAxes(s, &axes, c));
+  if (isfinite(axes->unstable_at) && !(bracket[1] < axes->unstable_at * (1 - SAME)))
+    PetscCall(TakeAxes(s, axes, c));
   else if (isfinite(bracket[1])) {
     PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
     if (!c->windows.n) PetscCall(MpmSearchThreshold(GrowthThere, s, s->of->tolerance, 0, c));
@@ -331,18 +223,18 @@ static PetscErrorCode Search(Samples *s, PetscReal unstable, const PetscReal bet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalBySamples(const MpmCriticalCase *of, PetscReal unstable, const PetscReal beta[],
-                                    MpmCritical *c)
+PetscErrorCode MpmCriticalSpaceSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Samples samples;
 
   PetscFunctionBegin;
   PetscCall(SamplesCreate(of, &samples));
-  c->order  = samples.bloch.size;
-  c->phases = samples.zoom.points;
-  PetscCall(Search(&samples, unstable, beta, c));
-  c->evaluations += samples.evaluations;
-  PetscCall(SamplesDestroy(&samples));
+  samples.axes = start->axes;
+  c->order     = samples.waves.bloch.size;
+  c->phases    = samples.zoom.points;
+  PetscCall(Search(&samples, start, c));
+  c->evaluations += samples.waves.evaluations;
+  PetscCall(MpmWavesDestroy(&samples.waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -360,102 +252,13 @@ PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphi
   PetscCall(MpmZoomLeast(&s.zoom, Inverse, &s, beta, &value));
   finding->tolerance = of->tolerance;
   finding->growth    = 1 / value;
-  PetscCall(MpmCriticalRounding(of, of->step.courant, beta, &finding->defective_error));
+  PetscCall(MpmWavesRounding(&s.waves, of->step.courant, beta, NAN, &finding->defective_error, NULL));
   finding->uncertainty = finding->defective_error;
   finding->verdict     = MpmVerdictOf(finding);
   PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence,
                           "the symbol at %" PetscInt_FMT " phases in (0, pi] of each direction%s", s.zoom.points,
                           uphill ? ", and uphill from the largest growths" : ""));
-  *evaluations += s.evaluations;
-  PetscCall(SamplesDestroy(&s));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- polarisation ---- */
-
-/* The first register of the formulation's first vector, or MPM_NONE. */
-static PetscInt VectorOf(const MpmScheme *scheme)
-{
-  for (PetscInt r = 0; r < scheme->table->nstate; r++)
-    if (scheme->table->field[r] >= 0 && scheme->formulation->particle_ranks[scheme->table->field[r]] == MPM_VECTOR)
-      return r;
-  return MPM_NONE;
-}
-
-/* What an operation sends of a mode to its node. */
-static double complex Sent(const MpmBloch *b, const MpmOp *op, const double complex mode[])
-{
-  double complex sum = 0;
-
-  for (PetscInt j = 0; j < b->ppc; j++) {
-    double complex tie  = 1;
-    PetscInt       rest = j;
-
-    for (PetscInt a = 0; a < b->layout->dim; a++) {
-      tie *= MpmTie(&b->ties[a], 0, MpmKindAlong(op->kind, op->axis, a), rest % b->ties[a].n, b->wave[a]);
-      rest /= b->ties[a].n;
-    }
-    sum += conj(tie) * mode[b->fields * j + op->src];
-  }
-  return sum;
-}
-
-/* A component of a mode's nodal vector: P2G of the particles', with that of the affine part. */
-static double complex NodalComponent(const MpmBloch *b, PetscInt particle, const double complex mode[])
-{
-  const MpmTable *table = b->scheme->table;
-  const MpmOp    *first = MpmTableSeenBy(table, particle);
-  double complex  sum   = Sent(b, first, mode);
-
-  for (const MpmOp *op = first + 1; op < table->ops + table->nops && op->kind == MPM_P2G_AFFINE; op++)
-    if (op->dst == first->dst) sum += Sent(b, op, mode);
-  return sum;
-}
-
-/* The share along beta of a mode's nodal vector; NaN for a mode that does not move the nodes. */
-static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], PetscInt vector, const PetscReal beta[])
-{
-  double complex along = 0;
-  PetscReal      all = 0, length = 0, size = 0;
-
-  for (PetscInt a = 0; a < b->layout->dim; a++) {
-    const double complex node = NodalComponent(b, vector + a, mode);
-
-    along += beta[a] * node;
-    all += PetscSqr(cabs(node));
-    length += PetscSqr(beta[a]);
-  }
-  for (PetscInt i = 0; i < b->size; i++) size += PetscSqr(cabs(mode[i]));
-  return all > PetscSqr(STILL) * size ? PetscSqr(cabs(along)) / (all * length) : NAN;
-}
-
-PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                   MpmWaveType *wave)
-{
-  const PetscInt vector  = VectorOf(of->scheme);
-  PetscReal      largest = 0, least = 1, most = 0, excess;
-  PetscInt       exponent;
-  Samples        s;
-  MpmSmallEigen  whole;
-
-  PetscFunctionBegin;
-  *wave = MPM_WAVE_NONE;
-  if (vector == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(SamplesCreate(of, &s));
-  PetscCall(MpmSmallEigenCreate(s.bloch.size, &whole));
-  PetscCall(MpmBlochMatrix(&s.bloch, courant, beta, PETSC_FALSE, whole.matrix, &exponent));
-  PetscCall(MpmSmallEigenSolve(&whole, PETSC_TRUE));
-  for (PetscInt i = 0; i < whole.n; i++) largest = fmax(largest, cabs(whole.value[i]));
-  excess = log(largest) + (PetscReal)exponent * M_LN2;
-  for (PetscInt i = 0; i < whole.n; i++) {
-    const PetscReal share = ShareAlong(&s.bloch, whole.right + whole.n * i, vector, beta);
-
-    if (log(cabs(whole.value[i])) + (PetscReal)exponent * M_LN2 < NEARLY * excess || isnan(share)) continue;
-    least = PetscMin(least, share);
-    most  = PetscMax(most, share);
-  }
-  if (excess > 0 && most >= least) *wave = MpmCriticalWaveOf(least, most);
-  PetscCall(MpmSmallEigenDestroy(&whole));
-  PetscCall(SamplesDestroy(&s));
+  *evaluations += s.waves.evaluations;
+  PetscCall(MpmWavesDestroy(&s.waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,5 @@
 /*
-   The largest Courant number with growth within tolerance, for particles that move.
+   The largest Courant number with growth within tolerance, for particles that move, in one dimension.
 
    Windows of growth open along curves of the plane of phase beta and Courant number k, where two amplification factors
    meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may reach the tolerance
@@ -352,7 +352,7 @@ static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   PetscMPIInt rank, size;
   Plane      *p;
@@ -362,19 +362,19 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(PlaneCreate(of, &p));
   c->order = p->bloch.size;
-  if (isfinite(unstable)) {
-    PetscCall(Below(p, unstable, beta));
+  if (isfinite(start->unstable)) {
+    PetscCall(Below(p, start->unstable, start->beta[0]));
   } else {
     PetscCall(VisitPhases(p, rank, size));
     PetscCall(Gather(p, size));
     PetscCall(Refine(p));
   }
-  if (isinf(unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
+  if (isinf(start->unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
+PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
 {
   const MpmSymbolWish wish = {.phases = {2 * MPM_CRITICAL_PHASES}, .tolerance = of->tolerance};
   MpmSymbol          *symbol;
