@@ -118,7 +118,7 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 
    On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and refines the least of them over all
    phases by golden section, so that the result does not depend on the phases it began with. At rest it first scans for windows
-   of growth (MpmCriticalScan), unless a closed form or a theorem says that there are none. Under drift windows of instability open where two amplification
+   of growth (MpmSearchScan), unless a closed form or a theorem says that there are none. Under drift windows of instability open where two amplification
    factors meet, and close again. So amplification factors are followed as the Courant number grows, and the places where
    two of them meet are solved for.
 
@@ -129,7 +129,7 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    growth between the samples may be missed.
 
    On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. At rest it looks for
-   windows (MpmCriticalScan) unless a theorem says that there are none (MpmLeftmostDecides). Under drift the
+   windows (MpmSearchScan) unless a theorem says that there are none (MpmLeftmostDecides). Under drift the
    eigenvalues of small operators are followed in the same way; those of larger ones are taken in steps (see followed).
 
    Errors: refuses (PETSC_ERR_USER_INPUT) an operator whose order is too large for that.
@@ -150,61 +150,3 @@ PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, 
 /* Not collective. Sets closed, closed_beta and cell: the least limit of the closed form over all phases. */
 PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                        MpmCritical *critical);
-
-/* Computes growth per step at a Courant number. */
-typedef PetscErrorCode (*MpmCriticalGrowth)(void *context, PetscReal courant, PetscReal *growth);
-
-/* The Courant numbers of a search: from, then on by ratio but by no more than width, up to to. */
-typedef struct {
-  PetscReal from, to, ratio, width;
-} MpmCriticalSteps;
-
-/*
-   MpmCriticalCross - the bracket [stable_at, unstable_at] in which growth first leaves 1 + tolerance. unstable_at is
-   infinite when growth leaves it nowhere. Where it has left it at the first Courant number already, smaller ones are
-   tried by halving; stable_at is 0 when none of them is stable. The bracket is then bisected to a relative precision.
-
-   Collective when growth is. A window of instability that is narrower than a step may be missed.
-*/
-PetscErrorCode MpmCriticalCross(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
-                                const MpmCriticalSteps *steps, PetscReal precision, PetscReal bracket[2]);
-
-/*
-   MpmCriticalScan - looks for the limit without taking for granted that what has become unstable stays so. Sets stable_at,
-   unstable_at, threshold, fading and windows.
-
-   Collective when growth is. It looks at Courant numbers from MPM_CRITICAL_FROM to MPM_CRITICAL_TO that grow by a quarter each,
-   at 32 equal distances up to the limit, at 'also' where that is above 0, and where all grow at halves of the smallest. The limit is the end of the widest range
-   without growth. A window between two of these numbers is missed.
-*/
-PetscErrorCode MpmCriticalScan(MpmCriticalGrowth growth, void *context, PetscReal tolerance, PetscReal also,
-                               PetscReal precision, MpmCritical *critical);
-
-/*
-   MpmCriticalThreshold - sets threshold and fading. There is a threshold when growth at half of unstable_at is none but
-   for rounding. Without one, fading is the power of the Courant number with which growth - 1 fades.
-
-   Collective when growth is.
-*/
-PetscErrorCode MpmCriticalThreshold(MpmCriticalGrowth growth, void *context, PetscReal tolerance,
-                                    MpmCritical *critical);
-
-/*
-   Not collective.
-
-   MpmCriticalPhase  - phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may
-                       be confined to a narrow range of phases.
-   MpmCriticalBeside - the phase d places after phase beta in this sequence
-*/
-PetscReal MpmCriticalPhase(PetscReal m);
-PetscReal MpmCriticalBeside(PetscReal beta, PetscReal d);
-
-/*
-   MpmGoldenSection - the place in [lo, hi] of the least value of a function that has one minimum there, by golden
-   section.
-
-   Collective when f is.
-*/
-typedef PetscErrorCode (*MpmFunction)(void *context, PetscReal x, PetscReal *value);
-PetscErrorCode MpmGoldenSection(MpmFunction f, void *context, PetscReal lo, PetscReal hi, PetscReal *x,
-                                PetscReal *value);

@@ -1,135 +1,119 @@
-/* Finds the largest stable Courant number through the symbol or the operator, and compares it with the closed form. */
+/*
+   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line_*.c in one
+   dimension, critical_space_*.c in two and three, critical_assembled*.c for what has no symbol, critical_closed.c for the
+   closed form.
+*/
 #include "analysis/critical_parts.h"
 #include "analysis/leftmost.h"
-#include "symbol/predict.h"
+#include "analysis/waves.h"
 #include <math.h>
 
-#define AGREE 1e-5      /* relative difference of closed form and search */
-#define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
-#define GROWS 1e-12     /* smallest growth of one phase that is no rounding */
-#define PRECISION 1e-10 /* relative precision of the closed form */
+#define AGREE 1e-5        /* relative difference of closed form and search */
+#define BEYOND 0.01       /* relative distance above the limit at which growth is compared with that of rounding */
+#define BEYOND_LIMIT 1e-5 /* the same at which the type of a wave is looked at */
+#define GROWS 1e-12       /* smallest growth of one phase that is no rounding */
 
-/* The limit of a phase, in one dimension. */
-static PetscErrorCode ClosedLimit(void *context, PetscReal beta, PetscReal *limit)
+/*S
+   Strategy - how the limit of a case is sought. It is the first whose conditions hold, each of which may be ANY.
+
+   symbol, line, drifts, closed - the layout has a symbol, of one dimension, particles move, there is a closed form
+   theorem     - the theorem of docs/theory.md, section 5, says that what has become unstable stays so
+   find        - finds it
+   axes        - the limit of waves along the axes is found before
+   asks_first  - growth at the case's own Courant number is computed before, and its phase given to find
+   again       - where that Courant number grows below the limit found, the search has missed the true limit, and goes
+                 on down from there
+S*/
+#define ANY -1
+typedef struct {
+  int               symbol, line, drifts, closed, theorem;
+  MpmCriticalSearch find;
+  PetscBool         axes, asks_first, again;
+} Strategy;
+
+/* The conditions of a closed form of a phase are linear in the square of the Courant number: what is unstable stays so. */
+static const Strategy strategies[] = {
+    {0, ANY, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
+    {1, 1, 1, ANY, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 1, ANY, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 0, 1, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 0, 0, MpmCriticalLineScanned, PETSC_FALSE, PETSC_TRUE, PETSC_FALSE},
+    {1, 0, 0, 1, ANY, MpmCriticalSpaceAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
+    {1, 0, ANY, ANY, ANY, MpmCriticalSpaceSampled, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE},
+};
+
+static PetscBool Fits(int condition, PetscBool is)
 {
-  const MpmPredictor *predictor = (const MpmPredictor *)context;
-  MpmCellSymbols      cell[MPM_MAX_DIM];
+  return condition == ANY || condition == (is ? 1 : 0) ? PETSC_TRUE : PETSC_FALSE;
+}
 
+static const Strategy *StrategyOf(const MpmCriticalCase *of, const MpmCritical *c)
+{
+  const Strategy *s      = strategies;
+  const PetscBool symbol = MpmSymbolWhyNot(of->layout) ? PETSC_FALSE : PETSC_TRUE;
+  const PetscBool line = of->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE, drifts = MpmStepDrifts(&of->step);
+  const PetscBool closed  = isnan(c->closed) ? PETSC_FALSE : PETSC_TRUE;
+  const PetscBool theorem = MpmLeftmostDecides(of->layout, of->scheme, &of->step);
+
+  while (!Fits(s->symbol, symbol) || !Fits(s->line, line) || !Fits(s->drifts, drifts) || !Fits(s->closed, closed) ||
+         !Fits(s->theorem, theorem))
+    s++;
+  return s;
+}
+
+/* ---- growth at one Courant number ---- */
+
+/* Growth and verdict at the case's own Courant number, and the phases that grow most. */
+static PetscErrorCode GrowthAt(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding, PetscReal beta[],
+                               PetscInt64 *evaluations)
+{
   PetscFunctionBegin;
-  (void)MpmPredictorSymbols(predictor, &beta, cell);
-  *limit = predictor->scheme->formulation->limit(cell);
+  if (of->layout->dim == 1)
+    PetscCall(MpmCriticalLineGrowth(of, finding, beta));
+  else
+    PetscCall(MpmCriticalSampleGrowth(of, uphill, finding, beta, evaluations));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ClosedOnLine(const MpmPredictor *predictor, MpmCritical *c)
+/* The same for a search. In two and three dimensions samples may have less growth than the wave that limits. */
+static PetscErrorCode Ask(const MpmCriticalCase *of, MpmCritical *c, PetscReal beta[])
 {
-  PetscReal limit, beta;
+  MpmFinding *asked = &c->asked;
+  MpmWaves    waves;
+  PetscReal   growth;
 
   PetscFunctionBegin;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
-    PetscCall(ClosedLimit((void *)predictor, MpmCriticalPhase(m), &limit));
-    if (limit >= c->closed) continue;
-    c->closed         = limit;
-    c->closed_beta[0] = MpmCriticalPhase(m);
-  }
-  if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmGoldenSection(ClosedLimit, (void *)predictor, MpmCriticalBeside(c->closed_beta[0], -1),
-                             MpmCriticalBeside(c->closed_beta[0], 1), &beta, &limit));
-  if (limit < c->closed * (1 - PRECISION)) {
-    c->closed         = limit;
-    c->closed_beta[0] = beta;
-  }
+  PetscCall(GrowthAt(of, isnan(c->closed) ? PETSC_TRUE : PETSC_FALSE, asked, beta, &c->evaluations));
+  if (of->layout->dim == 1 || isnan(c->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
+  PetscCall(MpmWavesGrowth(&waves, of->step.courant, c->beta, &growth));
+  PetscCall(MpmWavesDestroy(&waves));
+  if (!(growth > asked->growth)) PetscFunctionReturn(PETSC_SUCCESS);
+  asked->growth = growth;
+  PetscCall(PetscArraycpy(beta, c->beta, of->layout->dim));
+  asked->verdict = MpmVerdictOf(asked);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps the symbols of the problem that has the limit. */
-static void KeepSymbols(const MpmPredictor *predictor, MpmCritical *c)
-{
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n     = MpmPredictorSymbols(predictor, c->closed_beta, cell);
-  PetscReal      least = NAN;
-
-  for (PetscInt i = 0; i < n; i++) {
-    const PetscReal limit = predictor->scheme->formulation->limit(&cell[i]);
-
-    if (limit >= least) continue;
-    least   = limit;
-    c->cell = cell[i];
-  }
-}
-
-PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
-                                       MpmCritical *c)
-{
-  MpmPredictor predictor;
-
-  PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
-  c->closed = NAN;
-  if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
-      !MpmSpaceIsPrestressed(&scheme->space)) {
-    PetscCall(layout->dim == 1 ? ClosedOnLine(&predictor, c) : MpmCriticalClosedInSpace(&predictor, c));
-    if (!isnan(c->closed)) KeepSymbols(&predictor, c);
-  }
-  PetscCall(MpmPredictorDestroy(&predictor));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Computes growth with a small drift, since a limit of particles at rest says nothing about moving ones. */
+/* Growth with a small drift, along x and along the diagonal: a limit of particles at rest says nothing about moving ones. */
 static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
 {
-  MpmCriticalCase moving = *of;
-  MpmFinding      finding;
-  PetscReal       beta;
+  MpmCriticalCase moving  = *of;
+  MpmFinding      finding = {0};
+  PetscReal       beta[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   moving.step.drift[0] = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(MpmCriticalGrowthAt(&moving, &finding, &beta));
+  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, &c->evaluations));
   c->moving = finding.growth;
+  if (of->layout->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 1; a < of->layout->dim; a++) moving.step.drift[a] = moving.step.drift[0];
+  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, &c->evaluations));
+  c->moving_diagonal = finding.growth;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   If the limit found is above a Courant number that is known to grow, the search has missed the true limit. It then
-   goes on down from that Courant number.
-*/
-static PetscErrorCode BySymbol(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
-{
-  const PetscBool drifts = MpmStepDrifts(&of->step);
-  PetscErrorCode (*find)(const MpmCriticalCase *, PetscReal, PetscReal, MpmCritical *) =
-      drifts ? MpmCriticalUnderDrift : MpmCriticalAtRest;
-  PetscReal beta;
-
-  PetscFunctionBegin;
-  PetscCall(find(of, INFINITY, NAN, c));
-  if (alone) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmCriticalGrowthAt(of, &c->asked, &beta));
-  if (c->asked.verdict == MPM_UNSTABLE && of->step.courant < c->stable_at)
-    PetscCall(find(of, of->step.courant, beta, c));
-  if (!drifts) PetscCall(WhenMoving(of, c));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same where growth at rest may stop again. */
-static PetscErrorCode ByScan(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
-{
-  PetscReal beta = NAN;
-
-  PetscFunctionBegin;
-  if (!alone) PetscCall(MpmCriticalGrowthAt(of, &c->asked, &beta));
-  PetscCall(MpmCriticalScanned(of, beta, c));
-  if (!alone) PetscCall(WhenMoving(of, c));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   Whether what has become unstable at rest stays so on a uniform layout: by the theorem of docs/theory.md, section 5, or as the
-   conditions of the closed form of each phase are linear in the square of the Courant number.
-*/
-static PetscBool Stays(const MpmCriticalCase *of, const MpmCritical *c)
-{
-  return !isnan(c->closed) || MpmLeftmostDecides(of->layout, of->scheme, &of->step) ? PETSC_TRUE : PETSC_FALSE;
-}
+/* ---- checks ---- */
 
 /*
    Where rounding makes more growth than the tolerance, and growth above the limit is not larger than that, the limit is
@@ -137,15 +121,18 @@ static PetscBool Stays(const MpmCriticalCase *of, const MpmCritical *c)
 */
 static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
 {
+  MpmWaves  waves;
   PetscReal growth;
 
   PetscFunctionBegin;
   if (c->assembled || isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmCriticalRounding(of, c->unstable_at, c->beta, &c->rounding));
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
+  PetscCall(MpmWavesRounding(&waves, c->unstable_at, c->beta, NAN, &c->rounding, NULL));
   if (c->rounding > of->tolerance) {
-    PetscCall(MpmCriticalGrowthOfPhase(of, c->unstable_at * (1 + BEYOND), c->beta, &growth));
+    PetscCall(MpmWavesGrowth(&waves, c->unstable_at * (1 + BEYOND), c->beta, &growth));
     if (growth <= 1 + c->rounding) c->courant = NAN;
   }
+  PetscCall(MpmWavesDestroy(&waves));
   if (!isnan(c->courant)) c->rounding = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -157,18 +144,22 @@ static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
 static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, PetscBool *grows)
 {
   MpmPredictor predictor;
-  PetscReal    limit, growth;
+  MpmWaves     waves;
+  PetscReal    growth;
 
   PetscFunctionBegin;
   *grows = PETSC_FALSE;
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
   PetscCall(MpmPredictorCreate(of->layout, of->scheme, MpmStepDrifts(&of->step), &predictor));
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !*grows; m--) {
-    PetscCall(ClosedLimit(&predictor, MpmCriticalPhase(m), &limit));
-    if (limit >= courant) continue;
-    PetscCall(MpmCriticalGrowthOfPhase(of, courant, &(PetscReal){MpmCriticalPhase(m)}, &growth));
+    const PetscReal beta = MpmSearchPhase(m);
+
+    if (MpmCriticalClosedLimit(&predictor, &beta) >= courant) continue;
+    PetscCall(MpmWavesGrowth(&waves, courant, &beta, &growth));
     *grows = growth > 1 + GROWS ? PETSC_TRUE : PETSC_FALSE;
   }
   PetscCall(MpmPredictorDestroy(&predictor));
+  PetscCall(MpmWavesDestroy(&waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -215,24 +206,44 @@ static MpmCritical Nothing(PetscReal tolerance)
   return c;
 }
 
+/* Searches as a strategy says, and for what is asked besides. */
+static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, PetscBool alone, MpmCritical *c)
+{
+  PetscReal        beta[MPM_MAX_DIM] = {NAN, NAN, NAN};
+  MpmCritical      axes              = {.evaluations = 0};
+  MpmCriticalStart start             = {.alone = alone, .unstable = INFINITY, .beta = beta, .axes = &axes};
+
+  PetscFunctionBegin;
+  if (s->asks_first && !alone) PetscCall(Ask(of, c, beta));
+  if (s->axes) PetscCall(MpmCriticalAxes(of, MpmCriticalFind, &axes));
+  c->evaluations += axes.evaluations;
+  PetscCall(s->find(of, &start, c));
+  if (!alone && !c->assembled) {
+    if (!s->asks_first) PetscCall(Ask(of, c, beta));
+    start.unstable = of->step.courant;
+    if (s->again && c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at &&
+        !MpmCriticalHasWindowAt(c, start.unstable))
+      PetscCall(s->find(of, &start, c));
+    if (!MpmStepDrifts(&of->step)) PetscCall(WhenMoving(of, c));
+  }
+  if (of->layout->dim > 1 && !c->assembled && isfinite(c->unstable_at))
+    PetscCall(MpmCriticalPolarise(of, c->unstable_at * (1 + BEYOND_LIMIT), c->beta, &c->wave));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
 {
   const PetscReal begin  = MPI_Wtime();
-  const PetscBool drifts = MpmStepDrifts(&of->step), line = of->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool drifts = MpmStepDrifts(&of->step);
 
   PetscFunctionBegin;
   *c = Nothing(of->tolerance);
   PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
-  if (MpmSymbolWhyNot(of->layout))
-    PetscCall(MpmCriticalAssembled(of, c));
-  else if (!line)
-    PetscCall(MpmCriticalInSpace(of, alone, c));
-  else
-    PetscCall(drifts || Stays(of, c) ? BySymbol(of, alone, c) : ByScan(of, alone, c));
+  PetscCall(Search(of, StrategyOf(of, c), alone, c));
   MpmZoomFold(of->layout->dim, c->beta);
   if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
   PetscCall(CheckRounding(of, c));
-  if (line)
+  if (of->layout->dim == 1)
     PetscCall(Compare(of, c));
   else if (c->disputed)
     PetscCall(Dispute(c));

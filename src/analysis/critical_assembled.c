@@ -167,10 +167,10 @@ static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritica
 /* Computes growth at the scene's own Courant number first. If there is growth, the limit is below it. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
-  const PetscBool  drifts = MpmStepDrifts(&p->of->step);
-  MpmFinding      *asked  = &c->asked;
-  MpmCriticalSteps steps  = {
-       .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
+  const PetscBool drifts = MpmStepDrifts(&p->of->step);
+  MpmFinding     *asked  = &c->asked;
+  MpmSearchSteps  steps  = {
+        .from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = drifts ? DRIFT_WIDTH : MPM_CRITICAL_TO};
   PetscReal bracket[2] = {0, INFINITY};
   PetscBool grows;
 
@@ -184,14 +184,14 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
   if (drifts) PetscCall(Follow(p, grows ? courant : MPM_CRITICAL_TO, grows, c));
   if (c->followed) PetscFunctionReturn(PETSC_SUCCESS);
   if (!drifts && !MpmLeftmostDecides(p->of->layout, p->of->scheme, &p->of->step)) {
-    PetscCall(MpmCriticalScan(Growth, p, p->of->tolerance, courant, PRECISION, c));
+    PetscCall(MpmSearchScan(Growth, p, p->of->tolerance, courant, PRECISION, c));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (grows) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
   }
-  PetscCall(MpmCriticalCross(Growth, p, p->of->tolerance, &steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(Growth, p, p->of->tolerance, &steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = bracket[1];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -213,7 +213,7 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   const PetscInt64 order = of->scheme->table->nstate * of->layout->particles;
   PetscInt64       nodal = 0, unknowns;
@@ -222,6 +222,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
+  (void)start; /* there is no other place to begin */
   if (!of->all_particles) PetscCall(MpmNodalMatrixUnknowns(of->layout, of->scheme, &of->step, &nodal));
   unknowns = nodal ? nodal : order;
   PetscCall(MpmLayoutSizeText(of->layout, sizeof size, size));
@@ -240,7 +241,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *c)
   PetscCall(Search(&probe, of->step.courant, c));
   c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    if (!c->windows.looked) PetscCall(MpmCriticalThreshold(Growth, &probe, of->tolerance, c));
+    if (!c->windows.looked) PetscCall(MpmSearchThreshold(Growth, &probe, of->tolerance, 0, c));
     PetscCall(LimitingMode(&probe, c));
     c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
     PetscCall(CheckRounding(&probe, c));

@@ -1,33 +1,78 @@
 /* The parts of MpmCriticalFind. */
 #pragma once
+#include "analysis/search.h"
 #include "analysis/zoom.h"
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
 
-/*
-   MpmCriticalAtRest, MpmCriticalUnderDrift - find the limit through the symbol, at rest and under drift.
+/*S
+   MpmCriticalStart - where a search for the limit starts.
 
-   Collective. unstable: infinite for a search over all phases. Otherwise it is a Courant number at which phase beta is
-   known to grow, and the search covers only what can be reached from there.
-*/
-PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *critical);
-PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta,
-                                     MpmCritical *critical);
-
-/*
-   MpmCriticalScanned - the limit at rest through the symbol, and windows of growth below it, without taking for granted that
-   a phase that has become unstable stays so.
-
-   Collective. asked: the phase that grows most at the case's own Courant number, which are both looked at too; NaN where
-   that is not asked for.
-*/
-PetscErrorCode MpmCriticalScanned(const MpmCriticalCase *of, PetscReal asked, MpmCritical *critical);
+   alone    - only the limit is asked for
+   unstable - infinite for a search over all phases. Else it is a Courant number at which phase beta is known to grow, and
+              the search covers only what can be reached from there.
+   beta     - where growth at the case's own Courant number was computed before, the phase that grows most there; else NaN
+   axes     - in two and three dimensions, the limit of waves along the axes
+S*/
+typedef struct {
+  PetscBool          alone;
+  PetscReal          unstable;
+  const PetscReal   *beta;
+  const MpmCritical *axes;
+} MpmCriticalStart;
 
 /*
-   Collective. Finds the limit through all eigenvalues of the assembled operator, and growth at the case's Courant
-   number.
+   A search for the limit of a case. The closed form's is in the result already. Collective on PETSC_COMM_WORLD.
+
+   MpmCriticalAssembled      - through all eigenvalues of the assembled operator, and growth at the case's Courant number
+   MpmCriticalLineAtRest     - in one dimension, where a phase that has become unstable stays so
+   MpmCriticalLineScanned    - the same where it may not, with the windows of growth below the limit
+   MpmCriticalLineUnderDrift - the same for particles that move
+   MpmCriticalSpaceAtRest    - in two and three dimensions by the closed form, confirmed by the symbol
+   MpmCriticalSpaceSampled   - the same by samples of the symbol
 */
-PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, MpmCritical *critical);
+typedef PetscErrorCode (*MpmCriticalSearch)(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalLineScanned(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalSpaceSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+
+/*
+   MpmCriticalAxes - the least limit of the waves along the axes, each of which find finds in one dimension. Infinite: there
+   is none. Collective on PETSC_COMM_WORLD.
+*/
+typedef PetscErrorCode (*MpmCriticalFinder)(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c);
+PetscErrorCode MpmCriticalAxes(const MpmCriticalCase *of, MpmCriticalFinder find, MpmCritical *least);
+
+/*
+   MpmCriticalLineGrowth - growth and verdict at the case's Courant number, over all phases of one dimension. beta: the phase
+   that grows most. It takes the symbol at twice MPM_CRITICAL_PHASES phases. Where nothing grows there, it follows the
+   symbol's amplification factors from phase to phase. The verdict is undecided where some of them could not be told apart.
+
+   MpmCriticalSampleGrowth - the same in two and three dimensions, by samples. With uphill the search goes on from the largest
+   ones on the grid.
+
+   Collective on PETSC_COMM_WORLD.
+*/
+PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta);
+PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
+                                       PetscReal beta[], PetscInt64 *evaluations);
+
+/*
+   The closed form; the predictor must cover the case.
+
+   MpmCriticalClosedLimit     - the least limit of the problems of a phase
+   MpmCriticalClosedTolerated - where growth by it leaves the tolerance, and at which phases; infinite: nowhere
+   MpmCriticalClosedFading    - the power with which growth fades where every Courant number grows
+
+   Not collective.
+*/
+PetscReal      MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[]);
+PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscReal tolerance,
+                                          const MpmCritical *critical, PetscReal beta[], PetscReal *courant);
+void           MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *critical);
 
 /* A search for the first window of growth by following eigenvalues, up to a Courant number; what came of it. */
 typedef struct {
@@ -45,31 +90,10 @@ typedef struct {
 PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way);
 
 /*
-   MpmCriticalInSpace - the limit in two and three dimensions, on a uniform layout; the closed form's is in the result
-   already. With alone, growth at the case's own Courant number is left out.
-
-   MpmCriticalClosedInSpace - sets closed and closed_beta. The predictor must cover the case.
-
-   MpmCriticalBySamples - the limit by samples of the symbol. unstable, beta: as of MpmCriticalUnderDrift.
-
-   MpmCriticalSampleGrowth - the largest growth at the case's Courant number that samples find, the verdict on it, and its
-   phases. With uphill the search goes on from the largest ones on the grid.
-
-   Collective on PETSC_COMM_WORLD, but for MpmCriticalClosedInSpace.
-*/
-PetscErrorCode MpmCriticalInSpace(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
-PetscErrorCode MpmCriticalClosedInSpace(const MpmPredictor *predictor, MpmCritical *critical);
-PetscErrorCode MpmCriticalBySamples(const MpmCriticalCase *of, PetscReal unstable, const PetscReal beta[],
-                                    MpmCritical *critical);
-PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
-                                       PetscReal beta[], PetscInt64 *evaluations);
-
-/*
    MpmCriticalPolarise - what particles do in the modes of a phase that grow most at a Courant number.
    MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
                          matrices are large
    MpmCriticalBound    - bound of MpmCritical, for particles at rest
-   MpmCriticalZoom     - a search over phases with the symmetries of a layout, a prestress and a drift, and nothing else set
 
    Not collective.
 */
@@ -77,7 +101,6 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
                                    MpmWaveType *wave);
 PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
-MpmZoom        MpmCriticalZoom(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[]);
 
 /* Not collective. Leaves out the windows that are not below the limit, which refining has moved down. */
 static inline void MpmCriticalKeepBelow(MpmCritical *c)
@@ -98,24 +121,3 @@ static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)
 {
   return least >= MPM_WAVE_SHARE ? MPM_WAVE_P : most <= 1 - MPM_WAVE_SHARE ? MPM_WAVE_S : MPM_WAVE_MIXED;
 }
-
-/*
-   MpmCriticalGrowthAt - finds growth and verdict at the case's Courant number, over all phases. beta: the phase that
-   grows most.
-
-   Collective. It takes the symbol at twice MPM_CRITICAL_PHASES phases. Where nothing grows there, it follows the
-   symbol's amplification factors from phase to phase. The verdict is undecided where some of them could not be told
-   apart.
-*/
-PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta);
-
-/*
-   MpmCriticalGrowthOfPhase, MpmCriticalRounding - growth per step of one phase at a Courant number, and the growth that
-   rounding may make of a defective pair there.
-
-   Not collective.
-*/
-PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                        PetscReal *growth);
-PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                   PetscReal *growth);

@@ -14,6 +14,8 @@
    abs is at most 1 + sqrt(Q / S^2).
 */
 #include "analysis/follow.h"
+#include "analysis/search.h"
+#include <mpmstab/verdict.h>
 #include <math.h>
 
 #define TURN 0.3      /* largest distance that an eigenvalue moves in a step */
@@ -39,7 +41,6 @@
 #define STRAIGHT 3         /* divisions that go at once to a piece fine enough */
 #define ENOUGH 1e-2        /* error of Q over the square of the tolerance */
 #define GRID 16
-#define GOLDEN 0.6180339887498949
 #define GOLDEN_STEPS 24
 #define SAMPLES 3 /* the two ends of a step, and one place between */
 
@@ -63,13 +64,14 @@ PetscErrorCode MpmFollowCreate(PetscInt n, PetscInt period, PetscReal tolerance,
                                MpmFollow *f)
 {
   PetscFunctionBegin;
-  *f = (MpmFollow){.n        = n,
-                   .period   = period,
-                   .most     = period * log1p(tolerance),
-                   .doubtful = INFINITY,
-                   .allowed  = INT64_MAX,
-                   .at       = at,
-                   .context  = context};
+  *f = (MpmFollow){.n         = n,
+                   .period    = period,
+                   .tolerance = tolerance,
+                   .most      = period * log1p(tolerance),
+                   .doubtful  = INFINITY,
+                   .allowed   = INT64_MAX,
+                   .at        = at,
+                   .context   = context};
   PetscCall(PetscMalloc4(SAMPLES, &f->samples, n, &f->beside, n, &f->match, n, &f->cost));
   for (int s = 0; s < SAMPLES; s++) PetscCall(PetscMalloc2(n, &f->samples[s].value, n, &f->samples[s].slope));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -273,48 +275,37 @@ static PetscReal LogAbsAt(const Pair m[2], PetscReal x)
   return log(fmax(Square(S + root), Square(S - root))) / 2;
 }
 
+/* A function of a model, for a search of its largest value. */
+typedef struct {
+  OfModel     of;
+  const Pair *m;
+} Modelled;
+
+static PetscErrorCode Minus(void *context, PetscReal x, PetscReal *value)
+{
+  const Modelled *f = (const Modelled *)context;
+
+  PetscFunctionBegin;
+  *value = -f->of(f->m, x);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The place in [lo, hi] where a function of the model is largest. */
-static PetscReal Largest(OfModel of, const Pair m[2], PetscReal lo, PetscReal hi)
+static PetscErrorCode Largest(OfModel of, const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
 {
   const PetscReal step = (hi - lo) / GRID;
-  PetscReal       at = lo, best = -INFINITY, a, b, fa, fb;
+  Modelled        f    = {of, m};
+  PetscReal       at = lo, best = -INFINITY, value;
 
+  PetscFunctionBegin;
   for (int i = 0; i <= GRID; i++) {
-    const PetscReal value = of(m, lo + i * step);
-
+    value = of(m, lo + i * step);
     if (value <= best) continue;
     best = value;
     at   = lo + i * step;
   }
-  lo = fmax(lo, at - step);
-  hi = fmin(hi, at + step);
-  a  = hi - GOLDEN * (hi - lo);
-  b  = lo + GOLDEN * (hi - lo);
-  fa = of(m, a);
-  fb = of(m, b);
-  for (int i = 0; i < GOLDEN_STEPS; i++) {
-    if (fa >= fb) {
-      hi = b;
-      b  = a;
-      fb = fa;
-      a  = hi - GOLDEN * (hi - lo);
-      fa = of(m, a);
-    } else {
-      lo = a;
-      a  = b;
-      fa = fb;
-      b  = lo + GOLDEN * (hi - lo);
-      fb = of(m, b);
-    }
-  }
-  return fa >= fb ? a : b;
-}
-
-/* Finds the place in [lo, hi] where the pair of the model meets, and returns the logarithm of the larger abs there. */
-static PetscReal Peak(const Pair m[2], PetscReal lo, PetscReal hi, PetscReal *x)
-{
-  *x = Largest(RatioAt, m, lo, hi);
-  return LogAbsAt(m, *x);
+  PetscCall(MpmSearchLeast(Minus, &f, GOLDEN_STEPS, fmax(lo, at - step), fmin(hi, at + step), x, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Finds the pair that is most like the model's at a place. error: the difference of its Q from the model's. */
@@ -371,10 +362,10 @@ static PetscReal Bound(const MpmFollow *f, const Pair end[2], PetscReal x, Petsc
 /* The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet. */
 static PetscErrorCode Settle(MpmFollow *f, const Pair end[2], PetscReal x, PetscReal angle)
 {
-  const PetscReal beside = Largest(LogAbsAt, end, end[0].x, end[1].x);
-  PetscReal       largest;
+  PetscReal beside, largest;
 
   PetscFunctionBegin;
+  PetscCall(Largest(LogAbsAt, end, end[0].x, end[1].x, &beside));
   if (LogAbsAt(end, beside) > LogAbsAt(end, x)) x = beside;
   if (LogAbsAt(end, x) > f->most / 2) {
     PetscCall(GrowthAt(f, x, &largest));
@@ -398,10 +389,12 @@ static PetscErrorCode MeetWithin(MpmFollow *f, const Pair end[2], PetscReal four
   Pair            half[2];
 
   PetscFunctionBegin;
-  peak = Peak(end, end[0].x, end[1].x, &x);
+  PetscCall(Largest(RatioAt, end, end[0].x, end[1].x, &x)); /* where the pair meets */
+  peak = LogAbsAt(end, x);
   if (isfinite(fourth)) {
-    const PetscReal beside = Largest(LogAbsAt, end, end[0].x, end[1].x);
+    PetscReal beside;
 
+    PetscCall(Largest(LogAbsAt, end, end[0].x, end[1].x, &beside));
     if (Bound(f, end, x, error) < MPM_MEETING_FLOOR * f->most &&
         Bound(f, end, beside, error) < MPM_MEETING_FLOOR * f->most)
       PetscFunctionReturn(PETSC_SUCCESS);
@@ -443,7 +436,8 @@ static PetscErrorCode Meet(MpmFollow *f, const MpmSample *a, const MpmSample *b,
   PetscInt        looks = 0;
 
   PetscFunctionBegin;
-  if (Peak(end, a->x, b->x, &x) < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Largest(RatioAt, end, a->x, b->x, &x));
+  if (LogAbsAt(end, x) < -MATCHED * way) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MeetWithin(f, end, INFINITY, 0, &looks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -572,5 +566,29 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
     b = kept;
   }
   bracket[0] = to;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFollowGrowth(void *context, PetscReal x, PetscReal *growth)
+{
+  MpmFollow *f       = (MpmFollow *)context;
+  PetscReal  largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(f->at(f->context, x, f->beside));
+  f->evaluations++;
+  for (PetscInt i = 0; i < f->n; i++) largest = fmax(largest, cabs(f->beside[i]));
+  *growth = MpmGrowthPerStep(largest, 0, f->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFollowFirst(MpmFollow *f, PetscReal start, PetscReal from, PetscReal to, PetscReal bracket[2])
+{
+  const MpmSearchSteps steps = {.from = start, .to = start, .ratio = 2, .width = start};
+
+  PetscFunctionBegin;
+  PetscCall(MpmFollowLine(f, from, to, bracket));
+  if (bracket[0] == 0 && from > start) PetscCall(MpmFollowLine(f, start, from, bracket));
+  if (bracket[0] == 0) PetscCall(MpmSearchFirst(MpmFollowGrowth, f, f->tolerance, &steps, PRECISION, bracket));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -33,7 +33,7 @@ S*/
 typedef struct {
   PetscInt        n, period, nmeetings, room;
   PetscInt64      evaluations, allowed;
-  PetscReal       most, peak, hit, doubtful;
+  PetscReal       tolerance, most, peak, hit, doubtful;
   MpmFactorsAt    at;
   void           *context;
   MpmMeeting     *meetings;
@@ -64,3 +64,14 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
    show how large abs becomes. Source: docs/theory.md, section 4.
 */
 PetscErrorCode MpmFollowLine(MpmFollow *follow, PetscReal from, PetscReal to, PetscReal bracket[2]);
+
+/*
+   MpmFollowFirst - the same, and where growth is beyond at from already, the first place from start on; where it is beyond
+   there too, smaller places are tried by halving (MpmSearchFirst).
+
+   Not collective.
+*/
+PetscErrorCode MpmFollowFirst(MpmFollow *follow, PetscReal start, PetscReal from, PetscReal to, PetscReal bracket[2]);
+
+/* Not collective. Growth per step at a place; context is the MpmFollow. */
+PetscErrorCode MpmFollowGrowth(void *context, PetscReal x, PetscReal *growth);

@@ -1,8 +1,8 @@
 /* The limit of a lone particle, from the weights of one direction at its worst place. */
 #include "analysis/lone.h"
+#include "analysis/search.h"
 #include "linalg/hermitian.h"
 #include "scheme/maps.h"
-#include <mpmstab/critical.h>
 #include <math.h>
 
 #define PLACES 64     /* in a cell, at which H is taken first */
@@ -81,8 +81,8 @@ PetscErrorCode MpmSlopeFind(const MpmBasis *basis, MpmGradient gradient, PetscRe
     slope->place = NAN;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmGoldenSection(Compliance, &w, slope->place - 1.0 / PLACES, slope->place + 1.0 / PLACES, &slope->place,
-                             &inverse));
+  PetscCall(MpmSearchLeast(Compliance, &w, MPM_SEARCH_GOLDEN, slope->place - 1.0 / PLACES, slope->place + 1.0 / PLACES,
+                           &slope->place, &inverse));
   slope->largest    = 1 / inverse < UNBOUNDED ? 1 / inverse : INFINITY;
   slope->place      = BESIDE * round(slope->place / BESIDE);
   slope->approached = Jumps(&w, slope);

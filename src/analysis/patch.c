@@ -12,6 +12,7 @@
    for a gas, growth decides at a row of k and by bisection.
 */
 #include "analysis/patch.h"
+#include "analysis/search.h"
 #include "analysis/patch_search.h"
 #include "base/farm.h"
 #include <math.h>
@@ -82,11 +83,11 @@ static PetscErrorCode GrowthOfSpot(void *context, PetscReal courant, PetscReal *
 
 static PetscErrorCode LimitOfSpot(void *context, const MpmPatchSpot *spot, PetscReal *limit)
 {
-  const MpmCriticalSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
-  Patch                 *p     = (Patch *)context;
-  OneSpot                one   = {.patch = p, .spot = spot};
-  MpmCritical            c     = {.threshold = PETSC_TRUE};
-  PetscReal              bracket[2];
+  const MpmSearchSteps steps = {.from = FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+  Patch               *p     = (Patch *)context;
+  OneSpot              one   = {.patch = p, .spot = spot};
+  MpmCritical          c     = {.threshold = PETSC_TRUE};
+  PetscReal            bracket[2];
 
   PetscFunctionBegin;
   if (!p->slow) {
@@ -94,12 +95,12 @@ static PetscErrorCode LimitOfSpot(void *context, const MpmPatchSpot *spot, Petsc
     if (*limit > MPM_CRITICAL_TO) *limit = INFINITY; /* where there is none, rounding makes one of 1e7 and more */
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmCriticalCross(GrowthOfSpot, &one, p->tolerance, &steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfSpot, &one, p->tolerance, &steps, PRECISION, bracket));
   c.stable_at   = bracket[0];
   c.unstable_at = bracket[1];
   *limit        = bracket[0];
   if (isfinite(bracket[1])) {
-    PetscCall(MpmCriticalThreshold(GrowthOfSpot, &one, p->tolerance, &c));
+    PetscCall(MpmSearchThreshold(GrowthOfSpot, &one, p->tolerance, 0, &c));
     if (!c.threshold) *limit = 0;
   } else
     *limit = INFINITY;

@@ -10,6 +10,7 @@
 #include <mpmstab/critical.h>
 #include "base/farm.h"
 #include "analysis/pseudospectrum.h"
+#include "analysis/search.h"
 #include <math.h>
 
 #define HALF_WIDTH 1.3 /* of the square; a spectrum that needs more gets WIDER times its own */
@@ -129,8 +130,8 @@ static PetscErrorCode Refine(MpmResolvent *r, MpmPseudospectrum *s)
     const PetscReal width = (d ? PetscMin(PETSC_PI / ANGLES, 2 * pow(10, place[0])) : -Circle(1)) / (1 + i / 2);
 
     search = (Search){.resolvent = r, .place = {place[0], place[1]}, .free = d};
-    PetscCall(MpmGoldenSection(MinusQuotient, &search, d ? place[d] - width : PetscMax(place[d] - width, nearest),
-                               place[d] + width, &x, &value));
+    PetscCall(MpmSearchLeast(MinusQuotient, &search, MPM_SEARCH_GOLDEN,
+                             d ? place[d] - width : PetscMax(place[d] - width, nearest), place[d] + width, &x, &value));
     if (!(-value > s->kreiss * (1 + BEYOND))) continue; /* rounding alone has moved it */
     place[d]     = x;
     s->kreiss    = -value;

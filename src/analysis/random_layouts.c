@@ -8,6 +8,7 @@
 */
 #include "analysis/leftmost.h"
 #include "analysis/random_layouts.h"
+#include "analysis/search.h"
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "operator/nodal.h"
@@ -263,7 +264,7 @@ static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
 
   PetscFunctionBegin;
   PetscCall(BoxedCreate(s, FirstOf(s), &b));
-  PetscCall(MpmCriticalThreshold(Growth, &b, s->of->tolerance, &critical));
+  PetscCall(MpmSearchThreshold(Growth, &b, s->of->tolerance, 0, &critical));
   PetscCall(BoxedDestroy(&b));
   s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = critical.threshold ? bracket[0] : 0;
@@ -293,7 +294,7 @@ static PetscErrorCode ScanForLimit(Search *s)
   PetscInt    grows;
 
   PetscFunctionBegin;
-  PetscCall(MpmCriticalScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
+  PetscCall(MpmSearchScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
   s->asked->windows = critical.windows;
   s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;

@@ -43,7 +43,7 @@ typedef struct {
 
    The eigenvalues are those of the nodal operator (operator/nodal.h). Where a layout that has become unstable stays so
    (MpmLeftmostDecides), the least limit is found by halving between 1e-6 and 64, with those layouts alone that grow at the
-   upper end. Else all layouts are looked at (MpmCriticalScan).
+   upper end. Else all layouts are looked at (MpmSearchScan).
 
    Errors: PETSC_ERR_SUP for a table whose nodal operator needs more than maps between particles and nodes and LAP.
 */

@@ -1,7 +1,7 @@
 /* Finds the largest growth over all phases, on finer and finer grids of phases. */
 #include "analysis/refined.h"
 #include "analysis/critical_parts.h"
-#include "symbol/bloch_growth.h"
+#include "analysis/waves.h"
 #include <math.h>
 
 #define WITHIN 10       /* the search goes on from growths - 1 of at least this part of the largest */
@@ -15,10 +15,8 @@ static const PetscInt  first[] = {0, 32, 8, 4}, last[] = {0, 2048, 64, 8};
 static const PetscReal finest[] = {0, 1e-7, 1e-5, 1e-3};
 
 typedef struct {
-  MpmBloch      bloch;
-  MpmSmallEigen eigen;
-  PetscReal     courant, largest; /* of all growths computed */
-  PetscInt64    evaluations;
+  MpmWaves  waves;
+  PetscReal courant, largest; /* of all growths computed */
 } Search;
 
 /* The zoom looks for the least of a positive number. */
@@ -28,8 +26,7 @@ static PetscErrorCode Inverse(void *context, const PetscReal beta[], PetscReal *
   PetscReal growth;
 
   PetscFunctionBegin;
-  s->evaluations++;
-  PetscCall(MpmBlochGrowth(&s->bloch, &s->eigen, s->courant, beta, &growth));
+  PetscCall(MpmWavesGrowth(&s->waves, s->courant, beta, &growth));
   s->largest = PetscMax(s->largest, growth);
   *value     = growth - 1 > NONE ? 1 / (growth - 1) : INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -65,38 +62,6 @@ static PetscErrorCode Refine(Search *s, MpmZoom *zoom, PetscBool to_finest, MpmR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   What rounding makes of growth at a phase: its eigenvalue moves by its condition number times the difference of two
-   matrices whose steps are rounded differently.
-*/
-static PetscErrorCode FindError(Search *s, MpmRefined *r)
-{
-  MpmSmallEigen   whole, *e      = &whole;
-  double complex *noisy, overlap = 0;
-  PetscReal       norm = 0, moved = 0;
-  PetscInt        largest = 0, exponent, other;
-
-  PetscFunctionBegin;
-  if (isnan(r->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSmallEigenCreate(s->bloch.size, e));
-  noisy = e->left; /* vectors come later */
-  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_TRUE, noisy, &other));
-  PetscCall(MpmBlochMatrix(&s->bloch, s->courant, r->beta, PETSC_FALSE, e->matrix, &exponent));
-  for (PetscInt i = 0; i < e->n * e->n; i++) {
-    norm  = hypot(norm, cabs(e->matrix[i]));
-    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - e->matrix[i]));
-  }
-  moved              = PetscMax(moved, MPM_ROUNDING * norm);
-  r->defective_error = MpmDefectiveErrorOf(moved, exponent, s->bloch.period);
-  PetscCall(MpmSmallEigenSolve(e, PETSC_TRUE));
-  for (PetscInt i = 1; i < e->n; i++)
-    if (cabs(e->value[i]) > cabs(e->value[largest])) largest = i;
-  for (PetscInt i = 0; i < e->n; i++) overlap += conj(e->left[e->n * largest + i]) * e->right[e->n * largest + i];
-  r->uncertainty = MpmUncertaintyOf(r->growth, moved / cabs(overlap) / cabs(e->value[largest]), s->bloch.period);
-  PetscCall(MpmSmallEigenDestroy(e));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmRefinedFinding(const MpmRefined *r, PetscReal tolerance, MpmFinding *f)
 {
   PetscFunctionBegin;
@@ -115,7 +80,7 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
                                 PetscBool to_finest, MpmRefined *r)
 {
   Search  s    = {.courant = step->courant};
-  MpmZoom zoom = MpmCriticalZoom(layout, &scheme->space, step->drift);
+  MpmZoom zoom = MpmZoomOf(layout, &scheme->space, step->drift);
 
   PetscFunctionBegin;
   *r          = (MpmRefined){.beta = {NAN, NAN, NAN}};
@@ -124,13 +89,12 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
   zoom.finest = finest[layout->dim];
   zoom.least  = LEAST_BETA;
   zoom.comm   = comm;
-  PetscCall(MpmBlochCreate(layout, scheme, step->drift, &s.bloch));
-  PetscCall(MpmSmallEigenCreate(s.bloch.turn_size, &s.eigen));
+  PetscCall(MpmWavesCreate(layout, scheme, step->drift, &s.waves));
   PetscCall(Refine(&s, &zoom, to_finest, r));
-  PetscCall(FindError(&s, r));
-  PetscCallMPI(MPI_Allreduce(&s.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));
+  if (!isnan(r->beta[0]))
+    PetscCall(MpmWavesRounding(&s.waves, s.courant, r->beta, r->growth, &r->defective_error, &r->uncertainty));
+  PetscCallMPI(MPI_Allreduce(&s.waves.evaluations, &r->evaluations, 1, MPIU_INT64, MPI_SUM, comm));
   if (isnan(r->beta[0])) PetscCallMPI(MPI_Allreduce(&s.largest, &r->growth, 1, MPIU_REAL, MPI_MAX, comm));
-  PetscCall(MpmSmallEigenDestroy(&s.eigen));
-  PetscCall(MpmBlochDestroy(&s.bloch));
+  PetscCall(MpmWavesDestroy(&s.waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,6 +19,22 @@ typedef struct {
   PetscReal      *value;
 } Grid;
 
+MpmZoom MpmZoomOf(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[])
+{
+  MpmZoom zoom = {.dim = layout->dim};
+
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    zoom.mirror[a] =
+        layout->offset[a].value == 0.5 && drift[a].value == 0 && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
+    zoom.alike[a] = a;
+    for (PetscInt b = a - 1; b >= 0; b--)
+      if (layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
+          drift[a].value == drift[b].value && MpmSpaceAlike(space, a, b))
+        zoom.alike[a] = b;
+  }
+  return zoom;
+}
+
 static PetscReal PhaseOf(const MpmZoom *zoom, PetscInt i)
 {
   const PetscReal size = PETSC_PI / 2 * (1 - cos(PETSC_PI * PetscAbsInt(i) / zoom->points));

@@ -1,6 +1,7 @@
 /* Zoom: the least value of a function of the phases of one, two or three directions. */
 #pragma once
-#include <mpmstab/boundary.h>
+#include <mpmstab/layout.h>
+#include <mpmstab/scheme.h>
 
 #define MPM_ZOOM_STARTS 24 /* the most places from which a search goes on */
 
@@ -56,3 +57,6 @@ void MpmZoomFold(PetscInt dim, PetscReal beta[]);
 /* Not collective. The same from one start alone: the phases in beta and the value there. step: the first step. */
 PetscErrorCode MpmZoomFrom(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal step, PetscReal beta[],
                            PetscReal *value);
+
+/* Not collective. The dimension and the symmetries of a scheme on a layout, with a drift; the rest is 0. */
+MpmZoom MpmZoomOf(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[]);

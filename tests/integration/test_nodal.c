@@ -4,7 +4,7 @@
    data by. On a lattice they are the amplification factors of the symbol.
 */
 #include "check.h"
-#include "analysis/critical_parts.h"
+#include "analysis/waves.h"
 #include "analysis/patch_lattice.h"
 #include "linalg/dense.h"
 #include "operator/assemble.h"
@@ -313,6 +313,7 @@ static PetscErrorCode CheckSymbolOf(const char options[])
   MpmCriticalCase        of;
   MpmPatchLattice        lattice = {.depth = 0};
   PetscReal              growth, rounding, symbol;
+  MpmWaves               waves;
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
@@ -320,6 +321,7 @@ static PetscErrorCode CheckSymbolOf(const char options[])
   of           = MpmCriticalCaseOf(scene, 1e-6);
   lattice.of   = &of;
   lattice.plan = plan;
+  PetscCall(MpmWavesCreate(&scene->layout, &scene->scheme, scene->step.drift, &waves));
   for (int b = 0; b < 2; b++) {
     MpmPatchSpot spot = {.j = {0}};
 
@@ -328,10 +330,11 @@ static PetscErrorCode CheckSymbolOf(const char options[])
       spot.beta[a] = beta[b][a];
     }
     PetscCall(MpmPatchGrowth(&lattice, &spot, scene->step.courant, &growth, &rounding));
-    PetscCall(MpmCriticalGrowthOfPhase(&of, scene->step.courant, beta[b], &symbol));
+    PetscCall(MpmWavesGrowth(&waves, scene->step.courant, beta[b], &symbol));
     CHECK(symbol > 1.01, "%s: growth %.9g shows nothing", options, symbol);
     CHECK_NEAR(growth, symbol, 1e-11 * symbol);
   }
+  PetscCall(MpmWavesDestroy(&waves));
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

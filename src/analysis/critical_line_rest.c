@@ -1,9 +1,9 @@
 /*
-   The largest stable Courant number of particles at rest, through the symbol. Where a phase that is unstable stays so, the
-   first growth of each is looked for, and else growth is scanned. For moving particles see critical_drift.c.
+   The largest stable Courant number at rest in one dimension, through the symbol. Where a phase that is unstable stays so, the
+   first growth of each is looked for, and else growth is scanned. For moving particles see critical_line_drift.c.
 */
 #include "analysis/critical_parts.h"
-#include "symbol/bloch_growth.h"
+#include "analysis/waves.h"
 #include "base/progress.h"
 #include <math.h>
 
@@ -13,31 +13,21 @@
 
 /* The symbol as a function of Courant number and phase, and the state of the search. */
 typedef struct {
-  MpmBloch         bloch;
-  MpmSmallEigen    eigen;
-  PetscReal        tolerance, beta; /* beta: the phase */
-  PetscReal        asked;           /* the phase that grows most at the case's own Courant number; NaN: not asked for */
-  MpmCriticalSteps steps;           /* where the limit of that phase is sought */
-  PetscReal        least, least_beta; /* the least limit found so far, and its phase */
-  MpmProgress      progress;
-  PetscInt64       evaluations;
-  MPI_Comm         comm;
+  MpmWaves       waves;
+  PetscReal      tolerance, beta;   /* beta: the phase */
+  PetscReal      asked;             /* the phase that grows most at the case's own Courant number; NaN: not asked for */
+  MpmSearchSteps steps;             /* where the limit of that phase is sought */
+  PetscReal      least, least_beta; /* the least limit found so far, and its phase */
+  MpmProgress    progress;
+  MPI_Comm       comm;
 } Probe;
-
-static PetscErrorCode GrowthAt(Probe *p, PetscReal courant, const PetscReal beta[], PetscReal *growth)
-{
-  PetscFunctionBegin;
-  p->evaluations++;
-  PetscCall(MpmBlochGrowth(&p->bloch, &p->eigen, courant, beta, growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal *growth)
 {
   Probe *p = (Probe *)context;
 
   PetscFunctionBegin;
-  PetscCall(GrowthAt(p, courant, &p->beta, growth));
+  PetscCall(MpmWavesGrowth(&p->waves, courant, &p->beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -49,7 +39,7 @@ static PetscErrorCode LimitOfPhase(void *context, PetscReal beta, PetscReal *lim
 
   PetscFunctionBegin;
   p->beta = beta;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   *limit = bracket[1];
   if (*limit < p->least) {
     p->least      = *limit;
@@ -65,15 +55,15 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 
   PetscFunctionBegin;
   if (isfinite(c->unstable_at)) {
-    PetscCall(GrowthAt(p, c->unstable_at, &(PetscReal){MpmCriticalPhase(m)}, &g));
+    PetscCall(MpmWavesGrowth(&p->waves, c->unstable_at, &(PetscReal){MpmSearchPhase(m)}, &g));
     if (g <= 1 + p->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
     p->steps.to   = c->unstable_at;
     p->steps.from = PetscMin(p->steps.from, c->unstable_at / 2);
   }
-  PetscCall(LimitOfPhase(p, MpmCriticalPhase(m), &limit));
+  PetscCall(LimitOfPhase(p, MpmSearchPhase(m), &limit));
   if (limit >= c->unstable_at) PetscFunctionReturn(PETSC_SUCCESS);
   c->unstable_at = limit;
-  c->beta[0]     = MpmCriticalPhase(m);
+  c->beta[0]     = MpmSearchPhase(m);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -114,8 +104,8 @@ static PetscErrorCode Refine(Probe *p, PetscReal from, MpmCritical *c)
   p->steps.from = from;
   p->steps.to   = 2 * c->unstable_at;
   p->least      = INFINITY;
-  PetscCall(
-      MpmGoldenSection(LimitOfPhase, p, MpmCriticalBeside(found, -1), MpmCriticalBeside(found, 1), &beta, &limit));
+  PetscCall(MpmSearchLeast(LimitOfPhase, p, MPM_SEARCH_GOLDEN, MpmSearchBeside(found, -1), MpmSearchBeside(found, 1),
+                           &beta, &limit));
   if (p->least < c->unstable_at * (1 - PRECISION)) {
     c->unstable_at = p->least;
     c->beta[0]     = p->least_beta;
@@ -123,7 +113,7 @@ static PetscErrorCode Refine(Probe *p, PetscReal from, MpmCritical *c)
   }
   p->beta     = c->beta[0];
   p->steps.to = c->unstable_at;
-  PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
+  PetscCall(MpmSearchFirst(GrowthOfPhase, p, p->tolerance, &p->steps, PRECISION, bracket));
   c->stable_at   = bracket[0];
   c->unstable_at = PetscMin(bracket[1], c->unstable_at);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -133,12 +123,12 @@ static PetscErrorCode Search(Probe *p, MpmCritical *c)
 {
   PetscFunctionBegin;
   p->steps =
-      (MpmCriticalSteps){.from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+      (MpmSearchSteps){.from = MPM_CRITICAL_FROM, .to = MPM_CRITICAL_TO, .ratio = RATIO, .width = MPM_CRITICAL_TO};
   PetscCall(SearchPhases(p, c));
   c->courant = c->stable_at = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Refine(p, c->unstable_at / 2, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
+  PetscCall(MpmSearchThreshold(GrowthOfPhase, p, p->tolerance, 0, c));
   c->courant = c->threshold ? c->stable_at : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -150,7 +140,7 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
   c->unstable_at = courant;
   c->beta[0]     = beta;
   PetscCall(Refine(p, c->unstable_at / 2, c));
-  PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
+  PetscCall(MpmSearchThreshold(GrowthOfPhase, p, p->tolerance, 0, c));
   c->courant = c->stable_at;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -170,9 +160,9 @@ static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal
   for (PetscInt m = MPM_CRITICAL_PHASES - rank; m >= 0; m -= size) {
     PetscReal g;
 
-    beta = m > 0 ? MpmCriticalPhase(m) : p->asked;
+    beta = m > 0 ? MpmSearchPhase(m) : p->asked;
     if (isnan(beta)) continue;
-    PetscCall(GrowthAt(p, courant, &beta, &g));
+    PetscCall(MpmWavesGrowth(&p->waves, courant, &beta, &g));
     if (!(g > mine[0])) continue;
     mine[0] = g;
     mine[1] = beta;
@@ -194,14 +184,14 @@ static PetscErrorCode ScanPhases(Probe *p, PetscReal courant, MpmCritical *c)
   PetscReal                 growth, middle;
 
   PetscFunctionBegin;
-  PetscCall(MpmCriticalScan(GrowthOfPhases, p, p->tolerance, courant, SCANNED, c));
+  PetscCall(MpmSearchScan(GrowthOfPhases, p, p->tolerance, courant, SCANNED, c));
   c->courant = INFINITY;
   if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GrowthOfPhases(p, c->unstable_at, &growth));
   c->beta[0] = p->beta;
   if (c->stable_at > 0) {
     middle   = (c->unstable_at + (w->n ? w->window[w->n - 1].to : 0)) / 2;
-    p->steps = (MpmCriticalSteps){.from = middle, .to = c->unstable_at, .ratio = RATIO, .width = MPM_CRITICAL_TO};
+    p->steps = (MpmSearchSteps){.from = middle, .to = c->unstable_at, .ratio = RATIO, .width = MPM_CRITICAL_TO};
     PetscCall(LimitOfPhase(p, c->beta[0], &c->unstable_at));
     PetscCall(Refine(p, middle, c));
   }
@@ -214,9 +204,8 @@ static PetscErrorCode Begin(const MpmCriticalCase *of, MpmCritical *c, Probe *p)
 {
   PetscFunctionBegin;
   *p = (Probe){.tolerance = of->tolerance, .comm = PETSC_COMM_WORLD};
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
-  c->order = p->bloch.size;
-  PetscCall(MpmSmallEigenCreate(p->bloch.turn_size, &p->eigen));
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &p->waves));
+  c->order = p->waves.bloch.size;
   PetscCall(MpmProgressBegin("phase", &p->progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -225,69 +214,30 @@ static PetscErrorCode End(Probe *p, MpmCritical *c)
 {
   PetscFunctionBegin;
   PetscCall(MpmProgressEnd(&p->progress));
-  c->evaluations += p->evaluations;
-  PetscCall(MpmSmallEigenDestroy(&p->eigen));
-  PetscCall(MpmBlochDestroy(&p->bloch));
+  c->evaluations += p->waves.evaluations;
+  PetscCall(MpmWavesDestroy(&p->waves));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalAtRest(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Probe probe;
 
   PetscFunctionBegin;
   PetscCall(Begin(of, c, &probe));
-  PetscCall(isfinite(unstable) ? Below(&probe, unstable, beta, c) : Search(&probe, c));
+  PetscCall(isfinite(start->unstable) ? Below(&probe, start->unstable, start->beta[0], c) : Search(&probe, c));
   PetscCall(End(&probe, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalScanned(const MpmCriticalCase *of, PetscReal asked, MpmCritical *c)
+PetscErrorCode MpmCriticalLineScanned(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Probe probe;
 
   PetscFunctionBegin;
   PetscCall(Begin(of, c, &probe));
-  probe.asked = asked;
-  PetscCall(ScanPhases(&probe, isnan(asked) ? 0 : of->step.courant, c));
+  probe.asked = start->beta[0];
+  PetscCall(ScanPhases(&probe, start->alone ? 0 : of->step.courant, c));
   PetscCall(End(&probe, c));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalGrowthOfPhase(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                        PetscReal *growth)
-{
-  Probe probe = {.tolerance = of->tolerance};
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &probe.bloch));
-  PetscCall(MpmSmallEigenCreate(probe.bloch.turn_size, &probe.eigen));
-  PetscCall(GrowthAt(&probe, courant, beta, growth));
-  PetscCall(MpmSmallEigenDestroy(&probe.eigen));
-  PetscCall(MpmBlochDestroy(&probe.bloch));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalRounding(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                   PetscReal *growth)
-{
-  MpmBloch        bloch;
-  PetscInt        exponent, other, n;
-  PetscReal       norm = 0, moved = 0;
-  double complex *matrix, *noisy;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
-  n = bloch.size * bloch.size;
-  PetscCall(PetscMalloc2(n, &matrix, n, &noisy));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, matrix, &exponent));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_TRUE, noisy, &other));
-  for (PetscInt i = 0; i < n; i++) {
-    norm  = hypot(norm, cabs(matrix[i]));
-    moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - matrix[i]));
-  }
-  *growth = MpmDefectiveErrorOf(PetscMax(moved, MPM_ROUNDING * norm), exponent, bloch.period);
-  PetscCall(PetscFree2(matrix, noisy));
-  PetscCall(MpmBlochDestroy(&bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,27 +40,13 @@ static PetscErrorCode FactorsAt(void *context, PetscReal courant, double complex
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
-{
-  MpmFollow *follow  = (MpmFollow *)context;
-  PetscReal  largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(FactorsAt(follow->context, courant, follow->beside));
-  follow->evaluations++;
-  for (PetscInt i = 0; i < follow->n; i++) largest = fmax(largest, cabs(follow->beside[i]));
-  *growth = MpmGrowthPerStep(largest, 0, follow->period);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* On one rank, with so many places to look at. */
 static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowed, MpmCriticalWay *way)
 {
-  MpmCriticalSteps steps = {.ratio = 2};
-  Factors          factors;
-  MpmFollow        follow;
-  PetscInt         n;
-  PetscReal        from;
+  Factors   factors;
+  MpmFollow follow;
+  PetscInt  n;
+  PetscReal from;
 
   PetscFunctionBegin;
   PetscCall(MpmPolynomialCreate(of->layout, of->scheme, &of->step, &factors.polynomial));
@@ -69,11 +55,7 @@ static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowe
   PetscCall(PetscMalloc3(n * n, &factors.matrix, n, &factors.re, n, &factors.im));
   PetscCall(MpmFollowCreate(n, factors.polynomial.period, of->tolerance, FactorsAt, &factors, &follow));
   follow.allowed = allowed;
-  PetscCall(MpmFollowLine(&follow, from, way->to, way->bracket));
-  if (way->bracket[0] == 0) {
-    steps.from = steps.to = steps.width = from;
-    PetscCall(MpmCriticalCross(Growth, &follow, of->tolerance, &steps, MPM_CRITICAL_PRECISION, way->bracket));
-  }
+  PetscCall(MpmFollowFirst(&follow, from, from, way->to, way->bracket));
   way->done        = isfinite(way->bracket[1]) || way->bracket[0] >= way->to ? PETSC_TRUE : PETSC_FALSE;
   way->doubtful    = follow.doubtful;
   way->evaluations = follow.evaluations;

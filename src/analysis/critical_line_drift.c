@@ -1,5 +1,5 @@
 /*
-   The largest Courant number with growth within tolerance, for particles that move.
+   The largest Courant number with growth within tolerance, for particles that move, in one dimension.
 
    Windows of growth open along curves of the plane of phase beta and Courant number k, where two amplification factors
    meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may reach the tolerance
@@ -32,7 +32,7 @@ typedef struct {
 } Limit;
 
 typedef struct {
-  PetscReal  phase; /* m of MpmCriticalPhase */
+  PetscReal  phase; /* m of MpmSearchPhase */
   MpmMeeting meeting;
 } Place;
 
@@ -44,7 +44,7 @@ typedef struct {
   MpmBloch      bloch;
   MpmSmallEigen eigen;
   MpmFollow     follow;
-  PetscReal     fixed, tolerance, log_tolerance; /* log_tolerance: of 1 + tolerance */
+  PetscReal     fixed, log_tolerance; /* log_tolerance: of 1 + tolerance */
   PetscBool     over_phases;
   Limit         least, phases[MPM_CRITICAL_PHASES + 1];
   PetscInt      nplaces, room;
@@ -71,7 +71,6 @@ static PetscErrorCode PlaneCreate(const MpmCriticalCase *of, Plane **plane)
   PetscFunctionBegin;
   PetscCall(PetscNew(plane));
   p                = *plane;
-  p->tolerance     = of->tolerance;
   p->log_tolerance = log1p(of->tolerance);
   p->least         = (Limit){INFINITY, INFINITY, NAN};
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &p->bloch));
@@ -91,35 +90,17 @@ static PetscErrorCode PlaneDestroy(Plane **plane)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal *growth)
-{
-  Plane    *p       = (Plane *)context;
-  PetscReal largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(FactorsAt(p, courant, p->follow.beside));
-  p->follow.evaluations++;
-  for (PetscInt i = 0; i < p->eigen.n; i++) largest = fmax(largest, cabs(p->follow.beside[i]));
-  *growth = MpmGrowthPerStep(largest, 0, p->bloch.turn);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
    Finds the first Courant number of [from, to] that grows at a phase. If from grows already, the search goes down from
    there.
 */
 static PetscErrorCode LimitBetween(Plane *p, PetscReal beta, PetscReal from, PetscReal to, Limit *limit)
 {
-  const PetscReal  start = PetscMin(MPM_CRITICAL_FROM, from / 2);
-  MpmCriticalSteps steps = {.from = start, .to = start, .ratio = 2, .width = start};
-  PetscReal        bracket[2];
+  PetscReal bracket[2];
 
   PetscFunctionBegin;
   p->fixed = beta;
-  PetscCall(MpmFollowLine(&p->follow, from, to, bracket));
-  if (bracket[0] == 0 && from > start) PetscCall(MpmFollowLine(&p->follow, start, from, bracket));
-  if (bracket[0] == 0)
-    PetscCall(MpmCriticalCross(GrowthOfPhase, p, p->tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
+  PetscCall(MpmFollowFirst(&p->follow, PetscMin(MPM_CRITICAL_FROM, from / 2), from, to, bracket));
   *limit = (Limit){bracket[0], bracket[1], beta};
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -127,8 +108,8 @@ static PetscErrorCode LimitBetween(Plane *p, PetscReal beta, PetscReal from, Pet
 /* Goes from a limit at a phase to lower limits at phases beside it, with ever smaller steps in beta. */
 static PetscErrorCode Descend(Plane *p, Limit limit, PetscReal step)
 {
-  Limit beside;
-  int   side = 1;
+  Limit beside = limit;
+  int   side   = 1;
 
   PetscFunctionBegin;
   for (int failed = 0; step > FINEST;) {
@@ -218,7 +199,7 @@ static PetscErrorCode VisitPhase(Plane *p, PetscInt m, PetscReal bound)
   MpmFollow      *f = &p->follow;
 
   PetscFunctionBegin;
-  PetscCall(LimitBetween(p, MpmCriticalPhase(m), from, to, &p->phases[m]));
+  PetscCall(LimitBetween(p, MpmSearchPhase(m), from, to, &p->phases[m]));
   if (p->nplaces + f->nmeetings > p->room) {
     p->room = 2 * (p->nplaces + f->nmeetings);
     PetscCall(PetscRealloc(sizeof(*p->places) * (size_t)p->room, &p->places));
@@ -242,7 +223,7 @@ static PetscErrorCode VisitPhases(Plane *p, PetscMPIInt rank, PetscMPIInt size)
   for (PetscInt stride = COARSE; stride > 0; stride /= 2) {
     for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m -= stride) {
       if (stride < COARSE && m % (2 * stride) == 0) continue;
-      p->phases[m] = (Limit){INFINITY, INFINITY, MpmCriticalPhase(m)};
+      p->phases[m] = (Limit){INFINITY, INFINITY, MpmSearchPhase(m)};
       if (done++ % size != rank) continue;
       PetscCall(VisitPhase(p, m, bound));
       PetscCall(MpmProgressUpdate(&progress, done, MPM_CRITICAL_PHASES));
@@ -280,7 +261,7 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, limits, 2 * (MPM_CRITICAL_PHASES + 1), MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
   for (PetscInt m = 1; m <= MPM_CRITICAL_PHASES; m++)
-    p->phases[m] = (Limit){limits[2 * m], limits[2 * m + 1], MpmCriticalPhase(m)};
+    p->phases[m] = (Limit){limits[2 * m], limits[2 * m + 1], MpmSearchPhase(m)};
   PetscCall(PetscMPIIntCast(width * p->nplaces, &mine));
   PetscCall(PetscMalloc2(size, &counts, size, &begins));
   PetscCallMPI(MPI_Allgather(&mine, 1, MPI_INT, counts, 1, MPI_INT, PETSC_COMM_WORLD));
@@ -300,8 +281,7 @@ static PetscErrorCode Gather(Plane *p, PetscMPIInt size)
 
 static PetscReal Spacing(PetscInt m)
 {
-  return MpmCriticalPhase(PetscMin(m + 1, MPM_CRITICAL_PHASES)) -
-         MpmCriticalPhase(PetscMin(m, MPM_CRITICAL_PHASES - 1));
+  return MpmSearchPhase(PetscMin(m + 1, MPM_CRITICAL_PHASES)) - MpmSearchPhase(PetscMin(m, MPM_CRITICAL_PHASES - 1));
 }
 
 /* Returns whether a neighbouring phase has the same meeting with more growth. Then the search goes on from that one. */
@@ -339,7 +319,7 @@ static PetscErrorCode Refine(Plane *p)
     const PetscInt m     = (PetscInt)place->phase;
 
     if (place->meeting.x < p->least.unstable && !IsOutgrown(p, place))
-      PetscCall(Ascend(p, place->meeting, MpmCriticalPhase(m), Spacing(m) / 2));
+      PetscCall(Ascend(p, place->meeting, MpmSearchPhase(m), Spacing(m) / 2));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -355,7 +335,7 @@ static PetscErrorCode SetLimit(Plane *p, MpmCritical *c)
   c->followed    = PETSC_TRUE;
   c->doubtful    = p->follow.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? p->follow.doubtful : INFINITY;
   p->fixed       = c->beta[0];
-  if (isfinite(c->unstable_at)) PetscCall(MpmCriticalThreshold(GrowthOfPhase, p, p->tolerance, c));
+  if (isfinite(c->unstable_at)) PetscCall(MpmSearchThreshold(MpmFollowGrowth, &p->follow, p->follow.tolerance, 0, c));
   c->evaluations += p->follow.evaluations;
   p->follow.evaluations = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -372,7 +352,7 @@ static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstable, PetscReal beta, MpmCritical *c)
+PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   PetscMPIInt rank, size;
   Plane      *p;
@@ -382,19 +362,19 @@ PetscErrorCode MpmCriticalUnderDrift(const MpmCriticalCase *of, PetscReal unstab
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(PlaneCreate(of, &p));
   c->order = p->bloch.size;
-  if (isfinite(unstable)) {
-    PetscCall(Below(p, unstable, beta));
+  if (isfinite(start->unstable)) {
+    PetscCall(Below(p, start->unstable, start->beta[0]));
   } else {
     PetscCall(VisitPhases(p, rank, size));
     PetscCall(Gather(p, size));
     PetscCall(Refine(p));
   }
-  if (isinf(unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
+  if (isinf(start->unstable) || isfinite(p->least.unstable)) PetscCall(SetLimit(p, c));
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalGrowthAt(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
+PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta)
 {
   const MpmSymbolWish wish = {.phases = {2 * MPM_CRITICAL_PHASES}, .tolerance = of->tolerance};
   MpmSymbol          *symbol;

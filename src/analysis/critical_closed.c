@@ -1,0 +1,200 @@
+/* The limit by the closed form, at rest: the least over all phases, and where growth by it leaves the tolerance. */
+#include "analysis/critical_parts.h"
+#include <math.h>
+
+#define PRECISION 1e-10 /* relative, in one dimension */
+#define PLANE_POINTS 48 /* phases in (0, pi] of each direction with which the search by closed forms begins */
+#define SPACE_POINTS 16
+#define WEDGE_POINTS 24 /* the same in three dimensions where they are all alike */
+#define WITHIN 1.25     /* the search goes on from limits on this grid that are within this factor of the least */
+#define FINEST 1e-8     /* last step in beta */
+#define LEAST_BETA 2e-4 /* no waves longer than this: closed forms cancel there */
+#define LONG 1e-3       /* phases below this are of long waves; */
+#define FALLS 0.9       /* where their limit at twice the length is smaller by this factor it goes to 0 */
+#define BISECTIONS 40
+#define BEYOND 1e-5 /* relative distance from the limit within which growth should leave the tolerance */
+
+/* A closed form as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
+typedef struct {
+  const MpmPredictor *predictor;
+  PetscReal           tolerance, least;
+} Closed;
+
+static MpmZoom ClosedZoom(const MpmPredictor *predictor)
+{
+  const MpmFraction rest[MPM_MAX_DIM] = {{.den = 1}, {.den = 1}, {.den = 1}};
+  const MpmLayout  *layout            = predictor->layout;
+  MpmZoom           zoom              = MpmZoomOf(layout, &predictor->scheme->space, rest);
+
+  zoom.points = layout->dim == 2                                             ? PLANE_POINTS
+                : zoom.alike[1] == 0 && zoom.alike[2] == 0 && zoom.mirror[0] ? WEDGE_POINTS
+                                                                             : SPACE_POINTS;
+  zoom.starts = MPM_ZOOM_STARTS;
+  zoom.within = WITHIN;
+  zoom.finest = FINEST;
+  zoom.least  = LEAST_BETA;
+  zoom.comm   = PETSC_COMM_SELF;
+  return zoom;
+}
+
+PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[])
+{
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n     = MpmPredictorSymbols(predictor, beta, cell);
+  PetscReal      limit = INFINITY;
+
+  for (PetscInt i = 0; i < n; i++) limit = fmin(limit, predictor->scheme->formulation->limit(&cell[i]));
+  return limit;
+}
+
+static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *limit)
+{
+  PetscFunctionBegin;
+  *limit = MpmCriticalClosedLimit(((const Closed *)context)->predictor, beta);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LimitOnLine(void *context, PetscReal beta, PetscReal *limit)
+{
+  PetscFunctionBegin;
+  PetscCall(LimitAt(context, &beta, limit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The limits of long waves may go to 0 with beta (gas1 with xpic). Then the least one is 0, and at no phase. */
+static PetscErrorCode InSpace(const MpmPredictor *predictor, MpmCritical *c)
+{
+  const MpmZoom zoom    = ClosedZoom(predictor);
+  Closed        closed  = {.predictor = predictor};
+  PetscReal     largest = 0, beta[MPM_MAX_DIM], shorter;
+
+  PetscFunctionBegin;
+  PetscCall(MpmZoomLeast(&zoom, LimitAt, &closed, c->closed_beta, &c->closed));
+  for (PetscInt a = 0; a < zoom.dim; a++) {
+    largest = PetscMax(largest, PetscAbsReal(c->closed_beta[a]));
+    beta[a] = 2 * c->closed_beta[a];
+  }
+  if (!(largest < LONG)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(LimitAt(&closed, beta, &shorter));
+  if (c->closed < FALLS * shorter) c->closed = 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OnLine(const MpmPredictor *predictor, MpmCritical *c)
+{
+  Closed    closed = {.predictor = predictor};
+  PetscReal limit, beta;
+
+  PetscFunctionBegin;
+  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
+    PetscCall(LimitOnLine(&closed, MpmSearchPhase(m), &limit));
+    if (limit >= c->closed) continue;
+    c->closed         = limit;
+    c->closed_beta[0] = MpmSearchPhase(m);
+  }
+  if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSearchLeast(LimitOnLine, &closed, MPM_SEARCH_GOLDEN, MpmSearchBeside(c->closed_beta[0], -1),
+                           MpmSearchBeside(c->closed_beta[0], 1), &beta, &limit));
+  if (limit < c->closed * (1 - PRECISION)) {
+    c->closed         = limit;
+    c->closed_beta[0] = beta;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Keeps the symbols of the problem that has the limit. */
+static void KeepSymbols(const MpmPredictor *predictor, MpmCritical *c)
+{
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n     = MpmPredictorSymbols(predictor, c->closed_beta, cell);
+  PetscReal      least = NAN;
+
+  for (PetscInt i = 0; i < n; i++) {
+    const PetscReal limit = predictor->scheme->formulation->limit(&cell[i]);
+
+    if (limit >= least) continue;
+    least   = limit;
+    c->cell = cell[i];
+  }
+}
+
+PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                       MpmCritical *c)
+{
+  MpmPredictor predictor;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
+  c->closed = NAN;
+  if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
+      !MpmSpaceIsPrestressed(&scheme->space)) {
+    PetscCall(layout->dim == 1 ? OnLine(&predictor, c) : InSpace(&predictor, c));
+    if (!isnan(c->closed)) KeepSymbols(&predictor, c);
+  }
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- where growth leaves the tolerance ---- */
+
+static PetscReal GrowthOf(const MpmPredictor *p, PetscReal courant, PetscInt n, const MpmCellSymbols cell[])
+{
+  PetscReal growth = 0;
+
+  for (PetscInt i = 0; i < n; i++) growth = fmax(growth, p->scheme->formulation->corrected(&cell[i], courant));
+  return growth;
+}
+
+/*
+   The Courant number at which growth of a phase leaves the tolerance, by bisection. It is beyond the limit, so where
+   that is no less than the least one found so far it is not computed.
+*/
+static PetscErrorCode ToleratedAt(void *context, const PetscReal beta[], PetscReal *courant)
+{
+  Closed        *closed = (Closed *)context;
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n = MpmPredictorSymbols(closed->predictor, beta, cell);
+  PetscReal      bracket[2];
+
+  PetscFunctionBegin;
+  PetscCall(LimitAt(context, beta, courant));
+  if (!(*courant < closed->least)) PetscFunctionReturn(PETSC_SUCCESS);
+  bracket[0] = *courant;
+  bracket[1] = PetscMax(2 * bracket[0], MPM_CRITICAL_FROM);
+  while (bracket[1] < MPM_CRITICAL_TO && GrowthOf(closed->predictor, bracket[1], n, cell) <= 1 + closed->tolerance)
+    bracket[1] *= 2;
+  for (int i = 0; i < BISECTIONS; i++) {
+    const PetscReal middle = (bracket[0] + bracket[1]) / 2;
+
+    bracket[GrowthOf(closed->predictor, middle, n, cell) <= 1 + closed->tolerance ? 0 : 1] = middle;
+  }
+  *courant      = bracket[1];
+  closed->least = PetscMin(closed->least, *courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Mostly it is at the limit itself. */
+PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscReal tolerance, const MpmCritical *c,
+                                          PetscReal beta[], PetscReal *courant)
+{
+  const MpmZoom zoom   = ClosedZoom(predictor);
+  Closed        closed = {.predictor = predictor, .tolerance = tolerance, .least = INFINITY};
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(beta, c->closed_beta, zoom.dim));
+  PetscCall(ToleratedAt(&closed, beta, courant));
+  if (*courant <= c->closed * (1 + BEYOND)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmZoomLeast(&zoom, ToleratedAt, &closed, beta, courant));
+  if (*courant >= MPM_CRITICAL_TO) *courant = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *c)
+{
+  MpmCellSymbols cell[MPM_MAX_DIM];
+  const PetscInt n = MpmPredictorSymbols(predictor, c->beta, cell);
+
+  c->threshold = PETSC_FALSE;
+  c->fading =
+      log2((GrowthOf(predictor, c->unstable_at, n, cell) - 1) / (GrowthOf(predictor, c->unstable_at / 2, n, cell) - 1));
+}
