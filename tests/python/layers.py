@@ -13,7 +13,7 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["base", "linalg", "scheme", "scene", "march", "operator", "symbol", "analysis", "io", "report", "task"]
+LAYERS = ["base", "linalg", "scheme", "scene", "program", "march", "operator", "symbol", "analysis", "io", "report", "task"]
 PUBLIC = {"compat": "base", "boundary": "scheme", "formulation": "scheme", "transfer": "scheme", "basis": "scheme",
           "scheme": "scheme", "material": "scheme", "plugin": "operator", "mpmstab": "task"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<(mpmstab/[^>]+)>)', re.M)
