@@ -26,7 +26,7 @@ PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *reques
   PetscCall(MpmTangentStateDestroy(&space, &state));
   PetscCall(MpmTangentMismatch(&space, march, &tangent, mismatch));
   PetscCall(MpmMarchDestroy(&march));
-  PetscCall(MpmTapeAssemble(tangent, &matrix));
+  PetscCall(MpmTangentAssemble(tangent, &matrix));
   PetscCall(MatDestroy(&tangent));
   PetscCall(MpmTangentSpaceDestroy(&space));
   PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, request, started, spectrum));

@@ -1,7 +1,7 @@
 /* Computes wavenumber, polarisation and null-space share of eigenvectors. */
-#include "operator/assemble.h"
 #include "analysis/modes.h"
 #include "linalg/dense.h"
+#include "program/maps.h"
 #include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
 #include <fftw3.h>
 #include <math.h>
@@ -265,12 +265,13 @@ static PetscBool IsRepeated(const MpmTable *table, PetscInt o)
 }
 
 /* Adds a map, times a factor, to a sum of maps, which NULL begins. */
-static PetscErrorCode AddMap(MpmRegisters *registers, const MpmOp *op, PetscReal factor, Mat *sum)
+static PetscErrorCode AddMap(MpmMaps *maps, const MpmOp *op, PetscReal factor, Mat *sum)
 {
-  Mat map;
+  Mat known, map;
 
   PetscFunctionBegin;
-  PetscCall(MpmRegistersMap(registers, op->kind, op->axis, registers->scheme->table->parity[op->dst], 0, &map));
+  PetscCall(MpmMapsGet(maps, op, &known));
+  PetscCall(MatDuplicate(known, MAT_COPY_VALUES, &map));
   if (factor != 1) PetscCall(MatScale(map, factor));
   if (*sum) {
     PetscCall(MatAXPY(*sum, 1, map, DIFFERENT_NONZERO_PATTERN));
@@ -285,9 +286,9 @@ static PetscErrorCode AddMap(MpmRegisters *registers, const MpmOp *op, PetscReal
    The map is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an isothermal
    gas that is stretched: in one dimension its force does not depend on the stretch.
 */
-static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscInt n, Mat *map)
+static PetscErrorCode MapOfField(MpmMaps *maps, PetscInt first, PetscInt n, Mat *map)
 {
-  const MpmTable *table                 = registers->scheme->table;
+  const MpmTable *table                 = maps->slab->scheme->table;
   PetscInt        rows                  = 0;
   Mat             block[MPM_MAX_FIELDS] = {NULL}, nest;
   PetscInt        row_of[MPM_MAX_FIELDS];
@@ -306,13 +307,12 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
       factor[rows]    = op->factor;
       row_of[op->dst] = rows++;
     }
-    PetscCheck(rows * n <= MPM_MAX_FIELDS, registers->comm, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
-    PetscCall(
-        AddMap(registers, op, op->factor / factor[row_of[op->dst]], &block[row_of[op->dst] * n + op->src - first]));
+    PetscCheck(rows * n <= MPM_MAX_FIELDS, maps->slab->comm, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
+    PetscCall(AddMap(maps, op, op->factor / factor[row_of[op->dst]], &block[row_of[op->dst] * n + op->src - first]));
   }
   *map = NULL;
   if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateNest(registers->comm, rows, NULL, n, NULL, block, &nest));
+  PetscCall(MatCreateNest(maps->slab->comm, rows, NULL, n, NULL, block, &nest));
   PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, map));
   PetscCall(MatDestroy(&nest));
   for (PetscInt i = 0; i < rows * n; i++) PetscCall(MatDestroy(&block[i]));
@@ -322,11 +322,12 @@ static PetscErrorCode MapOfField(MpmRegisters *registers, PetscInt first, PetscI
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
 {
   const MpmTable *table = op->scheme->table;
-  MpmRegisters    registers;
+  MpmSlab         slab;
+  MpmMaps         maps = {.slab = &slab};
 
   PetscFunctionBegin;
   *nullity = 0;
-  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
+  PetscCall(MpmSlabOf(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &slab));
   for (PetscInt f = 0, n; f < table->nstate; f += n) {
     PetscInt unseen = 0;
     Mat      map;
@@ -334,7 +335,7 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
     n = 1;
     while (f + n < table->nstate && table->field[f] != MPM_NONE && table->field[f + n] == table->field[f]) n++;
     if (table->filtered[f]) continue;
-    PetscCall(MapOfField(&registers, f, n, &map));
+    PetscCall(MapOfField(&maps, f, n, &map));
     if (map)
       PetscCall(MpmDenseNullity(map, RANK, &unseen));
     else
@@ -342,6 +343,6 @@ PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity)
     PetscCall(MatDestroy(&map));
     *nullity += unseen;
   }
-  PetscCall(MpmRegistersDestroy(&registers));
+  PetscCall(MpmMapsDestroy(&maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

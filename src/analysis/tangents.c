@@ -214,7 +214,7 @@ PetscErrorCode MpmTangentsStep(MpmTangents *t, const MpmMarch *march)
   t->room = PetscMin(t->room, room);
   PetscCall(MpmTangentOf(&t->space, march->courant, &t->state, &tangent, NULL));
   if (t->bytes == 0) {
-    PetscCall(MpmTapeBytes(tangent, &t->bytes));
+    PetscCall(MpmTangentBytes(tangent, &t->bytes));
     t->bytes *= t->window;
     PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, march->layout, t->bytes, "the tangents of a window"));
   }

@@ -1,5 +1,6 @@
 /* Which cells each rank has: as many as any other, or as many particles. */
 #include "march/partition.h"
+#include "scene/layout.h"
 
 /* A way to share: its load, and the surface of a rank's part relative to its volume, to which ghosts are proportional. */
 typedef struct {

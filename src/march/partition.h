@@ -34,16 +34,3 @@ PetscErrorCode MpmPartitionCreate(const MpmLayout *layout, PetscMPIInt size, Pet
 PetscErrorCode MpmPartitionDestroy(MpmPartition *partition);
 
 #define MPM_BALANCE_BOUND 1.25
-
-/*
-   Not collective. The number of cells that a rank of size ranks gets, and the first of them, as DMDA distributes them.
-   The first cells % size ranks get one more than the others.
-*/
-static inline PetscInt MpmGridCount(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
-{
-  return cells / size + (cells % size > rank ? 1 : 0);
-}
-static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
-{
-  return cells / size * rank + PetscMin(rank, cells % size);
-}

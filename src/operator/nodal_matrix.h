@@ -20,7 +20,7 @@ PetscErrorCode MpmNodalMatrixUnknowns(const MpmLayout *layout, const MpmScheme *
    Collective. layout and scheme must outlive it; MpmReducedDestroy destroys it. Call it where MpmNodalMatrixUnknowns is
    not 0. unit: NULL, or that of an operator, which then is its balanced in place of A.
 
-   Unknown g of node i has the number g + images x i. The slab of nodes of a rank is that of its registers (MpmRegisters).
+   Unknown g of node i has the number g + images x i. The slab of nodes of a rank is that of its registers (MpmSlab).
    B is a shell that runs the plan on vectors.
 */
 PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, const MpmScheme *scheme,

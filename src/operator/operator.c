@@ -4,9 +4,8 @@
 */
 #include "base/power_of_two.h"
 #include "march/march_private.h"
-#include "operator/assemble.h"
 #include "operator/given.h"
-#include "operator/shell.h"
+#include "program/steps_matrix.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include <mpmstab/operator.h>
@@ -20,19 +19,21 @@
 #define VECTORS 100    /* of the solver */
 
 /* Divides the registers by a power of two when they would leave the range of doubles, and adds to its exponent. */
-static PetscErrorCode Rescale(MpmRegisters *r, PetscInt *exponent)
+static PetscErrorCode Rescale(const MpmMatrices *m, PetscInt *exponent)
 {
   PetscReal norm, largest = 0;
   PetscInt  shift;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < r->fields; f++) {
-    PetscCall(MatNorm(r->particle[f], NORM_INFINITY, &norm));
+  for (PetscInt f = 0; f < m->registers.nout; f++) {
+    if (!m->reg[f]) continue;
+    PetscCall(MatNorm(m->reg[f], NORM_INFINITY, &norm));
     largest = PetscMax(largest, norm);
   }
   shift = MpmPowerToTakeOut(largest, RESCALE_AT);
   if (!shift) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt f = 0; f < r->fields; f++) PetscCall(MatScale(r->particle[f], scalbn(1, -(int)shift)));
+  for (PetscInt f = 0; f < m->registers.nout; f++)
+    if (m->reg[f]) PetscCall(MatScale(m->reg[f], scalbn(1, -(int)shift)));
   *exponent += shift;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -83,7 +84,7 @@ static PetscErrorCode CheckMatrix(MPI_Comm comm, const MpmOperator *op)
 /* Refuses an operator without a matrix whose maps and vectors would be too large. */
 static PetscErrorCode CheckMaps(MPI_Comm comm, const MpmOperator *op)
 {
-  const PetscReal maps = op->period * MpmShellNonzeros(op->layout, op->scheme);
+  const PetscReal maps = op->period * MpmStepsNonzeros(op->layout, op->scheme);
   char            what[128];
 
   PetscFunctionBegin;
@@ -99,7 +100,8 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
   static PetscClassId  id; /* registered once, because some tasks assemble thousands */
   static PetscLogEvent event;
-  MpmRegisters         registers;
+  MpmMatrices          registers;
+  MpmSlab              slab;
 
   PetscFunctionBegin;
   if (!id) {
@@ -107,14 +109,15 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
     PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
   }
   PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
-  PetscCall(MpmRegistersCreate(comm, op->layout, op->scheme, &op->step, &registers));
+  PetscCall(MpmSlabOf(comm, op->layout, op->scheme, &op->step, &slab));
+  PetscCall(MpmMatricesOfSlab(&slab, 0, &registers));
   for (PetscInt step = 0; step < op->period; step++) {
-    PetscCall(MpmRegistersStep(&registers, step));
+    PetscCall(MpmMatricesStep(&registers, &slab, step));
     PetscCall(Rescale(&registers, &op->exponent));
   }
-  PetscCall(MpmRegistersGather(&registers, &op->A));
-  PetscCall(MpmRegistersMap(&registers, MPM_P2G, 0, (const MpmParity[MPM_MAX_DIM]){MPM_EVEN}, 0, &op->p2g));
-  PetscCall(MpmRegistersDestroy(&registers));
+  PetscCall(MpmMatricesGather(&registers, PETSC_FALSE, &op->A));
+  PetscCall(MpmMapsEven(&slab, 0, &op->p2g));
+  PetscCall(MpmMatricesDestroy(&registers));
   PetscCall(PetscObjectSetName((PetscObject)op->A, "A"));
   PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -122,7 +125,8 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 
 PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, PetscInt *exponent)
 {
-  MpmRegisters registers;
+  MpmMatrices registers;
+  MpmSlab     slab;
 
   PetscFunctionBegin;
   *exponent = 0;
@@ -133,13 +137,14 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (!op->assembled) {
-    PetscCall(MpmShellCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, step, 1, A));
+    PetscCall(MpmStepsMatrix(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, step, 1, A));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmRegistersCreate(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &registers));
-  PetscCall(MpmRegistersStep(&registers, step));
-  PetscCall(MpmRegistersGather(&registers, A));
-  PetscCall(MpmRegistersDestroy(&registers));
+  PetscCall(MpmSlabOf(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &slab));
+  PetscCall(MpmMatricesOfSlab(&slab, 0, &registers));
+  PetscCall(MpmMatricesStep(&registers, &slab, step));
+  PetscCall(MpmMatricesGather(&registers, PETSC_FALSE, A));
+  PetscCall(MpmMatricesDestroy(&registers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -201,7 +206,7 @@ static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec 
   PetscCall(VecDuplicate(*unit, &inverse));
   PetscCall(VecCopy(*unit, inverse));
   PetscCall(VecReciprocal(inverse));
-  PetscCall(op->assembled ? MatDuplicate(A, MAT_COPY_VALUES, scaled) : MpmShellCopy(A, scaled));
+  PetscCall(op->assembled ? MatDuplicate(A, MAT_COPY_VALUES, scaled) : MpmMatrixCopy(A, scaled));
   PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
   PetscCall(VecDestroy(&inverse));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -231,14 +236,13 @@ static PetscErrorCode CreateMatrix(MPI_Comm comm, MpmOperator *op)
 /* The operator as the maps of its steps. */
 static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
 {
-  MpmRegisters sizes;
+  MpmSlab slab;
 
   PetscFunctionBegin;
   PetscCall(CheckMaps(comm, op));
-  PetscCall(MpmShellCreate(comm, op->layout, op->scheme, &op->step, 0, op->period, &op->A));
-  PetscCall(MpmRegistersSizes(comm, op->layout, op->scheme, &op->step, &sizes));
-  PetscCall(MpmRegistersMap(&sizes, MPM_P2G, 0, (const MpmParity[MPM_MAX_DIM]){MPM_EVEN}, 0, &op->p2g));
-  PetscCall(MpmRegistersDestroy(&sizes));
+  PetscCall(MpmStepsMatrix(comm, op->layout, op->scheme, &op->step, 0, op->period, &op->A));
+  PetscCall(MpmSlabOf(comm, op->layout, op->scheme, &op->step, &slab));
+  PetscCall(MpmMapsEven(&slab, 0, &op->p2g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

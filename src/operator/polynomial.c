@@ -6,8 +6,8 @@
      A_t(k) = C_t0 + k (C_t1 + k (C_t2 + ...)),   A(k) = A_(period-1)(k) ... A_0(k)
 */
 #include "base/power_of_two.h"
-#include "operator/assemble.h"
 #include "operator/polynomial.h"
+#include "program/steps_matrix.h"
 #include <mpmstab/operator.h>
 #include <petscblaslapack.h>
 #include <math.h>
@@ -24,18 +24,21 @@ static PetscInt DegreeOf(const MpmTable *table)
 }
 
 /* Copies a step's registers into its coefficients. */
-static PetscErrorCode CopyStep(const MpmRegisters *r, PetscReal coefficients[])
+static PetscErrorCode CopyStep(const MpmMatrices *m, PetscReal coefficients[])
 {
+  const PetscInt fields = m->registers.nout, particles = m->registers.rows[0];
+
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < r->fields; f++) {
-    for (PetscInt p = 0; p < r->particles; p++) {
+  for (PetscInt f = 0; f < fields; f++) {
+    if (!m->reg[f]) continue;
+    for (PetscInt p = 0; p < particles; p++) {
       const PetscInt    *columns;
       const PetscScalar *values;
       PetscInt           n;
 
-      PetscCall(MatGetRow(r->particle[f], p, &n, &columns, &values));
-      for (PetscInt c = 0; c < n; c++) coefficients[columns[c] * r->state + r->fields * p + f] = values[c];
-      PetscCall(MatRestoreRow(r->particle[f], p, &n, &columns, &values));
+      PetscCall(MatGetRow(m->reg[f], p, &n, &columns, &values));
+      for (PetscInt c = 0; c < n; c++) coefficients[(columns[c] * particles + p) * fields + f] = values[c];
+      PetscCall(MatRestoreRow(m->reg[f], p, &n, &columns, &values));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -87,12 +90,14 @@ PetscErrorCode MpmPolynomialCreate(const MpmLayout *layout, const MpmScheme *sch
   PetscCall(PetscMalloc4(count, &a->coefficients, square, &a->step, square, &a->product, square, &a->next));
   PetscCall(PetscArrayzero(a->coefficients, count));
   for (PetscInt t = 0; t < a->period; t++) {
-    MpmRegisters registers;
+    MpmMatrices registers;
+    MpmSlab     slab;
 
-    PetscCall(MpmRegistersCreatePolynomial(layout, scheme, step, a->degree, &registers));
-    PetscCall(MpmRegistersStep(&registers, t));
+    PetscCall(MpmSlabOf(PETSC_COMM_SELF, layout, scheme, step, &slab));
+    PetscCall(MpmMatricesOfSlab(&slab, a->degree, &registers));
+    PetscCall(MpmMatricesStep(&registers, &slab, t));
     PetscCall(CopyStep(&registers, a->coefficients + t * (a->degree + 1) * square));
-    PetscCall(MpmRegistersDestroy(&registers));
+    PetscCall(MpmMatricesDestroy(&registers));
   }
   PetscCall(Balance(a, op));
   PetscCall(MpmOperatorDestroy(&op));

@@ -1,5 +1,5 @@
 /*
-   A table about a state, and its differential on a tape. With w the weights of a map, w_c their derivatives along c, M the
+   A table about a state, and its differential as a program. With w the weights of a map, w_c their derivatives along c, M the
    nodal masses and dx the perturbation of the places at the start of the step:
 
      P2G    y = a (sum w m q) / M          dy = a (sum w m dq + sum_c sum w_c m q dx_c) / M - y dM / M
@@ -19,7 +19,7 @@
 static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
 
 /*
-   The registers of a tape: those of the table's particles, then the places, their perturbation at the start, and a
+   The registers of the program: those of the table's particles, then the places, their perturbation at the start, and a
    copy of dF; on nodes those of the table, and the mass.
 */
 typedef struct {
@@ -39,24 +39,25 @@ static Slots SlotsOf(const MpmTable *t)
 }
 
 /*
-   value: what the registers hold in the step itself. weight: properties of particles, NULL where they are 1. mass,
-   inverse: of the nodes.
+   program: the tangent. values: what the registers hold in the step itself, and value its vectors. weight: properties of
+   particles, NULL where they are 1. inverse: of the nodal masses.
 */
 typedef struct {
-  const MpmRegisters *sizes;
-  const MpmTable     *table;
-  PetscReal           courant;
-  Slots               slot;
-  MpmPlacedMaps       maps;
-  MpmTape            *tape;
-  const Vec          *load;
-  Vec                 value[MPM_MAX_SLOTS], weight[MPM_PROPERTIES], mass, inverse;
+  const MpmSlab  *sizes;
+  const MpmTable *table;
+  PetscReal       courant;
+  Slots           slot;
+  MpmPlacedMaps   maps;
+  MpmStepProgram *program;
+  MpmVectors     *values;
+  const Vec      *load;
+  Vec            *value, weight[MPM_PROPERTIES], inverse;
 } Builder;
 
 /* ---- the space ---- */
 
 /* Particles go anywhere, and may fill any shape. So each rank has as many, in the order of their ids. */
-static PetscErrorCode Share(MpmRegisters *r, PetscInt64 particles)
+static PetscErrorCode Share(MpmSlab *r, PetscInt64 particles)
 {
   PetscInt all = (PetscInt)particles;
 
@@ -74,47 +75,47 @@ PetscErrorCode MpmTangentSpaceCreate(MPI_Comm comm, const MpmLayout *layout, con
   const MpmTable *t    = scheme->table;
   const MpmStep   rest = {.courant = 0};
   const Slots     slot = SlotsOf(t);
-  PetscInt        state[MPM_MAX_SLOTS];
+  MpmRegisters    r;
 
   PetscFunctionBegin;
-  PetscCall(MpmRegistersSizes(comm, layout, scheme, &rest, &space->sizes));
+  PetscCall(MpmSlabOf(comm, layout, scheme, &rest, &space->sizes));
   PetscCall(Share(&space->sizes, layout->particles));
   space->nstate = t->dim + t->nstate;
-  for (PetscInt f = 0; f < space->nstate; f++) state[f] = f < t->dim ? slot.place + f : f - t->dim;
-  PetscCall(MpmTapeWorkCreate(comm, space->sizes.particles, space->sizes.nodes, slot.node, t->nnodes + 1, space->nstate,
-                              state, &space->work));
+  r             = (MpmRegisters){.comm = comm,
+                                 .rows = {space->sizes.particles, space->sizes.nodes},
+                                 .n    = {slot.node, t->nnodes + 1},
+                                 .nin  = space->nstate,
+                                 .nout = space->nstate};
+  for (PetscInt f = 0; f < r.nin; f++) r.in[f] = r.out[f] = f < t->dim ? slot.place + f : f - t->dim;
+  PetscCall(MpmVectorsCreate(&r, &space->work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTangentSpaceDestroy(MpmTangentSpace *space)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTapeWorkDestroy(&space->work));
-  PetscCall(MpmRegistersDestroy(&space->sizes));
+  PetscCall(MpmVectorsDestroy(&space->work));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTangentStateCreate(const MpmTangentSpace *space, MpmTangentState *state)
 {
-  const MpmRegisters *r = &space->sizes;
+  const MpmSlab *r = &space->sizes;
 
   PetscFunctionBegin;
   *state = (MpmTangentState){.field = {NULL}};
   for (PetscInt a = 0; a < r->layout->dim; a++) {
     PetscCall(PetscCalloc2(r->particles, &state->places.cell[a], r->particles, &state->places.xi[a]));
-    PetscCall(VecDuplicate(space->work->slot[0], &state->load[a]));
-    PetscCall(VecSet(state->load[a], 0));
+    PetscCall(MpmRegisterVector(&space->work->registers, 0, &state->load[a]));
   }
-  for (PetscInt f = 0; f < r->scheme->table->nstate; f++) {
-    PetscCall(VecDuplicate(space->work->slot[0], &state->field[f]));
-    PetscCall(VecSet(state->field[f], 0));
-  }
+  for (PetscInt f = 0; f < r->scheme->table->nstate; f++)
+    PetscCall(MpmRegisterVector(&space->work->registers, 0, &state->field[f]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmTangentStateDestroy(const MpmTangentSpace *space, MpmTangentState *state)
 {
-  const MpmRegisters *r = &space->sizes;
+  const MpmSlab *r = &space->sizes;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < r->layout->dim; a++) {
@@ -130,23 +131,34 @@ PetscErrorCode MpmTangentStateDestroy(const MpmTangentSpace *space, MpmTangentSt
 static PetscErrorCode Append(Builder *b, PetscInt dst, PetscInt src, Mat map, PetscBool to_nodes, Vec left, Vec right,
                              PetscReal factor)
 {
-  const MpmTapeLine line = {
-      .dst = dst, .src = src, .map = map, .to_nodes = to_nodes, .left = left, .right = right, .factor = factor};
+  const MpmLine line = {.dst         = dst,
+                        .src         = src,
+                        .accumulates = PETSC_TRUE,
+                        .map         = map,
+                        .transposed  = to_nodes,
+                        .left        = left,
+                        .right       = right,
+                        .factor      = factor};
 
   PetscFunctionBegin;
-  if (factor != 0) PetscCall(MpmTapeAppend(b->tape, line));
+  if (factor != 0) PetscCall(MpmStepProgramAppend(b->program, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Multiplies a register and its perturbation by a number, and where left is given by those numbers, too. */
-static PetscErrorCode Multiply(Builder *b, PetscInt slot, Vec left, PetscReal factor)
+/* Appends a line of the step that is linear with constant numbers, which is its own differential. */
+static PetscErrorCode AppendLinear(Builder *b, MpmLine line)
 {
-  const MpmTapeLine line = {.dst = slot, .src = slot, .multiplies = PETSC_TRUE, .left = left, .factor = factor};
-
   PetscFunctionBegin;
-  if (left) PetscCall(VecPointwiseMult(b->value[slot], b->value[slot], left));
-  PetscCall(factor == 0 ? VecSet(b->value[slot], 0) : VecScale(b->value[slot], factor));
-  PetscCall(MpmTapeAppend(b->tape, line));
+  PetscCall(MpmLineRun(&line, &MpmVectorAlgebra, b->values, PETSC_FALSE));
+  PetscCall(MpmStepProgramAppend(b->program, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Sets a register and its perturbation to 0. */
+static PetscErrorCode Clear(Builder *b, PetscInt slot)
+{
+  PetscFunctionBegin;
+  PetscCall(AppendLinear(b, (MpmLine){.dst = slot, .src = slot}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,7 +231,7 @@ static PetscErrorCode ToNodes(Builder *b, const MpmOp *op)
   Mat              map;
 
   PetscFunctionBegin;
-  if (!op->accumulates) PetscCall(Multiply(b, dst, NULL, 0));
+  if (!op->accumulates) PetscCall(Clear(b, dst));
   PetscCall(WeightOf(b, op->kind, &weight));
   PetscCall(Product(b->value[src], weight, &given));
   PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, MPM_NONE, parity, &map));
@@ -262,55 +274,6 @@ static PetscErrorCode ToParticles(Builder *b, const MpmOp *op)
       PetscCall(Append(b, dst, b->slot.start + c, NULL, PETSC_FALSE, got, NULL, a));
     PetscCall(VecDestroy(&got));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* dst = a src, or dst += a src, of registers at the same place. */
-static PetscErrorCode Copy(Builder *b, PetscBool accumulates, PetscReal a, PetscInt dst, PetscInt src)
-{
-  PetscFunctionBegin;
-  if (dst == src) {
-    PetscCall(Multiply(b, dst, NULL, accumulates ? 1 + a : a));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (!accumulates) PetscCall(Multiply(b, dst, NULL, 0));
-  PetscCall(VecAXPY(b->value[dst], a, b->value[src]));
-  PetscCall(Append(b, dst, src, NULL, PETSC_FALSE, NULL, NULL, a));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The nodes on one wall take a times what register src has there. */
-static PetscErrorCode Wall(Builder *b, const MpmOp *op)
-{
-  const MpmRegisters *r   = b->sizes;
-  const PetscInt      dst = b->slot.node + op->dst, src = b->slot.node + op->src;
-  const PetscInt      wall = op->side ? r->layout->grid[op->axis].nodes - 1 : 0;
-  const PetscReal     a    = MpmOpValue(op, b->courant);
-  Vec                 keep, take, taken;
-  PetscReal          *k, *t;
-
-  PetscFunctionBegin;
-  PetscCall(VecDuplicate(b->value[dst], &keep));
-  PetscCall(VecDuplicate(b->value[dst], &take));
-  PetscCall(VecGetArray(keep, &k));
-  PetscCall(VecGetArray(take, &t));
-  for (PetscInt i = 0; i < r->nodes; i++) {
-    PetscInt stride;
-
-    t[i] = MpmNodeAlong(r->layout, r->node0 + i, op->axis, &stride) == wall ? a : 0;
-    k[i] = MpmNodeAlong(r->layout, r->node0 + i, op->axis, &stride) == wall ? (dst == src ? a : 0) : 1;
-  }
-  PetscCall(VecRestoreArray(take, &t));
-  PetscCall(VecRestoreArray(keep, &k));
-  PetscCall(Multiply(b, dst, keep, 1));
-  if (dst != src) {
-    PetscCall(Product(take, b->value[src], &taken));
-    PetscCall(VecAXPY(b->value[dst], 1, taken));
-    PetscCall(VecDestroy(&taken));
-    PetscCall(Append(b, dst, src, NULL, PETSC_FALSE, take, NULL, 1));
-  }
-  PetscCall(VecDestroy(&keep));
-  PetscCall(VecDestroy(&take));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -365,7 +328,7 @@ static PetscErrorCode Stress(Builder *b, const MpmOp *op)
   PetscCall(WeightOf(b, op->kind, &weight));
   PetscCall(PetscCalloc2(n, &one, n, &zero));
   for (PetscInt p = 0; p < n; p++) one[p] = 1;
-  for (PetscInt r = 0; r < ntau; r++) PetscCall(Multiply(b, op->dst + r, NULL, 0));
+  for (PetscInt r = 0; r < ntau; r++) PetscCall(Clear(b, op->dst + r));
   PetscCall(GetArrays(b, op->src, nF, F));
   PetscCall(GetArrays(b, op->dst, ntau, tau));
   MpmMaterialStress(&b->table->material, dim, n, (const PetscReal *const *)F, tau);
@@ -391,7 +354,7 @@ static PetscErrorCode Stretch(Builder *b, const MpmOp *op)
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(Product(b->value[op->dst + i], NULL, &F[i]));
     PetscCall(Product(b->value[op->src + i], NULL, &L[i]));
-    PetscCall(Multiply(b, b->slot.copy + i, NULL, 0));
+    PetscCall(Clear(b, b->slot.copy + i));
     PetscCall(Append(b, b->slot.copy + i, op->dst + i, NULL, PETSC_FALSE, NULL, NULL, 1));
   }
   for (PetscInt i = 0; i < n * dim; i++) {
@@ -415,7 +378,7 @@ static PetscErrorCode Load(Builder *b, const MpmOp *op)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < b->table->dim; a++) {
-    PetscCall(Multiply(b, op->dst + a, NULL, 0));
+    PetscCall(Clear(b, op->dst + a));
     PetscCall(VecCopy(b->load[a], b->value[op->dst + a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -425,27 +388,29 @@ static PetscErrorCode Load(Builder *b, const MpmOp *op)
 static PetscErrorCode Advance(Builder *b, const MpmOp *op)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < b->table->dim; a++) PetscCall(Copy(b, PETSC_TRUE, 1, b->slot.place + a, op->src + a));
+  for (PetscInt a = 0; a < b->table->dim; a++) {
+    const MpmLine line = {.dst = b->slot.place + a, .src = op->src + a, .factor = 1, .accumulates = PETSC_TRUE};
+
+    PetscCall(AppendLinear(b, line));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscReal   a      = MpmOpValue(op, b->courant);
+  MpmLine           line[2];
+  PetscInt          n;
 
   PetscFunctionBegin;
+  PetscCall(MpmLinesOfOp(b->sizes, op, b->slot.node, line, &n));
+  for (PetscInt i = 0; i < n; i++) {
+    PetscCall(AppendLinear(b, line[i]));
+    PetscCall(MatDestroy(&line[i].map));
+    PetscCall(VecDestroy(&line[i].left));
+  }
+  if (n != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   switch (op->kind) {
-  case MPM_WALL:
-    PetscCall(Wall(b, op));
-    break;
-  case MPM_COPY:
-    PetscCall(Copy(b, op->accumulates, a, b->slot.node + op->dst, b->slot.node + op->src));
-    break;
-  case MPM_SCALE:
-  case MPM_ADD:
-    PetscCall(Copy(b, op->kind == MPM_ADD ? PETSC_TRUE : PETSC_FALSE, a, op->dst, op->src));
-    break;
   case MPM_STRESS:
     PetscCall(Stress(b, op));
     break;
@@ -469,7 +434,7 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 
 static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state)
 {
-  const MpmTapeWork *w = space->work;
+  const MpmRegisters *r = &space->work->registers;
 
   PetscFunctionBegin;
   *b = (Builder){.sizes   = &space->sizes,
@@ -478,19 +443,21 @@ static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal couran
                  .load    = state->load,
                  .slot    = SlotsOf(space->sizes.scheme->table),
                  .maps    = {.sizes = &space->sizes, .places = &state->places}};
-  for (PetscInt s = 0; s < w->nparticles + w->nnodes; s++) {
-    PetscCall(VecDuplicate(w->slot[s], &b->value[s]));
-    PetscCall(VecSet(b->value[s], 0));
-  }
+  PetscCall(MpmVectorsCreate(r, &b->values));
+  b->values->courant = courant;
+  b->value           = b->values->slot;
+  for (PetscInt s = 0; s < r->n[0] + r->n[1]; s++)
+    PetscCall(MpmRegisterVector(r, MpmRegisterPlace(r, s), &b->value[s]));
   for (PetscInt f = 0; f < b->table->nstate; f++) PetscCall(VecCopy(state->field[f], b->value[f]));
-  PetscCall(MpmTapeCreate(space->work, &b->tape));
+  PetscCall(MpmStepProgramCreate(r, courant, &b->program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode End(Builder *b)
 {
   PetscFunctionBegin;
-  for (PetscInt s = 0; s < MPM_MAX_SLOTS; s++) PetscCall(VecDestroy(&b->value[s]));
+  PetscCall(MpmVectorsDestroy(&b->values));
+  PetscCall(MpmStepProgramDestroy(&b->program));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(VecDestroy(&b->weight[w]));
   PetscCall(VecDestroy(&b->inverse));
   PetscCall(MpmPlacedMapsDestroy(&b->maps));
@@ -506,8 +473,29 @@ PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const Mpm
   PetscCall(Begin(&b, space, courant, state));
   PetscCall(Masses(&b));
   for (PetscInt o = 0; o < b.table->nops; o++) PetscCall(ApplyOp(&b, &b.table->ops[o]));
-  for (PetscInt f = 0; f < space->nstate && after; f++) PetscCall(VecCopy(b.value[space->work->state[f]], after[f]));
-  PetscCall(MpmTapeMatrix(&b.tape, tangent));
+  for (PetscInt f = 0; f < space->nstate && after; f++)
+    PetscCall(VecCopy(b.value[space->work->registers.out[f]], after[f]));
+  PetscCall(MpmStepProgramMatrix(b.program, space->work, tangent));
   PetscCall(End(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentAssemble(Mat tangent, Mat *matrix)
+{
+  const MpmStepProgram *program;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMatrixProgram(tangent, &program));
+  PetscCall(MpmStepProgramAssemble(program, PETSC_TRUE, matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTangentBytes(Mat tangent, PetscReal *bytes)
+{
+  const MpmStepProgram *program;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMatrixProgram(tangent, &program));
+  PetscCall(MpmStepProgramBytes(program, bytes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

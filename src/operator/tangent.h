@@ -3,8 +3,8 @@
    docs/theory.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
 */
 #pragma once
-#include "operator/placed_maps.h"
-#include "operator/tape.h"
+#include "program/placed_maps.h"
+#include "program/program.h"
 
 /*S
    MpmTangentSpace - what the tangents of one scheme have in common.
@@ -15,9 +15,9 @@
    work   - the memory in which tangents are applied; they share it
 S*/
 typedef struct {
-  MpmRegisters sizes;
-  PetscInt     nstate;
-  MpmTapeWork *work;
+  MpmSlab     sizes;
+  PetscInt    nstate;
+  MpmVectors *work;
 } MpmTangentSpace;
 
 /*S
@@ -76,3 +76,7 @@ PetscErrorCode MpmTangentCheck(const MpmTangentSpace *space, const MpmTangentSta
 */
 PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state, Mat *tangent,
                             Vec after[]);
+
+/* Collective. The tangent as a sparse matrix, and the bytes that it takes as a MATSHELL. */
+PetscErrorCode MpmTangentAssemble(Mat tangent, Mat *matrix);
+PetscErrorCode MpmTangentBytes(Mat tangent, PetscReal *bytes);

@@ -128,7 +128,7 @@ static PetscErrorCode Compare(const MpmTangentSpace *space, const MpmTangentStat
 PetscErrorCode MpmTangentMismatch(MpmTangentSpace *space, MpmMarch *march, Mat *tangent, PetscReal *mismatch)
 {
   MpmTangentState before, state;
-  Vec             after[MPM_MAX_SLOTS];
+  Vec             after[MPM_MAX_STATE];
 
   PetscFunctionBegin;
   PetscCall(MpmTangentStateCreate(space, &before));
@@ -150,8 +150,8 @@ PetscErrorCode MpmTangentMismatch(MpmTangentSpace *space, MpmMarch *march, Mat *
 
 PetscErrorCode MpmTangentRoom(const MpmTangentSpace *space, const MpmTangentState *state, PetscReal *room)
 {
-  const MpmRegisters *r     = &space->sizes;
-  const MpmBasis     *basis = r->scheme->basis;
+  const MpmSlab  *r     = &space->sizes;
+  const MpmBasis *basis = r->scheme->basis;
 
   PetscFunctionBegin;
   *room = INFINITY;

@@ -61,3 +61,16 @@ PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text
 
 /* Collective. Refuses work on a layout that needs more memory than there is; see MpmMemoryCheck. */
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[]);
+
+/*
+   Not collective. The number of cells that a rank of size ranks gets, and the first of them, as DMDA distributes them.
+   The first cells % size ranks get one more than the others.
+*/
+static inline PetscInt MpmGridCount(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
+{
+  return cells / size + (cells % size > rank ? 1 : 0);
+}
+static inline PetscInt MpmGridFirst(PetscInt cells, PetscMPIInt size, PetscMPIInt rank)
+{
+  return cells / size * rank + PetscMin(rank, cells % size);
+}

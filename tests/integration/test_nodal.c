@@ -7,7 +7,7 @@
 #include "analysis/waves.h"
 #include "analysis/patch_lattice.h"
 #include "linalg/dense.h"
-#include "operator/assemble.h"
+#include "program/maps.h"
 #include "operator/nodal.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/symbol.h>
@@ -32,50 +32,34 @@ static PetscErrorCode DenseOf(Mat matrix, double complex **out)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* 1 on the nodes of a wall. */
-static PetscErrorCode Selection(const MpmRegisters *r, const MpmOp *op, Mat *map)
-{
-  const PetscInt wall = op->side ? r->layout->grid[op->axis].nodes - 1 : 0;
-  PetscInt       stride;
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateSeqAIJ(PETSC_COMM_SELF, r->nodes, r->nodes, 1, NULL, map));
-  for (PetscInt node = 0; node < r->nodes; node++)
-    if (MpmNodeAlong(r->layout, node, op->axis, &stride) == wall)
-      PetscCall(MatSetValue(*map, node, node, 1, INSERT_VALUES));
-  PetscCall(MatAssemblyBegin(*map, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*map, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ProductOf(MpmRegisters *r, MpmStepMaps *maps, const MpmNodalProduct *p, Mat *product)
+static PetscErrorCode ProductOf(MpmMaps *maps, const MpmNodalProduct *p, Mat *product)
 {
   const MpmOp to_particles = {.kind = p->to_particles, .axis = p->axis_particles, .src = p->src};
   const MpmOp to_nodes     = {.kind = p->to_nodes, .axis = p->axis_nodes, .dst = p->dst};
   Mat         P, W;
 
   PetscFunctionBegin;
-  PetscCall(MpmStepMapsGet(maps, r, &to_particles, 0, &W));
-  PetscCall(MpmStepMapsGet(maps, r, &to_nodes, 0, &P));
+  PetscCall(MpmMapsGet(maps, &to_particles, &W));
+  PetscCall(MpmMapsGet(maps, &to_nodes, &P));
   PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, product));
   PetscCall(MatScale(*product, p->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode MapOf(MpmRegisters *r, MpmStepMaps *maps, const MpmNodalMap *map, double complex **out)
+static PetscErrorCode MapOf(MpmMaps *maps, const MpmNodalMap *map, double complex **out)
 {
   Mat sum, next;
 
   PetscFunctionBegin;
   if (map->n == 0 && map->op.kind == MPM_WALL) {
-    PetscCall(Selection(r, &map->op, &sum));
+    PetscCall(MpmWallSelection(maps->slab, map->op.axis, map->op.side, &sum));
   } else if (map->n == 0) {
-    PetscCall(MpmStepMapsGet(maps, r, &map->op, 0, &next));
+    PetscCall(MpmMapsGet(maps, &map->op, &next));
     PetscCall(MatDuplicate(next, MAT_COPY_VALUES, &sum));
   } else
-    PetscCall(ProductOf(r, maps, &map->product[0], &sum));
+    PetscCall(ProductOf(maps, &map->product[0], &sum));
   for (PetscInt i = 1; i < map->n; i++) {
-    PetscCall(ProductOf(r, maps, &map->product[i], &next));
+    PetscCall(ProductOf(maps, &map->product[i], &next));
     PetscCall(MatAXPY(sum, 1, next, DIFFERENT_NONZERO_PATTERN));
     PetscCall(MatDestroy(&next));
   }
@@ -85,9 +69,9 @@ static PetscErrorCode MapOf(MpmRegisters *r, MpmStepMaps *maps, const MpmNodalMa
 }
 
 /* Z: what the images of the plan are of the state, in the units of the polynomial, n x order by columns. */
-static PetscErrorCode ImagesOf(const MpmScene *scene, const MpmNodalPlan *plan, MpmRegisters *r, MpmStepMaps *maps,
-                               double complex Z[])
+static PetscErrorCode ImagesOf(const MpmScene *scene, const MpmNodalPlan *plan, MpmMaps *maps, double complex Z[])
 {
+  const MpmSlab *r = maps->slab;
   const PetscInt n = plan->nimages * r->nodes, particles = (PetscInt)scene->layout.particles;
 
   PetscFunctionBegin;
@@ -99,7 +83,7 @@ static PetscErrorCode ImagesOf(const MpmScene *scene, const MpmNodalPlan *plan, 
       double complex     *dense;
       Mat                 P;
 
-      PetscCall(MpmStepMapsGet(maps, r, &op, 0, &P));
+      PetscCall(MpmMapsGet(maps, &op, &P));
       PetscCall(DenseOf(P, &dense));
       for (PetscInt p = 0; p < particles; p++)
         for (PetscInt node = 0; node < r->nodes; node++)
@@ -113,25 +97,24 @@ static PetscErrorCode ImagesOf(const MpmScene *scene, const MpmNodalPlan *plan, 
 static PetscErrorCode Reduced(const MpmScene *scene, const MpmNodalPlan *plan, double complex **M, double complex **Z,
                               PetscInt *n)
 {
-  MpmRegisters    r;
-  MpmStepMaps     maps = {{{{NULL}}}};
+  MpmSlab         r;
+  MpmMaps         maps = {.slab = &r};
   double complex *map[256], *c[64];
   const PetscReal x = pow(scene->step.courant, (double)plan->stride);
 
   PetscFunctionBegin;
-  PetscCall(MpmRegistersSizes(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &r));
+  PetscCall(MpmSlabOf(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &r));
   *n = plan->nimages * r.nodes;
-  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(MapOf(&r, &maps, &plan->map[m], &map[m]));
+  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(MapOf(&maps, &plan->map[m], &map[m]));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(*n * *n, &c[j]));
   PetscCall(MpmNodalRun(plan, r.nodes, map, c));
   PetscCall(PetscCalloc2(*n * *n, M, *n * scene->scheme.table->nstate * (PetscInt)scene->layout.particles, Z));
   for (PetscInt j = plan->degree; j >= 0; j--)
     for (PetscInt i = 0; i < *n * *n; i++) (*M)[i] = (*M)[i] * x + c[j][i];
-  PetscCall(ImagesOf(scene, plan, &r, &maps, *Z));
+  PetscCall(ImagesOf(scene, plan, &maps, *Z));
   for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscFree(c[j]));
-  PetscCall(MpmStepMapsDestroy(&maps));
-  PetscCall(MpmRegistersDestroy(&r));
+  PetscCall(MpmMapsDestroy(&maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,7 +4,7 @@
    leading modes, or those of largest magnitude; and what did not converge is undecided.
 */
 #include "spectra.h"
-#include "operator/shell.h"
+#include "program/steps_matrix.h"
 
 static void SetRandom(PetscInt n, PetscReal x[])
 {
@@ -50,7 +50,7 @@ static PetscErrorCode CheckOperator(const char options[])
   PetscCall(MpmOperatorMismatch(op, &mismatch));
   CHECK(op->assembled && mismatch <= (strstr(options, "nullspace") ? 1e-11 : 1e-14) * op->period,
         "%s: %.3g from the march", options, mismatch);
-  PetscCall(MpmShellCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &shell));
+  PetscCall(MpmStepsMatrix(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &shell));
   PetscCall(CheckProduct(options, op->A, shell, PETSC_FALSE));
   PetscCall(CheckProduct(options, op->A, shell, PETSC_TRUE));
   PetscCall(MatNorm(op->A, NORM_INFINITY, &norm));
@@ -229,7 +229,7 @@ static PetscErrorCode CheckPowers(void)
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmTransientCreate(op, NULL, 8, 1, &with));
   A = op->A;
-  PetscCall(MpmShellCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &op->A));
+  PetscCall(MpmStepsMatrix(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, 0, op->period, &op->A));
   op->assembled = PETSC_FALSE;
   PetscCall(MpmTransientCreate(op, NULL, 8, 1, &without));
   PetscCall(MatDestroy(&A));

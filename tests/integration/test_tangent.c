@@ -98,7 +98,7 @@ static PetscErrorCode AddStep(MpmTangentSpace *space, PetscReal courant, const M
 {
   const PetscInt   dim = space->sizes.layout->dim, n = space->nstate;
   MpmTangentState  other;
-  Vec              after[MPM_MAX_SLOTS];
+  Vec              after[MPM_MAX_STATE];
   PetscReal       *sum;
   const PetscReal *x;
   Mat              tangent;
@@ -155,7 +155,7 @@ static PetscErrorCode CheckTangent(const char options[])
   PetscCall(VecAXPY(z, -1, y));
   PetscCall(VecNorm(z, NORM_INFINITY, &error));
   CHECK(error <= 1e-10 * norm, "%s: the tangent is off by %.3g of %.3g", options, error, norm);
-  PetscCall(MpmTapeAssemble(tangent, &matrix));
+  PetscCall(MpmTangentAssemble(tangent, &matrix));
   PetscCall(MatMult(matrix, d, z));
   PetscCall(VecAXPY(z, -1, y));
   PetscCall(VecNorm(z, NORM_INFINITY, &error));
@@ -191,7 +191,7 @@ static PetscErrorCode ProductOf(MpmMarch *march, PetscInt steps, PetscReal *mism
 
     PetscCall(MpmTangentMismatch(&space, march, &tangent, &one));
     *mismatch = PetscMax(*mismatch, one);
-    PetscCall(MpmTapeAssemble(tangent, &A));
+    PetscCall(MpmTangentAssemble(tangent, &A));
     PetscCall(MatDestroy(&tangent));
     if (i) {
       PetscCall(MatMatMult(A, *product, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &both));

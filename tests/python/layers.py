@@ -13,7 +13,8 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["base", "linalg", "scheme", "scene", "march", "operator", "symbol", "analysis", "probe", "io", "report", "task"]
+LAYERS = ["base", "linalg", "scheme", "scene", "program", "march", "operator", "symbol", "analysis", "probe", "io",
+          "report", "task"]
 PUBLIC = {"compat": "base", "boundary": "scheme", "formulation": "scheme", "transfer": "scheme", "basis": "scheme",
           "scheme": "scheme", "material": "scheme", "plugin": "probe", "mpmstab": "task"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<(mpmstab/[^>]+)>)', re.M)

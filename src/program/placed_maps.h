@@ -1,12 +1,13 @@
 /*
-   Maps between nodes and particles that are anywhere, as sparse matrices, and the derivatives of these maps with respect
-   to the places of the particles.
+   Maps between nodes and particles that are anywhere, as sparse matrices, and the derivatives of these maps with
+   respect to the places of the particles.
 */
 #pragma once
-#include "operator/assemble.h"
+#include "program/maps.h"
 
 /*S
-   MpmParticlePlaces - where particles are: cell[a][p] and xi[a][p] in [0,1), in direction a. The cell is global, and need not be
+   MpmParticlePlaces - where particles are: cell[a][p] and xi[a][p] in [0,1), in direction a. The cell is global, and
+   need not be
    inside of a periodic domain.
 S*/
 typedef struct {
@@ -23,7 +24,7 @@ typedef struct MpmPlacedMap_ MpmPlacedMap;
    places - of the particles of this rank, in the order of their ids
 S*/
 typedef struct {
-  const MpmRegisters      *sizes;
+  const MpmSlab           *sizes;
   const MpmParticlePlaces *places;
   PetscInt                 n, room;
   MpmPlacedMap            *map;

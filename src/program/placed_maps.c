@@ -6,7 +6,7 @@
      weight     phi    phi'    phi r          phi r / D        r = x_i - x_p, D = sum_i phi r^2
      derivative phi'   phi''   phi' r - phi   (phi r / D)'
 */
-#include "operator/placed_maps.h"
+#include "program/placed_maps.h"
 
 /* The factor of a weight along one direction. */
 typedef enum { VALUE, SLOPE, CURVE, MOMENT, MOMENT_SLOPE, FIT, FIT_SLOPE, NOTHING } Factor;
@@ -68,34 +68,22 @@ static void Row(const MpmBasis *basis, Factor factor, PetscReal xi, PetscReal ha
   for (PetscInt d = 0; d < MpmMapReach(basis); d++) row[d] = slope[d] * (d - basis->reach_left - xi) - row[d];
 }
 
-/* The nodes at which a particle has weights other than 0, and these weights. Returns how many there are. */
+/* The weights of a particle other than 0, and their nodes. Returns how many there are. */
 static PetscInt Weights(const MpmPlacedMaps *maps, const Factor factor[], const MpmParity parity[], PetscInt p,
                         PetscInt column[], PetscReal weight[])
 {
   const MpmLayout *layout = maps->sizes->layout;
-  const MpmBasis  *basis  = maps->sizes->scheme->basis;
-  const PetscInt   reach  = MpmMapReach(basis);
-  PetscInt         n = 1, stride = 1, kept = 0;
+  PetscReal        row[MPM_MAX_DIM][MPM_MAX_REACH];
+  PetscInt         cell[MPM_MAX_DIM], n, kept = 0;
 
-  column[0] = 0;
-  weight[0] = 1;
   for (PetscInt a = 0; a < layout->dim; a++) {
-    const PetscInt cell = maps->places->cell[a][p];
-    PetscInt       node[MPM_MAX_REACH], wall[2];
-    PetscReal      row[MPM_MAX_REACH], sign[MPM_MAX_REACH];
+    PetscInt wall[2];
 
-    MpmDirectionWalls(&layout->grid[a], cell, wall);
-    Row(basis, factor[a], maps->places->xi[a][p], layout->half_width[a], wall, row);
-    MpmNodesSeen(&layout->grid[a], basis, cell, parity[a], PETSC_FALSE, node, sign);
-    for (PetscInt d = reach - 1; d >= 0; d--) { /* the first n products are read last */
-      for (PetscInt i = 0; i < n; i++) {
-        column[d * n + i] = column[i] + stride * node[d];
-        weight[d * n + i] = weight[i] * (row[d] * sign[d]);
-      }
-    }
-    n *= reach;
-    stride *= layout->grid[a].nodes;
+    cell[a] = maps->places->cell[a][p];
+    MpmDirectionWalls(&layout->grid[a], cell[a], wall);
+    Row(maps->sizes->scheme->basis, factor[a], maps->places->xi[a][p], layout->half_width[a], wall, row[a]);
   }
+  n = MpmNodeWeights(maps->sizes, row, parity, PETSC_FALSE, cell, column, weight);
   for (PetscInt i = 0; i < n; i++) {
     if (weight[i] == 0) continue;
     column[kept]   = column[i];
@@ -106,21 +94,15 @@ static PetscInt Weights(const MpmPlacedMaps *maps, const Factor factor[], const 
 
 static PetscErrorCode Make(const MpmPlacedMaps *maps, const Factor factor[], const MpmParity parity[], Mat *matrix)
 {
-  const MpmRegisters *r    = maps->sizes;
-  PetscInt            most = 1, others = 1, *column;
-  PetscReal          *weight;
+  const PetscInt most = MpmNodeWeightsMost(maps->sizes);
+  PetscInt      *column;
+  PetscReal     *weight;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < r->layout->dim; a++) {
-    most *= MpmMapReach(r->scheme->basis);
-    others *= r->layout->grid[a].nodes;
-  }
-  others -= r->nodes;
   PetscCall(PetscMalloc2(most, &column, most, &weight));
-  PetscCall(MatCreateAIJ(r->comm, r->particles, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(most, r->nodes),
-                         NULL, PetscMin(most, others), NULL, matrix));
-  for (PetscInt p = 0; p < r->particles; p++) {
-    const PetscInt row = r->begin + p, n = Weights(maps, factor, parity, p, column, weight);
+  PetscCall(MpmNodeWeightsMatrix(maps->sizes, matrix));
+  for (PetscInt p = 0; p < maps->sizes->particles; p++) {
+    const PetscInt row = maps->sizes->begin + p, n = Weights(maps, factor, parity, p, column, weight);
 
     PetscCall(MatSetValues(*matrix, 1, &row, n, column, weight, ADD_VALUES));
   }

@@ -1,0 +1,103 @@
+/* Lowering: a table is turned into lines once, and nobody asks its operations for their kind after that. */
+#include "program/program.h"
+
+PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
+{
+  const MpmTable *table = slab->scheme->table;
+
+  PetscFunctionBegin;
+  *r = (MpmRegisters){.comm = slab->comm,
+                      .rows = {slab->particles, slab->nodes},
+                      .n    = {table->nparticles, table->nnodes},
+                      .nin  = table->nstate,
+                      .nout = table->nstate};
+  for (PetscInt f = 0; f < table->nstate; f++) r->in[f] = r->out[f] = f;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* 0 on the nodes of a wall, 1 elsewhere. */
+static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vector)
+{
+  const PetscInt wall = op->side ? slab->layout->grid[op->axis].nodes - 1 : 0;
+  PetscReal     *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecCreate(slab->comm, vector));
+  PetscCall(VecSetSizes(*vector, slab->nodes, PETSC_DETERMINE));
+  PetscCall(VecSetType(*vector, VECSTANDARD));
+  PetscCall(VecGetArrayWrite(*vector, &v));
+  for (PetscInt i = 0; i < slab->nodes; i++) {
+    PetscInt stride;
+
+    v[i] = MpmNodeAlong(slab->layout, slab->node0 + i, op->axis, &stride) != wall;
+  }
+  PetscCall(VecRestoreArrayWrite(*vector, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The nodes of a wall take a times what register src has there; the others keep their values. */
+static PetscErrorCode Wall(const MpmSlab *slab, const MpmOp *op, MpmLine line[2], PetscInt *n)
+{
+  PetscFunctionBegin;
+  line[0] = (MpmLine){.dst = line[0].dst, .src = line[0].dst, .factor = 1};
+  PetscCall(Elsewhere(slab, op, &line[0].left));
+  if (op->factor == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCheck(op->src != op->dst, slab->comm, PETSC_ERR_PLIB, "a wall reads the register that it sets");
+  line[1].accumulates = PETSC_TRUE;
+  PetscCall(MpmWallSelection(slab, op->axis, op->side, &line[1].map));
+  *n = 2;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[2], PetscInt *n)
+{
+  const PetscBool on_nodes = op->kind == MPM_WALL || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool adds = op->kind == MPM_ADD || (op->kind == MPM_COPY && op->accumulates) ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  *n = MPM_NONE;
+  if (!on_nodes && op->kind != MPM_ADD && op->kind != MPM_SCALE) PetscFunctionReturn(PETSC_SUCCESS);
+  line[0] = (MpmLine){.dst         = op->dst + (on_nodes ? nodes : 0),
+                      .src         = (op->kind == MPM_SCALE ? op->dst : op->src) + (on_nodes ? nodes : 0),
+                      .power       = op->coefficient,
+                      .factor      = op->factor,
+                      .accumulates = adds};
+  line[1] = line[0];
+  *n      = 1;
+  if (op->kind == MPM_WALL) PetscCall(Wall(slab, op, line, n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *p, MpmMaps *maps, PetscBool again)
+{
+  const MpmTable *table = maps->slab->scheme->table;
+  const PetscInt  nodes = p->registers.n[0];
+
+  PetscFunctionBegin;
+  for (PetscInt r = table->nstate; r < nodes + table->nnodes && again; r++)
+    PetscCall(MpmStepProgramAppend(p, (MpmLine){.dst = r, .src = r}));
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp      *op     = &table->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    MpmLine           line[2];
+    PetscInt          n;
+
+    if (traits.dst == MPM_NOWHERE) continue;
+    PetscCall(MpmLinesOfOp(maps->slab, op, nodes, line, &n));
+    for (PetscInt i = 0; i < n; i++) {
+      PetscCall(MpmStepProgramAppend(p, line[i]));
+      PetscCall(MatDestroy(&line[i].map));
+      PetscCall(VecDestroy(&line[i].left));
+    }
+    if (n == MPM_NONE) {
+      line[0] = (MpmLine){.dst         = op->dst + (traits.dst == MPM_ON_NODES ? nodes : 0),
+                          .src         = op->src + (traits.src == MPM_ON_NODES ? nodes : 0),
+                          .power       = op->coefficient,
+                          .factor      = op->factor,
+                          .accumulates = op->accumulates};
+      PetscCall(MpmMapsGet(maps, op, &line[0].map));
+      PetscCall(MpmStepProgramAppend(p, line[0]));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,239 @@
+/* Registers as sparse matrices: a program's own matrix, or its powers of the Courant number, of the same lines. */
+#include "program/program.h"
+
+/* Where a line is multiplied by k to a power, which for polynomials is not yet a number. */
+static PetscReal ValueOf(const MpmMatrices *m, const MpmLine *line)
+{
+  return m->times_courant ? line->factor : MpmLineValue(line, m->courant);
+}
+
+static PetscErrorCode Raise(const MpmMatrices *m, const MpmLine *line, Mat *matrix)
+{
+  PetscFunctionBegin;
+  for (PetscInt power = 0; m->times_courant && power < line->power; power++) {
+    Mat product;
+
+    PetscCall(MatMatMult(*matrix, m->times_courant, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
+    PetscCall(MatDestroy(matrix));
+    *matrix = product;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the algebra ---- */
+
+static PetscErrorCode Zero(void *registers, PetscInt dst)
+{
+  const MpmMatrices *m = registers;
+
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&m->reg[dst]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Scale(void *registers, const MpmLine *line)
+{
+  const MpmMatrices *m     = registers;
+  const PetscReal    value = ValueOf(m, line);
+
+  PetscFunctionBegin;
+  if (value == 0) PetscCall(MatDestroy(&m->reg[line->dst]));
+  if (!m->reg[line->dst]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (line->left) PetscCall(MatDiagonalScale(m->reg[line->dst], line->left, NULL));
+  if (value != 1) PetscCall(MatScale(m->reg[line->dst], value));
+  PetscCall(Raise(m, line, &m->reg[line->dst]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* left M right src, a matrix of its own */
+static PetscErrorCode Image(const MpmLine *line, Mat src, Mat *image)
+{
+  Mat x = src;
+
+  PetscFunctionBegin;
+  if (line->right || !line->map) PetscCall(MatDuplicate(src, MAT_COPY_VALUES, &x));
+  if (line->right) PetscCall(MatDiagonalScale(x, line->right, NULL));
+  *image = x;
+  if (line->map) {
+    PetscCall(line->transposed ? MatTransposeMatMult(line->map, x, MAT_INITIAL_MATRIX, PETSC_DETERMINE, image)
+                               : MatMatMult(line->map, x, MAT_INITIAL_MATRIX, PETSC_DETERMINE, image));
+    if (x != src) PetscCall(MatDestroy(&x));
+  }
+  if (line->left) PetscCall(MatDiagonalScale(*image, line->left, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Add(void *registers, const MpmLine *line, PetscBool back)
+{
+  const MpmMatrices *m     = registers;
+  const PetscReal    value = ValueOf(m, line);
+  Mat               *dst   = &m->reg[line->dst], image;
+
+  PetscFunctionBegin;
+  PetscCheck(!back, m->registers.comm, PETSC_ERR_SUP, "a program runs backwards on vectors alone");
+  if (!m->reg[line->src]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Image(line, m->reg[line->src], &image));
+  PetscCall(Raise(m, line, &image));
+  if (*dst) {
+    PetscCall(MatAXPY(*dst, value, image, DIFFERENT_NONZERO_PATTERN));
+    PetscCall(MatDestroy(&image));
+  } else {
+    PetscCall(MatScale(image, value));
+    *dst = image;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmAlgebra matrix_algebra = {.zero = Zero, .scale = Scale, .add = Add};
+
+/* ---- a program's matrix ---- */
+
+/* The rows of the identity for number f of each row. */
+static PetscErrorCode Identity(const MpmMatrices *m, PetscInt f, Mat *matrix)
+{
+  const MpmRegisters *r    = &m->registers;
+  const PetscInt      rows = r->rows[MpmRegisterPlace(r, r->in[f])];
+  PetscInt            begin, column;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateAIJ(r->comm, rows, m->columns, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, matrix));
+  PetscCall(MatGetOwnershipRange(*matrix, &begin, NULL));
+  for (PetscInt i = begin; i < begin + rows; i++) {
+    column = r->nin * i + f;
+    PetscCall(MatSetValue(*matrix, i, column, 1, INSERT_VALUES));
+  }
+  PetscCall(MatAssemblyBegin(*matrix, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*matrix, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatricesCreate(const MpmRegisters *r, PetscReal courant, PetscInt degree, MpmMatrices *m)
+{
+  const PetscInt block = r->nin * r->rows[MpmRegisterPlace(r, r->in[0])];
+
+  PetscFunctionBegin;
+  *m = (MpmMatrices){.registers = *r, .courant = courant, .columns = block * (degree + 1)};
+  PetscCall(PetscCalloc1(r->n[0] + r->n[1], &m->reg));
+  for (PetscInt f = 0; f < r->nin; f++) PetscCall(Identity(m, f, &m->reg[r->in[f]]));
+  if (degree == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateSeqAIJ(PETSC_COMM_SELF, m->columns, m->columns, 1, NULL, &m->times_courant));
+  for (PetscInt c = 0; c + block < m->columns; c++)
+    PetscCall(MatSetValue(m->times_courant, c, c + block, 1, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(m->times_courant, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(m->times_courant, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatricesRun(MpmMatrices *m, const MpmStepProgram *program, PetscInt64 step)
+{
+  PetscFunctionBegin;
+  MpmFloatBegin();
+  PetscCall(MpmStepProgramRun(program, &matrix_algebra, m, PETSC_FALSE));
+  PetscCall(MpmFloatEnd(m->registers.comm, &m->float_check, "assembly", step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatricesGather(const MpmMatrices *m, PetscBool diagonal, Mat *A)
+{
+  const MpmRegisters *r = &m->registers;
+  Mat                 part[MPM_MAX_STATE];
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < r->nout; f++) part[f] = m->reg[r->out[f]];
+  PetscCall(MpmInterleave(r->comm, r->nout, part, r->rows[MpmRegisterPlace(r, r->out[0])], m->columns, diagonal, A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatricesDestroy(MpmMatrices *m)
+{
+  PetscFunctionBegin;
+  for (PetscInt s = 0; s < m->registers.n[0] + m->registers.n[1]; s++) PetscCall(MatDestroy(&m->reg[s]));
+  PetscCall(MatDestroy(&m->times_courant));
+  PetscCall(PetscFree(m->reg));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepProgramAssemble(const MpmStepProgram *program, PetscBool diagonal, Mat *A)
+{
+  MpmMatrices m;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMatricesCreate(&program->registers, program->courant, 0, &m));
+  PetscCall(MpmStepProgramRun(program, &matrix_algebra, &m, PETSC_FALSE));
+  PetscCall(MpmMatricesGather(&m, diagonal, A));
+  PetscCall(MpmMatricesDestroy(&m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- one matrix of several ---- */
+
+/* Counts the numbers of each row, in the columns of this rank (own) and in those of others (far). */
+static PetscErrorCode CountRows(PetscInt parts, const Mat part[], PetscInt rows, PetscBool diagonal, PetscInt own[],
+                                PetscInt far[])
+{
+  PetscFunctionBegin;
+  for (PetscInt row = 0; row < parts * rows; row++) {
+    own[row] = diagonal;
+    far[row] = 0;
+  }
+  for (PetscInt f = 0; f < parts; f++) {
+    PetscInt first, begin, end;
+
+    if (!part[f]) continue;
+    PetscCall(MatGetOwnershipRange(part[f], &first, NULL));
+    PetscCall(MatGetOwnershipRangeColumn(part[f], &begin, &end));
+    for (PetscInt p = 0; p < rows; p++) {
+      const PetscInt *columns;
+      PetscInt        n;
+
+      PetscCall(MatGetRow(part[f], first + p, &n, &columns, NULL));
+      for (PetscInt c = 0; c < n; c++)
+        if (columns[c] >= begin && columns[c] < end)
+          own[parts * p + f]++;
+        else
+          far[parts * p + f]++;
+      PetscCall(MatRestoreRow(part[f], first + p, &n, &columns, NULL));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < parts; f++) {
+    PetscInt begin, end;
+
+    if (!part[f]) continue;
+    PetscCall(MatGetOwnershipRange(part[f], &begin, &end));
+    for (PetscInt p = begin; p < end; p++) {
+      const PetscInt     row = parts * p + f;
+      const PetscInt    *columns;
+      const PetscScalar *values;
+      PetscInt           n;
+
+      PetscCall(MatGetRow(part[f], p, &n, &columns, &values));
+      PetscCall(MatSetValues(A, 1, &row, n, columns, values, INSERT_VALUES));
+      PetscCall(MatRestoreRow(part[f], p, &n, &columns, &values));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
+                             PetscBool diagonal, Mat *A)
+{
+  PetscInt *own, *far, begin, end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(parts * rows, &own, parts * rows, &far));
+  PetscCall(CountRows(parts, part, rows, diagonal, own, far));
+  PetscCall(MatCreateAIJ(comm, parts * rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
+  PetscCall(PetscFree2(own, far));
+  PetscCall(MatGetOwnershipRange(*A, &begin, &end));
+  for (PetscInt row = begin; diagonal && row < end; row++) PetscCall(MatSetValue(*A, row, row, 0, INSERT_VALUES));
+  PetscCall(CopyRows(parts, part, *A));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
