@@ -105,8 +105,11 @@ static PetscErrorCode CheckSets(const char options[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The leading modes of operators without a matrix. An unstable one grows as the symbol says. */
-static PetscErrorCode CheckLarge(const char options[], MpmVerdict verdict)
+/*
+   The leading modes of operators without a matrix. An unstable one grows as the symbol says. numbers: what the maps of a
+   step have for each particle.
+*/
+static PetscErrorCode CheckLarge(const char options[], MpmVerdict verdict, PetscReal numbers)
 {
   MpmScene    *scene;
   MpmSpectrum *s;
@@ -117,6 +120,7 @@ static PetscErrorCode CheckLarge(const char options[], MpmVerdict verdict)
   CHECK(s->symbol_mismatch <= 1e-9 && s->step_mismatch <= 1e-14, "%s: %.3g from the symbol, %.3g from the march",
         options, s->symbol_mismatch, s->step_mismatch);
   CHECK(s->finding.verdict == verdict, "%s: %s", options, MpmVerdictNames[s->finding.verdict]);
+  CHECK_NEAR(s->op->nonzeros, numbers * (PetscReal)(s->op->period * scene->layout.particles), 0);
   if (verdict == MPM_UNSTABLE) CHECK_NEAR(s->growth, s->symbol->growth, 1e-10);
   PetscCall(SpectrumClose(&scene, &s));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -253,10 +257,12 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckSets("-dim 2 -cells 4,6 -ppc 2,1 -formulation musl -transfer apic -drift 1/4,1/2"));
   PetscCall(CheckSets("-dim 3 -cells 3,2,6 -ppc 1 -formulation usf -courant 0.6 -poisson 0.5 -transfer pic"));
   PetscCall(CheckSets("-dim 3 -cells 3,2,6 -ppc 1 -formulation gas2 -transfer blend -drift 1/3,0,1/3"));
-  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.9", MPM_UNSTABLE));
-  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.7", MPM_STABLE));
-  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation musl -basis quadratic -drift 1/8,1/8", MPM_UNSTABLE));
-  PetscCall(CheckLarge("-dim 3 -cells 6,5,8 -ppc 1,2,1 -formulation usavg -transfer apic -courant 3", MPM_UNSTABLE));
+  /* P2G, G2P, and the gradients' and divergences' derivatives along each axis: 6 and 8 maps, apic's 6 more */
+  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.9", MPM_UNSTABLE, 6 * 4));
+  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation usl -courant 0.7", MPM_STABLE, 6 * 4));
+  PetscCall(CheckLarge("-dim 2 -cells 16,14 -formulation musl -basis quadratic -drift 1/8,1/8", MPM_UNSTABLE, 6 * 16));
+  PetscCall(
+      CheckLarge("-dim 3 -cells 6,5,8 -ppc 1,2,1 -formulation usavg -transfer apic -courant 3", MPM_UNSTABLE, 14 * 8));
   PetscCall(CheckKrylov());
   PetscCall(CheckModes("-dim 2 -cells 6,5 -formulation usl -courant 0.9", (PetscReal[]){PETSC_PI, 0}, 1));
   PetscCall(CheckModes("-dim 2 -cells 1,8 -ppc 1,2 -formulation usl -courant 0.9", (PetscReal[]){0, PETSC_PI}, 1));
