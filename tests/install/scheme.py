@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Follows the section 'A scheme of your own' of CONTRIBUTING.md to the letter.
+"""Follows CONTRIBUTING.md and docs/dev/formulation.md to the letter.
 
-scheme.py ROOT PREFIX COMPILER: copies the sources of ROOT to a temporary folder, adds the file that the page shows,
-changes the list as it shows, builds a program of these and of the library that is installed in PREFIX, and runs the
-commands of the page. Growth must be the closed form that the page states.
+scheme.py ROOT PREFIX COMPILER: copies the sources of ROOT to a temporary folder, adds the files that the pages show,
+changes the lists as they show, builds a program of these and of the library that is installed in PREFIX, and runs the
+commands of the pages. Growth must be the closed forms; unit_laws must hold for the new material.
 """
 import json
 import math
@@ -36,7 +36,7 @@ def apply_change(path, change):
     for old, new in re.findall(r"((?:^-.*\n)+)((?:^\+.*\n)+)", change, re.M):
         old, new = (re.sub(r"^.", "", lines, flags=re.M) for lines in (old, new))
         if text.count(old) != 1:
-            fail(f"{path.name} has {text.count(old)} times, not once, what CONTRIBUTING.md changes there:\n{old}")
+            fail(f"{path.name} has {text.count(old)} times, not once, what a page changes there:\n{old}")
         text = text.replace(old, new)
     path.write_text(text, encoding="utf-8")
 
@@ -49,7 +49,7 @@ def build(folder, sources, prefix, compiler):
                *sources, "-o", "mpmstab", *flags]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     if done.returncode:
-        fail(f"the code of CONTRIBUTING.md does not build:\n{done.stderr}")
+        fail(f"the code of a page does not build:\n{done.stderr}")
 
 
 def check_growth(folder, command, expected):
@@ -66,28 +66,64 @@ def check_growth(folder, command, expected):
     return found["task"]
 
 
-def main():
-    root, prefix, compiler = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
-    page = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    section = re.search(r"^## A scheme of your own\n(.*?)^## ", page, re.M | re.S)[1]
-    blocks = blocks_of(section)
-    (file, code), (changed, change), (_, commands) = blocks["c"][0], blocks["diff"][0], blocks["sh"][0]
-    k = 0.5
-    expected = math.sqrt(1 + k**2 / 3)
-    if f"sqrt(1 + k^2 / 3): {expected:.6f} for k = {k}" not in section.replace("\n", " "):
-        fail("CONTRIBUTING.md no longer states the closed form sqrt(1 + k^2 / 3) that this test compares with")
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = pathlib.Path(temporary)
-        for name in ("src", "include"):
-            shutil.copytree(root / name, folder / name)
+def add(root, folder, text):
+    """Adds the files of a page to a copy of the sources, and changes the lists. Returns the files that are new or changed."""
+    blocks = blocks_of(text)
+    for file, code in blocks["c"]:
         if (folder / file).exists():
             fail(f"{file} exists already")
         (folder / file).write_text(code, encoding="utf-8")
+    for changed, change in blocks["diff"]:
         apply_change(folder / changed, change)
-        build(folder, [file, changed, "src/main.c"], prefix, compiler)
-        tasks = [check_growth(folder, command, expected) for command in commands.splitlines()]
-        if tasks != ["symbol", "run"]:
-            fail(f"CONTRIBUTING.md runs {tasks}; expected symbol and run")
+    return [path for path, _ in blocks["c"] + blocks["diff"]]
+
+
+def copy_of(root, temporary, name):
+    folder = pathlib.Path(temporary) / name
+    for part in ("src", "include", "tests/unit", "tests/support"):
+        shutil.copytree(root / part, folder / part)
+    return folder
+
+
+def follow_formulation(root, folder, prefix, compiler):
+    text = (root / "docs/dev/formulation.md").read_text(encoding="utf-8")
+    k = 0.5
+    expected = math.sqrt(1 + k**2 / 3)
+    if f"sqrt(1 + k^2 / 3): {expected:.6f} for k = {k}" not in text.replace("\n", " "):
+        fail("formulation.md no longer states the closed form sqrt(1 + k^2 / 3) that this test compares with")
+    build(folder, [*add(root, folder, text), "src/main.c"], prefix, compiler)
+    tasks = [check_growth(folder, command, expected) for command in blocks_of(text)["sh"][0][1].splitlines()]
+    if tasks != ["symbol", "run"]:
+        fail(f"formulation.md runs {tasks}; expected symbol and run")
+
+
+def follow_contributing(root, folder, prefix, compiler):
+    """The quartic spline and the solid that hardens."""
+    text = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    files = add(root, folder, text)
+    build(folder, [*files, "src/main.c"], prefix, compiler)
+    found = {}
+    for words in re.findall(r"^    build/mpmstab (.*)$", text, re.M):
+        done = subprocess.run([folder / "mpmstab", *words.split(), "-json", "found.json"], cwd=folder,
+                              capture_output=True, text=True)
+        if done.returncode:
+            fail(f"{words}: exit status {done.returncode}\n{done.stdout}{done.stderr}")
+        found[words.split()[0]] = json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    s = found["spectrum"]
+    growths = [s["growth"], s["predicted"]["symbol"], s["predicted"]["corrected"]]
+    if max(growths) - min(growths) > 1e-8 or growths[0] < 1.01 or s["spectrum"]["step_mismatch"] > 1e-13:
+        fail(f"the quartic spline grows by {growths}, and A q differs from a step by {s['spectrum']['step_mismatch']}")
+    build(folder, [*files, "tests/unit/test_laws.c", "-Itests/support"], prefix, compiler)
+    done = subprocess.run([folder / "mpmstab"], cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        fail(f"unit_laws with the new material: {done.stderr}")
+
+
+def main():
+    root, prefix, compiler = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
+    with tempfile.TemporaryDirectory() as temporary:
+        follow_formulation(root, copy_of(root, temporary, "formulation"), prefix, compiler)
+        follow_contributing(root, copy_of(root, temporary, "contributing"), prefix, compiler)
 
 
 if __name__ == "__main__":

@@ -302,7 +302,7 @@ static const char theta[] = "scheme:\n"
                             "    DRIFT\n"
                             "  wave: momentum\n";
 
-/* theta = 1 is usl, 0 usf but for the order of its lines, 1/2 the usmid of CONTRIBUTING.md. */
+/* theta = 1 is usl, 0 usf but for the order of its lines, 1/2 the usmid of docs/dev/formulation.md. */
 static PetscErrorCode CheckParameters(void)
 {
   PetscReal growth, same;

@@ -47,21 +47,18 @@ static inline void Differences(int order, PetscReal xi, PetscReal weight[NODES])
   for (int d = 0; d < NODES; d++) weight[d] = w[DEGREE - d];
 }
 
-static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal phi[NODES])
 {
-  (void)half_width;
   Differences(0, xi, phi);
 }
 
-static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
 {
-  (void)half_width;
   Differences(1, xi, slope);
 }
 
-static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES])
+static inline void Curves(PetscReal xi, PetscReal curve[NODES])
 {
-  (void)half_width;
   Differences(2, xi, curve);
 }
 

@@ -7,7 +7,7 @@
 #include <mpmstab/material.h>
 
 #define STATES 130
-#define STEP 0x1p-7 /* of differences of sixth order */
+#define STEP 0x1p-8 /* of differences of sixth order */
 
 typedef struct {
   PetscReal f[9][STATES];
@@ -242,7 +242,7 @@ static void CheckModulus(const MpmMaterialNumbers *m, PetscInt dim, const Tensor
     for (PetscInt a = 0; a < dim; a++)
       for (PetscInt b = 0; b < dim; b++) expected += q[a * dim] * (dt[a * dim + b] - t[a * dim + b]) * q[b * dim];
     found = MpmMaterialModulus(m, dim, f);
-    CHECK_NEAR(found, expected, 1e-11);
+    CHECK_NEAR(found, expected, 1e-11 * (1 + fabs(expected)));
     CHECK_NEAR(MpmMaterialSpeed(m, dim, f), sqrt(PetscMax(0, found)), 1e-14);
   }
 }
@@ -279,7 +279,7 @@ static void CheckSmall(const MpmMaterialNumbers *m, PetscInt dim, const Tensors 
   }
 }
 
-/* The nominal stress with dim 1 in the units of the header, and its slope at rest, which is 1. */
+/* The nominal stress with dim 1 in the units of the header; NAN of laws that have no formula here. */
 static PetscReal Nominal(const MpmMaterialNumbers *m, PetscReal F)
 {
   if (m->law == &MpmLawNeo) return m->mu * (F - 1 / F) + m->lambda * log(F) / F;
@@ -287,7 +287,7 @@ static PetscReal Nominal(const MpmMaterialNumbers *m, PetscReal F)
   if (m->law == &MpmLawTait) return -(pow(F, -m->exponent) - 1) / m->exponent;
   if (m->law == &MpmLawGas) return -1 / F;
   if (m->law == &MpmLawPolytropic) return -pow(F, -m->exponent) / m->exponent;
-  return F - 1;
+  return m->law == &MpmLawLinear ? F - 1 : NAN;
 }
 
 static void CheckLine(const MpmMaterialNumbers *m)
@@ -297,23 +297,11 @@ static void CheckLine(const MpmMaterialNumbers *m)
     PetscReal        tau, *to[1] = {&tau};
 
     MpmMaterialStress(m, 1, 1, at, to);
-    CHECK_NEAR(tau, F * Nominal(m, F), 1e-14 * (1 + fabs(tau)));
+    if (!isnan(Nominal(m, F))) CHECK_NEAR(tau, F * Nominal(m, F), 1e-14 * (1 + fabs(tau)));
   }
 }
 
-static const MpmMaterialNumbers materials[] = {
-    {&MpmLawLinear, 2. / 7, 3. / 7, 0},
-    {&MpmLawLinear, 0.5, 0, 0},
-    {&MpmLawNeo, 2. / 7, 3. / 7, 0},
-    {&MpmLawNeo, 0.5, 0, 0},
-    {&MpmLawSvk, 2. / 7, 3. / 7, 0},
-    {&MpmLawTait, 0, 0, 7},
-    {&MpmLawTait, 0, 0, 1},
-    {&MpmLawGas, 0, 0, 0},
-    {&MpmLawPolytropic, 0, 0, 1.4},
-    {&MpmLawPolytropic, 0, 0, 1},
-};
-
+/* A material of each law in the list, and one with other numbers. */
 static PetscErrorCode Test(int argc, char **argv)
 {
   static Tensors F, dF, turn;
@@ -321,15 +309,19 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(materials); i++) {
-    for (PetscInt dim = 1; dim <= 3; dim++) {
-      Draw(dim, &F, &dF, &turn);
-      CheckDerivatives(&materials[i], dim, &F, &dF);
-      CheckTurned(&materials[i], dim, &F, &turn);
-      CheckModulus(&materials[i], dim, &F, &turn);
-      if (materials[i].law->solid || materials[i].law == &MpmLawTait) CheckSmall(&materials[i], dim, &dF);
+  for (const MpmLaw *const *law = MpmLaws; *law; law++) {
+    for (int other = 0; other < 2; other++) {
+      const MpmMaterialNumbers m = MpmMaterialOfRatio(*law, other ? 0 : 1.5, other ? 1 : (*law)->exponent);
+
+      for (PetscInt dim = 1; dim <= 3; dim++) {
+        Draw(dim, &F, &dF, &turn);
+        CheckDerivatives(&m, dim, &F, &dF);
+        CheckTurned(&m, dim, &F, &turn);
+        CheckModulus(&m, dim, &F, &turn);
+        if ((*law)->solid || *law == &MpmLawTait) CheckSmall(&m, dim, &dF);
+      }
+      CheckLine(&m);
     }
-    CheckLine(&materials[i]);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

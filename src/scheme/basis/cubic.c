@@ -16,21 +16,18 @@ static inline PetscInt First(PetscReal xi)
   return -1;
 }
 
-static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal phi[NODES])
 {
-  (void)half_width;
   CubicValues(xi, phi);
 }
 
-static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
 {
-  (void)half_width;
   CubicSlopes(xi, slope);
 }
 
-static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES])
+static inline void Curves(PetscReal xi, PetscReal curve[NODES])
 {
-  (void)half_width;
   CubicCurves(xi, curve);
 }
 

@@ -9,6 +9,7 @@
    Source: Bardenhagen and Kober 2004, contiguous particles of constant width.
 */
 #define NODES 4
+#define WIDE
 #include "scheme/basis/nodes.h"
 #include <math.h>
 

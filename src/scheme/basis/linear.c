@@ -12,17 +12,15 @@ static inline PetscInt First(PetscReal xi)
   return 0;
 }
 
-static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal phi[NODES])
 {
-  (void)half_width;
   phi[0] = 1 - xi;
   phi[1] = xi;
 }
 
-static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
 {
   (void)xi;
-  (void)half_width;
   slope[0] = -1;
   slope[1] = 1;
 }

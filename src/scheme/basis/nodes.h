@@ -3,12 +3,13 @@
    this header, and then defines
 
      static inline PetscInt First(PetscReal xi);
-     static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
-     static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
-     static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES]);
+     static inline void Values(PetscReal xi, PetscReal phi[NODES]);
+     static inline void Slopes(PetscReal xi, PetscReal slope[NODES]);
+     static inline void Curves(PetscReal xi, PetscReal curve[NODES]);
 
    First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx, and Curves h^2 d2phi/dx2.
-   Hats have no Curves, and say so by NO_CURVES.
+   Hats have no Curves, and say so by NO_CURVES. Functions that depend on the width of a particle take half of it, in
+   cells, as their second argument, and say so by WIDE.
 
    In a uniform layout, moving or not, all runs of a block have the same length. A loop over runs of a known length has
    no branch and no gather, and the compiler vectorises it. Elsewhere sums stay in registers while particles have the
@@ -20,22 +21,29 @@
 _Static_assert(NODES <= MPM_MOST_NODES,
                "a basis has more nodes a direction than MPM_MOST_NODES, which arrays are made for");
 
+#ifdef WIDE
+#define PLACE PetscReal xi, PetscReal half_width
+#define AT_PLACE xi, half_width
+#else
+#define PLACE PetscReal xi
+#define AT_PLACE ((void)half_width, xi)
+#endif
 static inline PetscInt First(PetscReal xi);
-static inline void     Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES]);
-static inline void     Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES]);
+static inline void     Values(PLACE, PetscReal phi[NODES]);
+static inline void     Slopes(PLACE, PetscReal slope[NODES]);
 
 /* Sets the weights of a particle's nodes, and returns the number that a gather divides by. */
 typedef PetscReal (*Weights)(PetscReal xi, PetscReal half_width, PetscReal weight[NODES]);
 
 static inline PetscReal Phi(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
-  Values(xi, half_width, weight);
+  Values(AT_PLACE, weight);
   return 1;
 }
 
 static inline PetscReal Gradient(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
-  Slopes(xi, half_width, weight);
+  Slopes(AT_PLACE, weight);
   return 1;
 }
 
@@ -44,7 +52,7 @@ static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal wei
 {
   PetscReal sum = 0;
 
-  Values(xi, half_width, weight);
+  Values(AT_PLACE, weight);
   for (int d = 0; d < NODES; d++) {
     const PetscReal distance = First(xi) + d - xi;
 
@@ -64,11 +72,11 @@ static inline PetscReal Fitted(PetscReal xi, PetscReal half_width, PetscReal wei
 }
 
 #ifndef NO_CURVES
-static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES]);
+static inline void Curves(PLACE, PetscReal curve[NODES]);
 
 static inline PetscReal Curve(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
 {
-  Curves(xi, half_width, weight);
+  Curves(AT_PLACE, weight);
   return 1;
 }
 
@@ -77,8 +85,8 @@ static inline PetscReal FittedSlopes(PetscReal xi, PetscReal half_width, PetscRe
 {
   PetscReal phi[NODES], slope[NODES], D = 0, D_slope = 0;
 
-  Values(xi, half_width, phi);
-  Slopes(xi, half_width, slope);
+  Values(AT_PLACE, phi);
+  Slopes(AT_PLACE, slope);
   for (int d = 0; d < NODES; d++) {
     const PetscReal r = First(xi) + d - xi;
 

@@ -17,22 +17,19 @@ static inline PetscInt First(PetscReal xi)
   return xi < 0.5 ? -1 : 0;
 }
 
-static inline void Values(PetscReal xi, PetscReal half_width, PetscReal phi[NODES])
+static inline void Values(PetscReal xi, PetscReal phi[NODES])
 {
-  (void)half_width;
   QuadraticValues(xi < 0.5 ? xi : xi - 1, phi);
 }
 
-static inline void Slopes(PetscReal xi, PetscReal half_width, PetscReal slope[NODES])
+static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
 {
-  (void)half_width;
   QuadraticSlopes(xi < 0.5 ? xi : xi - 1, slope);
 }
 
-static inline void Curves(PetscReal xi, PetscReal half_width, PetscReal curve[NODES])
+static inline void Curves(PetscReal xi, PetscReal curve[NODES])
 {
   (void)xi;
-  (void)half_width;
   QuadraticCurves(curve);
 }
 

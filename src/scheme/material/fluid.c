@@ -65,22 +65,7 @@ INLINE PetscReal FluidEnergy(const MpmMaterialNumbers *m, PetscInt dim, const Pe
   return work;
 }
 
-static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                   PetscReal *const tau[])
-{
-  EACH_DIM(StressLoop, FluidStress, Pressure, m, n, F, tau)
-}
-
-static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                    const PetscReal *const dF[], PetscReal *const dtau[])
-{
-  EACH_DIM(TangentLoop, FluidTangent, Slope, m, n, F, dF, dtau)
-}
-
-static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[])
-{
-  EACH_DIM(EnergyLoop, FluidEnergy, Work, m, n, F, psi)
-}
+LAW_OF_PARTICLES(FluidStress, Pressure, FluidTangent, Slope, FluidEnergy, Work)
 
 /* J dT/dJ - T = -J^2 dp/dJ, whatever the direction. */
 static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J)
@@ -91,10 +76,8 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return pow(J, 1 - Exponent(m));
 }
 
-const MpmLaw MpmLawTait = {
-    .name = "tait", .exponent = 7, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+const MpmLaw MpmLawTait = {.name = "tait", .exponent = 7, LAW_FUNCTIONS};
 
-const MpmLaw MpmLawGas = {.name = "gas", .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+const MpmLaw MpmLawGas = {.name = "gas", LAW_FUNCTIONS};
 
-const MpmLaw MpmLawPolytropic = {
-    .name = "polytropic", .exponent = 1.4, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+const MpmLaw MpmLawPolytropic = {.name = "polytropic", .exponent = 1.4, LAW_FUNCTIONS};

@@ -18,6 +18,14 @@ typedef PetscReal (*EnergyAt)(const MpmMaterialNumbers *, PetscInt dim, const Pe
 */
 typedef void (*LawOfVolume)(const MpmMaterialNumbers *, PetscInt n, PetscReal g[]);
 
+/* For laws that read J - 1 itself. */
+static inline void VolumeAlone(const MpmMaterialNumbers *m, PetscInt n, PetscReal g[])
+{
+  (void)m;
+  (void)n;
+  (void)g;
+}
+
 #define MPM_LAW_BLOCK 64
 #define TENSOR(dim) ((dim) * (dim))
 #define SYMMETRIC(dim) ((dim) * ((dim) + 1) / 2)
@@ -133,3 +141,28 @@ INLINE void EnergyLoop(const PetscInt dim, EnergyAt at, LawOfVolume of_volume, c
   default:                                                                                                             \
     Loop(3, __VA_ARGS__);                                                                                              \
   }
+
+/*
+   The functions Stress, Tangent and Energy of a law's file, from what the law is at one particle and its functions of J
+   (NULL: it reads none there).
+*/
+#define LAW_OF_PARTICLES(stress_at, stress_g, tangent_at, tangent_g, energy_at, energy_g)                              \
+  static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],                \
+                     PetscReal *const tau[])                                                                           \
+  {                                                                                                                    \
+    EACH_DIM(StressLoop, stress_at, stress_g, m, n, F, tau)                                                            \
+  }                                                                                                                    \
+                                                                                                                       \
+  static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],               \
+                      const PetscReal *const dF[], PetscReal *const dtau[])                                            \
+  {                                                                                                                    \
+    EACH_DIM(TangentLoop, tangent_at, tangent_g, m, n, F, dF, dtau)                                                    \
+  }                                                                                                                    \
+                                                                                                                       \
+  static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],                \
+                     PetscReal psi[])                                                                                  \
+  {                                                                                                                    \
+    EACH_DIM(EnergyLoop, energy_at, energy_g, m, n, F, psi)                                                            \
+  }
+
+#define LAW_FUNCTIONS .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus

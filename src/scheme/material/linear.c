@@ -153,22 +153,7 @@ INLINE PetscReal LinearEnergy(const MpmMaterialNumbers *m, PetscInt dim, const P
   return m->mu * Contract(dim, V, V) + m->lambda / 2 * Trace(dim, V) * Trace(dim, V);
 }
 
-static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                   PetscReal *const tau[])
-{
-  EACH_DIM(StressLoop, LinearStress, NULL, m, n, F, tau)
-}
-
-static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                    const PetscReal *const dF[], PetscReal *const dtau[])
-{
-  EACH_DIM(TangentLoop, LinearTangent, NULL, m, n, F, dF, dtau)
-}
-
-static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[])
-{
-  EACH_DIM(EnergyLoop, LinearEnergy, NULL, m, n, F, psi)
-}
+LAW_OF_PARTICLES(LinearStress, NULL, LinearTangent, NULL, LinearEnergy, NULL)
 
 static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J)
 {
@@ -178,5 +163,4 @@ static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal la
   return largest * (m->lambda + 2 * m->mu);
 }
 
-const MpmLaw MpmLawLinear = {
-    .name = "linear", .solid = PETSC_TRUE, .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus};
+const MpmLaw MpmLawLinear = {.name = "linear", .solid = PETSC_TRUE, LAW_FUNCTIONS};

@@ -41,36 +41,12 @@ INLINE void NeoTangent(const MpmMaterialNumbers *m, PetscInt dim, const PetscRea
   Shifted(dim, m->mu, dB, m->lambda * VolumeDifferential(dim, F, dF) / Volume(dim, F), dtau);
 }
 
-/* tr B - dim = 2 tr H + H : H with H = F - I. */
 INLINE PetscReal NeoEnergy(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[], PetscReal logarithm)
 {
-  PetscReal trace = 0, squares = 0;
-
-  EACH (c, dim * dim) {
-    const PetscReal h = F[c] - (c % (dim + 1) == 0 ? 1 : 0);
-
-    if (c % (dim + 1) == 0) trace += h;
-    squares += h * h;
-  }
-  return m->mu * (trace + squares / 2 - logarithm) + m->lambda / 2 * logarithm * logarithm;
+  return m->mu * (LeftTraceChange(dim, F) / 2 - logarithm) + m->lambda / 2 * logarithm * logarithm;
 }
 
-static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                   PetscReal *const tau[])
-{
-  EACH_DIM(StressLoop, NeoStress, Pressure, m, n, F, tau)
-}
-
-static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                    const PetscReal *const dF[], PetscReal *const dtau[])
-{
-  EACH_DIM(TangentLoop, NeoTangent, NULL, m, n, F, dF, dtau)
-}
-
-static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[])
-{
-  EACH_DIM(EnergyLoop, NeoEnergy, Logarithm, m, n, F, psi)
-}
+LAW_OF_PARTICLES(NeoStress, Pressure, NeoTangent, NULL, NeoEnergy, Logarithm)
 
 static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J)
 {
@@ -93,10 +69,4 @@ static void Stretched(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal
   *mu     = m->mu - m->lambda * log(J);
 }
 
-const MpmLaw MpmLawNeo = {.name      = "neo",
-                          .solid     = PETSC_TRUE,
-                          .stress    = Stress,
-                          .tangent   = Tangent,
-                          .energy    = Energy,
-                          .modulus   = Modulus,
-                          .stretched = Stretched};
+const MpmLaw MpmLawNeo = {.name = "neo", .solid = PETSC_TRUE, LAW_FUNCTIONS, .stretched = Stretched};

@@ -75,22 +75,7 @@ INLINE PetscReal SvkEnergy(const MpmMaterialNumbers *m, PetscInt dim, const Pets
   return m->lambda / 2 * Trace(dim, E) * Trace(dim, E) + m->mu * Contract(dim, E, E);
 }
 
-static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                   PetscReal *const tau[])
-{
-  EACH_DIM(StressLoop, SvkStress, NULL, m, n, F, tau)
-}
-
-static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
-                    const PetscReal *const dF[], PetscReal *const dtau[])
-{
-  EACH_DIM(TangentLoop, SvkTangent, NULL, m, n, F, dF, dtau)
-}
-
-static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[], PetscReal psi[])
-{
-  EACH_DIM(EnergyLoop, SvkEnergy, NULL, m, n, F, psi)
-}
+LAW_OF_PARTICLES(SvkStress, NULL, SvkTangent, NULL, SvkEnergy, NULL)
 
 /* With s the square of a principal stretch this is s times a function that rises with s, so the largest s counts. */
 static PetscReal Modulus(const MpmMaterialNumbers *m, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J)
@@ -108,10 +93,4 @@ static void Stretched(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal
   *mu     = m->mu;
 }
 
-const MpmLaw MpmLawSvk = {.name      = "svk",
-                          .solid     = PETSC_TRUE,
-                          .stress    = Stress,
-                          .tangent   = Tangent,
-                          .energy    = Energy,
-                          .modulus   = Modulus,
-                          .stretched = Stretched};
+const MpmLaw MpmLawSvk = {.name = "svk", .solid = PETSC_TRUE, LAW_FUNCTIONS, .stretched = Stretched};

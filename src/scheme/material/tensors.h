@@ -116,3 +116,17 @@ INLINE PetscReal VolumeChange(PetscInt dim, const PetscReal F[])
           H[a * dim + a] * H[b * dim + b] - H[a * dim + b] * H[b * dim + a];
   return dim > 2 ? change + Volume(dim, H) : change;
 }
+
+/* tr B - dim = 2 tr H + H : H with H = F - I, for the same reason. */
+INLINE PetscReal LeftTraceChange(PetscInt dim, const PetscReal F[])
+{
+  PetscReal trace = 0, squares = 0;
+
+  EACH (c, dim * dim) {
+    const PetscReal h = F[c] - (c % (dim + 1) == 0 ? 1 : 0);
+
+    if (c % (dim + 1) == 0) trace += h;
+    squares += h * h;
+  }
+  return 2 * (trace + squares / 2);
+}
