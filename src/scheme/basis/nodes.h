@@ -9,7 +9,7 @@
 
    First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx, and Curves h^2 d2phi/dx2.
    Hats have no Curves, and say so by NO_CURVES. Functions that depend on the width of a particle take half of it, in
-   cells, as their second argument, and say so by WIDE.
+   cells, as their second argument, and say so by WIDE. Functions that differ near walls (ends.h) say so by NEAR_WALLS.
 
    In a uniform layout, moving or not, all runs of a block have the same length. A loop over runs of a known length has
    no branch and no gather, and the compiler vectorises it. Elsewhere sums stay in registers while particles have the
@@ -21,40 +21,58 @@
 _Static_assert(NODES <= MPM_MOST_NODES,
                "a basis has more nodes a direction than MPM_MOST_NODES, which arrays are made for");
 
-#ifdef WIDE
-#define PLACE PetscReal xi, PetscReal half_width
-#define AT_PLACE xi, half_width
-#else
-#define PLACE PetscReal xi
-#define AT_PLACE ((void)half_width, xi)
-#endif
-static inline PetscInt First(PetscReal xi);
-static inline void     Values(PLACE, PetscReal phi[NODES]);
-static inline void     Slopes(PLACE, PetscReal slope[NODES]);
+/* Where a particle is in its cell, half of its width, its first node, and the first and last node of the direction. */
+typedef struct {
+  PetscReal       xi, half_width;
+  PetscInt        first;
+  const PetscInt *wall;
+} Place;
 
 /* Sets the weights of a particle's nodes, and returns the number that a gather divides by. */
-typedef PetscReal (*Weights)(PetscReal xi, PetscReal half_width, PetscReal weight[NODES]);
+typedef PetscReal (*Weights)(Place at, PetscReal weight[NODES]);
 
-static inline PetscReal Phi(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscInt First(PetscReal xi);
+
+#ifdef NEAR_WALLS
+static inline PetscReal Phi(Place at, PetscReal weight[NODES]);
+static inline PetscReal Gradient(Place at, PetscReal weight[NODES]);
+static inline PetscReal Moment(Place at, PetscReal weight[NODES]);
+static inline PetscReal Fitted(Place at, PetscReal weight[NODES]);
+#define GATHERED Fitted
+#define WALL_NODES
+#else
+#ifdef WIDE
+#define PLACE PetscReal xi, PetscReal half_width
+#define AT_PLACE at.xi, at.half_width
+#else
+#define PLACE PetscReal xi
+#define AT_PLACE at.xi
+#endif
+static inline void Values(PLACE, PetscReal phi[NODES]);
+static inline void Slopes(PLACE, PetscReal slope[NODES]);
+#define GATHERED Moment
+#define WALL_NODES .wall_nodes = 1,
+
+static inline PetscReal Phi(Place at, PetscReal weight[NODES])
 {
   Values(AT_PLACE, weight);
   return 1;
 }
 
-static inline PetscReal Gradient(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscReal Gradient(Place at, PetscReal weight[NODES])
 {
   Slopes(AT_PLACE, weight);
   return 1;
 }
 
 /* The weights are phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
-static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscReal Moment(Place at, PetscReal weight[NODES])
 {
   PetscReal sum = 0;
 
   Values(AT_PLACE, weight);
   for (int d = 0; d < NODES; d++) {
-    const PetscReal distance = First(xi) + d - xi;
+    const PetscReal distance = First(at.xi) + d - at.xi;
 
     weight[d] *= distance;
     sum += weight[d] * distance;
@@ -63,38 +81,39 @@ static inline PetscReal Moment(PetscReal xi, PetscReal half_width, PetscReal wei
 }
 
 /* The weights of a gather by Moment, divided: phi (x_i - x_p) h / D. */
-static inline PetscReal Fitted(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscReal Fitted(Place at, PetscReal weight[NODES])
 {
-  const PetscReal sum = Moment(xi, half_width, weight);
+  const PetscReal sum = Moment(at, weight);
 
   for (int d = 0; d < NODES; d++) weight[d] /= sum;
   return 1;
 }
+#endif
 
 #ifndef NO_CURVES
 static inline void Curves(PLACE, PetscReal curve[NODES]);
 
-static inline PetscReal Curve(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscReal Curve(Place at, PetscReal weight[NODES])
 {
   Curves(AT_PLACE, weight);
   return 1;
 }
 
 /* The slopes of Fitted: of phi r h / D, where r = x_i - x_p has the slope -1 and D that of sum_i phi r^2. */
-static inline PetscReal FittedSlopes(PetscReal xi, PetscReal half_width, PetscReal weight[NODES])
+static inline PetscReal FittedSlopes(Place at, PetscReal weight[NODES])
 {
   PetscReal phi[NODES], slope[NODES], D = 0, D_slope = 0;
 
   Values(AT_PLACE, phi);
   Slopes(AT_PLACE, slope);
   for (int d = 0; d < NODES; d++) {
-    const PetscReal r = First(xi) + d - xi;
+    const PetscReal r = First(at.xi) + d - at.xi;
 
     D += phi[d] * r * r;
     D_slope += slope[d] * r * r;
   }
   for (int d = 0; d < NODES; d++) {
-    const PetscReal r = First(xi) + d - xi;
+    const PetscReal r = First(at.xi) + d - at.xi;
 
     weight[d] = (slope[d] * r - phi[d]) / D - phi[d] * r * D_slope / (D * D);
   }
@@ -122,7 +141,7 @@ INLINE void ScatterRuns(Weights weights, const PetscInt length, const MpmBlock *
     for (PetscInt i = 0; i < length; i++) {
       PetscReal weight[NODES];
 
-      (void)weights(xi[length * j + i], b->half_width, weight);
+      (void)weights((Place){xi[length * j + i], b->half_width, at + j, b->wall}, weight);
       for (int d = 0; d < NODES; d++) {
         sum[d] += weight[d] * (a * q[length * j + i]);
         sum_mass[d] += weight[d];
@@ -150,7 +169,7 @@ INLINE void GatherRuns(Weights weights, const PetscInt length, const MpmBlock *b
   for (PetscInt j = 0; j < count; j++) {
     for (PetscInt i = 0; i < length; i++) {
       PetscReal       weight[NODES], sum = 0;
-      const PetscReal divisor = weights(xi[length * j + i], b->half_width, weight);
+      const PetscReal divisor = weights((Place){xi[length * j + i], b->half_width, at + j, b->wall}, weight);
 
       for (int d = 0; d < NODES; d++) sum += weight[d] * node[at + j + d];
       q[length * j + i] += a / divisor * sum;
@@ -198,7 +217,7 @@ INLINE void ScatterEach(Weights weights, PetscInt begin, PetscInt end, const Mpm
   for (PetscInt p = begin; p < end; p++) {
     PetscReal weight[NODES];
 
-    (void)weights(b->xi[p], b->half_width, weight);
+    (void)weights((Place){b->xi[p], b->half_width, b->first[p], b->wall}, weight);
     for (int d = 0; d < NODES; d++) {
       given[d][p - begin] = weight[d] * (a * particle[p]);
       if (mass) given_mass[d][p - begin] = weight[d];
@@ -213,7 +232,7 @@ INLINE void GatherEach(Weights weights, PetscInt begin, PetscInt end, const MpmB
 {
   for (PetscInt p = begin; p < end; p++) {
     PetscReal       weight[NODES], sum = 0;
-    const PetscReal divisor = weights(b->xi[p], b->half_width, weight);
+    const PetscReal divisor = weights((Place){b->xi[p], b->half_width, b->first[p], b->wall}, weight);
 
     for (int d = 0; d < NODES; d++) sum += weight[d] * node[b->first[p] + d];
     particle[p] += a / divisor * sum;
@@ -247,7 +266,7 @@ INLINE void WeightsOfEach(Weights weights, const MpmBlock *b, PetscInt stride, P
   for (PetscInt p = 0; p < b->n; p++) {
     PetscReal of_particle[NODES];
 
-    (void)weights(b->xi[p], b->half_width, of_particle);
+    (void)weights((Place){b->xi[p], b->half_width, b->first[p], b->wall}, of_particle);
     for (int d = 0; d < NODES; d++) weight[d * stride + p] = of_particle[d];
   }
 }
@@ -311,7 +330,7 @@ static void Grad(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, P
 #define MLS_WEIGHTS FittedWeights
 static void G2PAffine(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
 {
-  Gather(Moment, b, a, particle, node);
+  Gather(GATHERED, b, a, particle, node);
 }
 
 static void DivMls(const MpmBlock *b, PetscReal a, PetscReal *restrict particle, PetscReal *restrict node)
@@ -353,7 +372,7 @@ static void FittedSlopeWeights(const MpmBlock *b, PetscInt stride, PetscReal *re
 #endif
 
 #define KERNELS                                                                                                        \
-  .nodes = NODES, .wall_nodes = 1, .first_nodes = FirstNodes, .p2g_mass = P2GMass,                                     \
+  .nodes = NODES, WALL_NODES.first_nodes = FirstNodes, .p2g_mass = P2GMass,                                            \
   .weights = {CURVE_WEIGHTS[MPM_P2G] = PhiWeights, [MPM_P2G_AFFINE] = MomentWeights, [MPM_DIV] = GradientWeights,      \
               [MPM_DIV_MLS] = MLS_WEIGHTS},                                                                            \
   .kernel  = {CURVES[MPM_P2G] = P2G_, [MPM_P2G_AFFINE] = P2GAffine,  [MPM_DIV] = Div,   [MPM_DIV_MLS] = DIV_MLS,       \
