@@ -5,7 +5,7 @@
 
 #define CELLS 20
 #define N 97  /* particles, in no order */
-#define PAD 4 /* nodes beyond the cells, to either side */
+#define PAD 8 /* nodes beyond the cells, to either side */
 
 typedef struct {
   PetscInt  cell[N];
@@ -143,8 +143,8 @@ static void CheckContinuity(const MpmBasis *basis)
   PetscReal       unit[2 * PAD + 1] = {0}, before = 0, slope_before = 0, integral = 0;
 
   unit[PAD] = 1;
-  for (PetscInt i = 0; i <= 4 * n; i++) { /* from -2 to 2 cells of node 0 */
-    const PetscInt  cell = i / n - 2;
+  for (PetscInt i = 0; i <= 6 * n; i++) { /* from -3 to 3 cells of node 0 */
+    const PetscInt  cell = i / n - 3;
     const PetscReal xi   = (PetscReal)(i % n) / n;
     PetscReal       phi = 0, slope = 0;
 

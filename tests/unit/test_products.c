@@ -26,8 +26,8 @@ static void Place(const MpmBasis *basis, PetscInt dim, Cloud *c)
 {
   PetscInt stride = 1;
 
-  c->dim     = dim;
-  c->cloud.n = MPM_CLOUD;
+  c->dim   = dim;
+  c->cloud = (MpmCloud){.n = MPM_CLOUD, .dim = dim, .nodes = basis->nodes};
   for (PetscInt p = 0; p < MPM_CLOUD; p++) c->cloud.first[p] = 0;
   for (PetscInt a = 0; a < dim; a++, stride *= ACROSS) {
     MpmBlock block;
@@ -64,7 +64,7 @@ static PetscReal Weight(const MpmBasis *basis, const Cloud *c, PetscInt p, Petsc
 }
 
 /* Both maps of a bundle, with so many of the kinds and fields. */
-static void CheckBundle(const MpmBasis *basis, const Cloud *c, PetscInt n, PetscInt width)
+static void CheckBundle(const MpmBasis *basis, Cloud *c, PetscInt n, PetscInt width)
 {
   static PetscReal node[MOST * FIELDS], sums[MOST * FIELDS], expected[MOST * FIELDS];
   static PetscReal product[MPM_MOST_PRODUCTS * MPM_CLOUD * FIELDS];
@@ -72,6 +72,7 @@ static void CheckBundle(const MpmBasis *basis, const Cloud *c, PetscInt n, Petsc
   PetscReal        off     = 0;
   PetscInt         stencil = 1;
 
+  c->cloud.kinds = n;
   for (PetscInt a = 0; a < c->dim; a++) stencil *= MpmMapReach(basis);
   for (PetscInt i = 0; i < nodes * width; i++) {
     node[i] = MpmHash(20, i) - 0.5;
