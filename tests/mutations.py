@@ -33,7 +33,7 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("fmpm: symbol of one term less", TRANSFER + "fmpm.c", "r < numbers->order; r++) sum", "r < numbers->order - 1; r++) sum"),
     ("aflip: share by 1e-6", TRANSFER + "aflip.c", "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
     ("tpic: no gradient of the functions", TRANSFER + "tpic.c", ".taylor        = PETSC_TRUE,", ""),
-    ("nullspace: symbol 1 everywhere", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha >= 0 ? 1 : 0;"),
+    ("nullspace: symbol by 1e-6", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
     ("halo: lost sums of other ranks", "src/march/halo.c", "+= h->others[n * l + f]", "+= 0 * h->others[n * l + f]"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),
     ("wall: mirror image one node off", "src/scheme/boundary.c", "-node : 2 * last - node;", "-node : 2 * last - node + 1;"),
