@@ -568,6 +568,7 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   w->bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
   w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
   w->owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
+  for (int i = 0; i < w->width; i++) w->scale[i] = 0; /* the first two steps are of the state itself */
   memcpy(w->period, hook->period, sizeof w->period);
   w->cell = h;
   mpmstab_copy_(w, w->base, 0);
