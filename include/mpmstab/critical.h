@@ -60,6 +60,10 @@ typedef struct {
    cell        - the symbols that the closed form takes at closed_beta
    bound       - no layout of such particles at rest, jittered or with gaps, grows up to this Courant number; 0: no such
                  bound is known
+   quiet       - under drift, the Courant number up to which no step raises the energy of the particles in any of the layouts
+                 that are met, so that they cannot ring (docs/theory.md, section 12); 0: no such number is known
+   cure, cured - of a scheme without such a number: the first formulation that has one with the same basis and transfer, and
+                 this number; NULL: none is known
    phases      - where phases of two or three directions were sampled: so many in (0, pi] of each; else 0
    asked       - growth and verdict at the scene's own Courant number
    assembled   - the result comes from the eigenvalues of the assembled operator; else from the symbol
@@ -71,7 +75,7 @@ typedef struct {
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
-  PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, rounding, seconds;
+  PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
   PetscBool      threshold, assembled, disputed, followed;
   PetscInt       order, nodal, phases;
   MpmWaveType    wave;
@@ -79,7 +83,8 @@ typedef struct {
   MpmCellSymbols cell;
   MpmFinding     asked;
 
-  MpmCriticalWindows windows;
+  const MpmFormulation *cure;
+  MpmCriticalWindows    windows;
 } MpmCritical;
 
 /*S

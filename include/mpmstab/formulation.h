@@ -251,6 +251,11 @@ typedef struct {
   PetscBool stress;
 } MpmEnergyTerm;
 
+typedef struct MpmTransfer_      MpmTransfer;      /* mpmstab/transfer.h */
+typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
+
+#define MPM_MOST_TABLE_LINES 96 /* of a formulation's table */
+
 /*S
    MpmCellSymbols - symbols of the maps at a phase beta, for a uniform layout at rest. The closed forms are functions of
    them.
@@ -265,6 +270,7 @@ typedef struct {
    chi    - with a prestress s0: s0 times the symbol of CURVE G2P, which is the mean over a cell's particles of
             conj(symbol of h^2 d2phi/dx2) times that of phi; kappa is then multiplied by 1 + s0
    projected - particles move with the projected velocity
+   transfer, numbers - the transfer, and the numbers that formulation and transfer are given
    lap    - the symbol of -LAP: 4 sin^2(beta / 2), in more dimensions the sum over the directions
    filter - the filter symbol (see MpmTransfer), 1 for flip; f in the formulas
    taken  - the symbol of what a step with FILTER_BEFORE and FILTER_AFTER takes of old nodal values: 1, or the filter
@@ -276,12 +282,13 @@ typedef struct {
   PetscReal      alpha, kappa, lap, filter, taken;
   double complex mu, chi;
   PetscBool      projected;
+
+  const MpmTransfer      *transfer;
+  const MpmSchemeNumbers *numbers;
 } MpmCellSymbols;
 
 /* A scheme as it is written in a scene or in a file of its own. */
 typedef struct MpmWritten_ MpmWritten;
-
-typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
 
 /*S
    MpmFormulation - a scheme: its fields, its table, its continuous problem and its closed forms.
@@ -289,7 +296,12 @@ typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
    name, summary, reference - the word of the option formulation, a line about it, and its source
    particle_fields, node_fields - the names of the fields, NULL-terminated
    particle_ranks, node_ranks - what each field is: a number, a vector or a stress
+   scratch         - scratch[f]: particle field f is set anew in each pass over the particles that reads it, so that no step
+                     finds it. It is no part of the state.
    nops, ops       - the table of operations on fields. MpmTableCreate writes it out for the components of fields.
+   options         - the options that the formulation reads, NULL-terminated
+   lines           - writes the table that the numbers ask for, with a transfer, and returns its length; NULL: the table is
+                     ops. Ask MpmFormulationLines.
    staggered       - the particle field that is updated first in a step, or MPM_NONE. It lags half a step in a start of
                      second order.
    affine          - the particle field that a transfer with an affine part gives one to, or MPM_NONE
@@ -310,6 +322,8 @@ typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
    sums_chi        - it is a function of kappa + chi, wherever particles move
    limit           - the largest stable Courant number at a phase, infinite where there is none
    published_text, corrected_text, limit_text - the formulas as text
+   quiet           - the Courant number up to which no step on a frozen grid with these symbols raises the energy of the
+                     particles, where the transfer is quiet, too (docs/theory.md, section 12); NULL: none is known
    mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (docs/theory.md, section 4)
    leftmost        - with transfers that have leftmost too, particles at rest grow by real eigenvalues below -1 alone
                      (docs/theory.md, section 5)
@@ -319,11 +333,14 @@ typedef struct MpmTransfer_ MpmTransfer; /* mpmstab/transfer.h */
    norm.
 S*/
 typedef struct {
-  const char          *name, *summary, *reference;
-  const char          *particle_fields[MPM_MAX_FIELDS + 1], *node_fields[MPM_MAX_FIELDS + 1];
-  MpmRank              particle_ranks[MPM_MAX_FIELDS], node_ranks[MPM_MAX_FIELDS];
-  PetscInt             nops;
-  const MpmOp         *ops;
+  const char  *name, *summary, *reference;
+  const char  *particle_fields[MPM_MAX_FIELDS + 1], *node_fields[MPM_MAX_FIELDS + 1];
+  MpmRank      particle_ranks[MPM_MAX_FIELDS], node_ranks[MPM_MAX_FIELDS];
+  PetscBool    scratch[MPM_MAX_FIELDS];
+  PetscInt     nops;
+  const MpmOp *ops;
+  const char  *options[4];
+  PetscInt (*lines)(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer, MpmOp ops[MPM_MOST_TABLE_LINES]);
   PetscInt             staggered, affine, conserved;
   PetscBool            free_ends, materials;
   PetscInt             nenergy;
@@ -338,6 +355,7 @@ typedef struct {
   PetscReal (*published)(PetscReal courant, PetscReal beta);
   PetscReal (*corrected)(const MpmCellSymbols *cell, PetscReal courant);
   PetscReal (*limit)(const MpmCellSymbols *cell);
+  PetscReal (*quiet)(const MpmCellSymbols *cell);
 } MpmFormulation;
 
 /* Not collective. All formulations, NULL-terminated, in the order of the slides. */
@@ -353,5 +371,31 @@ const MpmFormulation *MpmFormulationFind(const char name[]);
 */
 PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation);
 
-/* Not collective. Whether a formulation's table has an operation of a kind. */
+/*
+   MpmFormulationLines - the table of operations of a formulation with a transfer and numbers (NULL: flip, the defaults).
+   room has the lines of those that write them.
+
+   Not collective.
+*/
+const MpmOp *MpmFormulationLines(const MpmFormulation *formulation, const MpmSchemeNumbers *numbers,
+                                 const MpmTransfer *transfer, MpmOp room[MPM_MOST_TABLE_LINES], PetscInt *n);
+
+/* Not collective. Whether a formulation reads an option. */
+PetscBool MpmFormulationReads(const MpmFormulation *formulation, const char option[]);
+
+/* Not collective. Whether a formulation's table has an operation of a kind, with the defaults of its numbers. */
 PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);
+
+/*
+   MpmRkWord - the name of explicit Runge-Kutta method i of formulation rk, or NULL after the last one
+   MpmRkOnNames - where its stages are: MPM_RK_AUTO, on particles with a transfer that has no filter and else on nodes,
+   MPM_RK_PARTICLES or MPM_RK_NODES
+   MpmRkIsOnNodes - whether they are on nodes
+
+   Not collective.
+*/
+#define MPM_RK_USUAL 2 /* rk4 */
+typedef enum { MPM_RK_AUTO, MPM_RK_PARTICLES, MPM_RK_NODES } MpmRkOn;
+extern const char *const MpmRkOnNames[];
+const char              *MpmRkWord(PetscInt i);
+PetscBool                MpmRkIsOnNodes(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);

@@ -11,7 +11,7 @@
    MpmScheme - a formulation with its basis and its transfer.
 
    formulation, basis, transfer - the three, by themselves
-   numbers - the numbers that the transfer is given
+   numbers - the numbers that formulation and transfer are given
    space   - the dimension, the gradient, the material and the ends
    table   - made of these by MpmTableCreate; the march, the operator and the symbol interpret it. The caller of
              MpmTableCreate destroys it.
@@ -20,7 +20,7 @@ typedef struct {
   const MpmFormulation *formulation;
   const MpmBasis       *basis;
   const MpmTransfer    *transfer;
-  MpmTransferNumbers    numbers;
+  MpmSchemeNumbers      numbers;
   MpmSpace              space;
   MpmTable             *table;
 } MpmScheme;

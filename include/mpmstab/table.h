@@ -177,7 +177,7 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
    Input Parameters:
 +  formulation - its table of operations on fields, which may contain FILTER, IMPOSE and REACT
 .  transfer    - the operations that take the place of FILTER; for flip there are none
-.  numbers     - the numbers that the transfer is given
+.  numbers     - the numbers that formulation and transfer are given
 -  space       - the dimension, the gradient, the material and the ends
 
    Output Parameter: table - destroyed with MpmTableDestroy
@@ -210,7 +210,7 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
    that is read before the step has written to it, and fields of ranks that do not go together.
 */
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
-                              const MpmTransferNumbers *numbers, const MpmSpace *space, MpmTable **table);
+                              const MpmSchemeNumbers *numbers, const MpmSpace *space, MpmTable **table);
 PetscErrorCode MpmTableDestroy(MpmTable **table);
 
 /*

@@ -5,13 +5,17 @@
 typedef struct MpmTable_ MpmTable;
 
 /*
-   The numbers that a transfer may be given: the order of xpic and fmpm, the share of flip in a blend, and that in the
-   velocities of an affine flip.
+   The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend, and that in the
+   velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, and the
+   method of rk and where its stages are.
 */
-typedef struct {
+struct MpmSchemeNumbers_ {
   PetscInt  order;
   PetscReal ratio, affine_ratio;
-} MpmTransferNumbers;
+  PetscReal share;
+  PetscInt  rk;
+  MpmRkOn   rk_on;
+};
 
 /*S
    MpmTransfer - a filter F of a particle field. It acts on the field q when g = P q is on the nodes. P is P2G and W is
@@ -27,11 +31,13 @@ typedef struct {
    filter_symbol - the filter symbol: the symbol of P F over that of P, as a function of alpha, the symbol of P W. The
                    filter multiplies P q of a Fourier mode q by it. NULL: there is no closed form.
    sharpen       - appends operations that make of a node field the field that particles take in G2P and GRAD, in the
-                   node register *sharp; NULL: they take the node field itself
+                   node register *sharp, a new one for MPM_NONE, or that of the last time; NULL: they take the node field itself
    sharp_symbol  - the symbol of sharpen, as a function of alpha; NULL where sharpen is NULL
    mls_bound     - with gradient mls, a formulation's mls_bound is proved for this transfer
    leftmost      - a formulation's leftmost is proved for this transfer: F is a function of W P between W P and 1, or P F with
                    its affine part is symmetric in the masses and between 0 and 1
+   quiet         - particles gain no more energy than the nodes, whatever the layout; with an affine part where D is the same
+                   at all places (docs/theory.md, section 12)
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
                    NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
@@ -40,14 +46,14 @@ typedef struct {
 S*/
 struct MpmTransfer_ {
   const char *name, *summary, *reference, *option;
-  PetscBool   affine, taylor, mls_bound, leftmost;
+  PetscBool   affine, taylor, mls_bound, leftmost, quiet;
   const char *same_as;
-  PetscErrorCode (*filter)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node);
-  PetscErrorCode (*sharpen)(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sharp);
-  PetscReal (*filter_symbol)(const MpmTransferNumbers *numbers, PetscReal alpha);
-  PetscReal (*sharp_symbol)(const MpmTransferNumbers *numbers, PetscReal alpha);
-  PetscReal (*null_factor)(const MpmTransferNumbers *numbers);
-  PetscReal (*number)(const MpmTransferNumbers *numbers);
+  PetscErrorCode (*filter)(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
+  PetscErrorCode (*sharpen)(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sharp);
+  PetscReal (*filter_symbol)(const MpmSchemeNumbers *numbers, PetscReal alpha);
+  PetscReal (*sharp_symbol)(const MpmSchemeNumbers *numbers, PetscReal alpha);
+  PetscReal (*null_factor)(const MpmSchemeNumbers *numbers);
+  PetscReal (*number)(const MpmSchemeNumbers *numbers);
   PetscInt     nlines, nparticles, nnodes;
   const MpmOp *lines;
 };
@@ -59,7 +65,7 @@ extern const MpmTransfer *const MpmTransfers[];
 const MpmTransfer *MpmTransferFind(const char name[]);
 
 /* Not collective. The null_factor of transfers that keep nothing of the null space of P2G. It is 0. */
-PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers);
+PetscReal MpmTransferForgets(const MpmSchemeNumbers *numbers);
 
 /*
    MpmTransferFromGrid - appends F = W P, the filter of pic, apic and tpic. MpmTableAppend adds the affine part.
@@ -67,24 +73,24 @@ PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers);
 
    Not collective.
 */
-PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
-                                   PetscInt node);
-PetscReal      MpmTransferFromGridSymbol(const MpmTransferNumbers *numbers, PetscReal alpha);
+PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
+PetscReal      MpmTransferFromGridSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha);
 
 /*
-   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum. With m = 1
-   that is the field itself, and nothing is appended. xpic filters with it, and fmpm sharpens with it.
+   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum, which is
+   a new one for MPM_NONE, or that of an earlier sum of this field. With m = 1 it is the field itself, and nothing is
+   appended. xpic filters with it, and fmpm sharpens with it.
    MpmTransferXpic - appends F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m, the filter of xpic and of fmpm
    MpmTransferXpicSymbol - its filter symbol, 1 - (1 - alpha)^m
 
    Not collective.
 */
-PetscErrorCode MpmTransferSum(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sum);
-PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node);
-PetscReal      MpmTransferXpicSymbol(const MpmTransferNumbers *numbers, PetscReal alpha);
+PetscErrorCode MpmTransferSum(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sum);
+PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
+PetscReal      MpmTransferXpicSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha);
 
 /* Not collective. The number of transfers with the option xpic_order: the order. */
-PetscReal MpmTransferOrder(const MpmTransferNumbers *numbers);
+PetscReal MpmTransferOrder(const MpmSchemeNumbers *numbers);
 
 /*
    MpmTransferAffineFlip - appends the filter of aflip and asflip: v = ratio v + (1 - ratio) W g for the velocity, and 0 + the
@@ -93,6 +99,6 @@ PetscReal MpmTransferOrder(const MpmTransferNumbers *numbers);
 
    Not collective.
 */
-PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
+PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle,
                                      PetscInt node);
-PetscReal      MpmTransferAffineRatio(const MpmTransferNumbers *numbers);
+PetscReal      MpmTransferAffineRatio(const MpmSchemeNumbers *numbers);

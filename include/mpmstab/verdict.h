@@ -48,6 +48,9 @@ MpmVerdict MpmVerdictOf(const MpmFinding *finding);
 */
 PetscErrorCode MpmFindingDispute(MpmFinding *finding, const char words[]);
 
+/* Not collective. Makes an undecided verdict stable because something proves it, and appends the words to its evidence. */
+PetscErrorCode MpmFindingDecide(MpmFinding *finding, const char words[]);
+
 /*
    MpmFindingOfPhases - makes the verdict stable undecided where its phases are not all waves of a grid with this number
    of cells. They are all waves when phases is a multiple of cells; the verdict is then exact for that grid. The verdict

@@ -12,32 +12,34 @@
 #define PLACES 64 /* in a cell, the node among them; D is least there where it is not the same everywhere */
 #define NONE 1e-9 /* hats have D = 0 on a node */
 
-/* The least D of a direction. */
-static PetscReal LeastSpread(const MpmBasis *basis, PetscReal half_width)
+void MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2])
 {
-  PetscReal least = INFINITY;
-
+  ends[0] = INFINITY;
+  ends[1] = 0;
   for (int place = 0; place < PLACES; place++) {
     const PetscReal xi = (PetscReal)place / PLACES;
     PetscReal       row[MPM_MAX_REACH], spread = 0;
 
     MpmMapRow(basis, MPM_G2P, xi, half_width, MpmNoWalls, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) spread += row[d] * PetscSqr(d - basis->reach_left - xi);
-    least = PetscMin(least, spread);
+    ends[0] = PetscMin(ends[0], spread);
+    ends[1] = PetscMax(ends[1], spread);
   }
-  return least;
 }
 
 PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
 {
   const MpmSpace *space = &scheme->space;
-  PetscReal       least = INFINITY, chi = 1;
+  PetscReal       least = INFINITY, chi = 1, spread[2];
 
   if (MpmSpaceIsPrestressed(space) || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
       space->gradient != MPM_GRADIENT_MLS || layout->material.kind != MPM_MATERIAL_UNIFORM ||
       MpmBasisIsAltered(scheme->basis))
     return 0;
-  for (PetscInt a = 0; a < layout->dim; a++) least = PetscMin(least, LeastSpread(scheme->basis, layout->half_width[a]));
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    MpmCriticalSpread(scheme->basis, layout->half_width[a], spread);
+    least = PetscMin(least, spread[0]);
+  }
   if (layout->dim > 1) chi += (PetscReal)(layout->dim - 1) * space->poisson / (1 - space->poisson);
   return least > NONE ? 2 * sqrt(least / chi) : 0;
 }

@@ -14,10 +14,11 @@
 #define BISECTIONS 40
 #define BEYOND 1e-5 /* relative distance from the limit within which growth should leave the tolerance */
 
-/* A closed form as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
+/* A closed form, of, as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
 typedef struct {
   const MpmPredictor *predictor;
-  PetscReal           tolerance, least;
+  PetscReal (*of)(const MpmCellSymbols *cell);
+  PetscReal tolerance, least;
 } Closed;
 
 static MpmZoom ClosedZoom(const MpmPredictor *predictor)
@@ -37,20 +38,26 @@ static MpmZoom ClosedZoom(const MpmPredictor *predictor)
   return zoom;
 }
 
-PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[])
+/* The least of a closed form over the problems of a phase. */
+static PetscReal LeastOf(const Closed *closed, const PetscReal beta[])
 {
   MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n     = MpmPredictorSymbols(predictor, beta, cell);
-  PetscReal      limit = INFINITY;
+  const PetscInt n     = MpmPredictorSymbols(closed->predictor, beta, cell);
+  PetscReal      least = INFINITY;
 
-  for (PetscInt i = 0; i < n; i++) limit = fmin(limit, predictor->scheme->formulation->limit(&cell[i]));
-  return limit;
+  for (PetscInt i = 0; i < n; i++) least = fmin(least, closed->of(&cell[i]));
+  return least;
+}
+
+PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[])
+{
+  return LeastOf(&(Closed){.predictor = predictor, .of = predictor->scheme->formulation->limit}, beta);
 }
 
 static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *limit)
 {
   PetscFunctionBegin;
-  *limit = MpmCriticalClosedLimit(((const Closed *)context)->predictor, beta);
+  *limit = LeastOf(context, beta);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,38 +69,36 @@ static PetscErrorCode LimitOnLine(void *context, PetscReal beta, PetscReal *limi
 }
 
 /* The limits of long waves may go to 0 with beta (gas1 with xpic). Then the least one is 0, and at no phase. */
-static PetscErrorCode InSpace(const MpmPredictor *predictor, MpmCritical *c)
+static PetscErrorCode InSpace(Closed *closed, MpmCritical *c)
 {
-  const MpmZoom zoom    = ClosedZoom(predictor);
-  Closed        closed  = {.predictor = predictor};
+  const MpmZoom zoom    = ClosedZoom(closed->predictor);
   PetscReal     largest = 0, beta[MPM_MAX_DIM], shorter;
 
   PetscFunctionBegin;
-  PetscCall(MpmZoomLeast(&zoom, LimitAt, &closed, c->closed_beta, &c->closed));
+  PetscCall(MpmZoomLeast(&zoom, LimitAt, closed, c->closed_beta, &c->closed));
   for (PetscInt a = 0; a < zoom.dim; a++) {
     largest = PetscMax(largest, PetscAbsReal(c->closed_beta[a]));
     beta[a] = 2 * c->closed_beta[a];
   }
   if (!(largest < LONG)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(LimitAt(&closed, beta, &shorter));
+  PetscCall(LimitAt(closed, beta, &shorter));
   if (c->closed < FALLS * shorter) c->closed = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode OnLine(const MpmPredictor *predictor, MpmCritical *c)
+static PetscErrorCode OnLine(Closed *closed, MpmCritical *c)
 {
-  Closed    closed = {.predictor = predictor};
   PetscReal limit, beta;
 
   PetscFunctionBegin;
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
-    PetscCall(LimitOnLine(&closed, MpmSearchPhase(m), &limit));
+    PetscCall(LimitOnLine(closed, MpmSearchPhase(m), &limit));
     if (limit >= c->closed) continue;
     c->closed         = limit;
     c->closed_beta[0] = MpmSearchPhase(m);
   }
   if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSearchLeast(LimitOnLine, &closed, MPM_SEARCH_GOLDEN, MpmSearchBeside(c->closed_beta[0], -1),
+  PetscCall(MpmSearchLeast(LimitOnLine, closed, MPM_SEARCH_GOLDEN, MpmSearchBeside(c->closed_beta[0], -1),
                            MpmSearchBeside(c->closed_beta[0], 1), &beta, &limit));
   if (limit < c->closed * (1 - PRECISION)) {
     c->closed         = limit;
@@ -122,14 +127,55 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
                                        MpmCritical *c)
 {
   MpmPredictor predictor;
+  Closed       closed = {.predictor = &predictor, .of = scheme->formulation->limit};
 
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
   c->closed = NAN;
   if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
       !MpmSpaceIsPrestressed(&scheme->space)) {
-    PetscCall(layout->dim == 1 ? OnLine(&predictor, c) : InSpace(&predictor, c));
+    PetscCall(layout->dim == 1 ? OnLine(&closed, c) : InSpace(&closed, c));
     if (!isnan(c->closed)) KeepSymbols(&predictor, c);
+  }
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- steps that cannot ring ---- */
+
+/* The theorem's conditions that formulation and transfer do not have by themselves. */
+static PetscBool IsQuiet(const MpmCriticalCase *of)
+{
+  const MpmScheme *scheme = of->scheme;
+  PetscReal        spread[2];
+
+  if (!scheme->formulation->quiet || !scheme->transfer->quiet || scheme->space.finite ||
+      MpmSpaceIsPrestressed(&scheme->space) || MpmSymbolWhyNot(of->layout) || MpmBasisIsAltered(scheme->basis))
+    return PETSC_FALSE;
+  for (PetscInt a = 0; a < of->layout->dim && scheme->transfer->affine; a++) {
+    MpmCriticalSpread(scheme->basis, of->layout->half_width[a], spread);
+    if (spread[1] > spread[0] * (1 + PRECISION)) return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
+{
+  MpmPredictor predictor;
+  Closed       closed = {.predictor = &predictor, .of = of->scheme->formulation->quiet};
+  PetscInt     period;
+
+  PetscFunctionBegin;
+  *quiet = 0;
+  if (!IsQuiet(of)) PetscFunctionReturn(PETSC_SUCCESS);
+  *quiet = INFINITY;
+  PetscCall(MpmStepPeriod(&of->step, &period));
+  PetscCall(MpmPredictorCreateFrozen(of->layout, of->scheme, of->step.drift, &predictor));
+  for (; predictor.at < period; predictor.at++) {
+    MpmCritical least = {.closed = NAN};
+
+    PetscCall(of->layout->dim == 1 ? OnLine(&closed, &least) : InSpace(&closed, &least));
+    *quiet = fmin(*quiet, least.closed);
   }
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -178,7 +224,8 @@ PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscRe
                                           PetscReal beta[], PetscReal *courant)
 {
   const MpmZoom zoom   = ClosedZoom(predictor);
-  Closed        closed = {.predictor = predictor, .tolerance = tolerance, .least = INFINITY};
+  Closed        closed = {
+             .predictor = predictor, .of = predictor->scheme->formulation->limit, .tolerance = tolerance, .least = INFINITY};
 
   PetscFunctionBegin;
   PetscCall(PetscArraycpy(beta, c->closed_beta, zoom.dim));

@@ -74,6 +74,13 @@ PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscRe
                                           const MpmCritical *critical, PetscReal beta[], PetscReal *courant);
 void           MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *critical);
 
+/*
+   MpmCriticalQuiet - quiet of MpmCritical: the least over the layouts that a period of the drift meets.
+
+   Collective. Errors: those of MpmStepPeriod.
+*/
+PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet);
+
 /* A search for the first window of growth by following eigenvalues, up to a Courant number; what came of it. */
 typedef struct {
   PetscReal  to, bracket[2], doubtful;
@@ -94,12 +101,14 @@ PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
    MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
                          matrices are large
    MpmCriticalBound    - bound of MpmCritical, for particles at rest
+   MpmCriticalSpread   - the least and the largest second moment D of the weights of a direction, over the places in a cell
 
    Not collective.
 */
 PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
                                    MpmWaveType *wave);
 PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
+void           MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2]);
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 
 /* Not collective. Leaves out the windows that are not below the limit, which refining has moved down. */

@@ -111,9 +111,10 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
 {
   const MpmFormulation *f      = scheme->formulation;
   const PetscBool       affine = scheme->table->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-  MpmCellSymbols        cell   = {.alpha = affine ? 1 : 0, .filter = 1, .kappa = 1};
-  PetscReal             H[MPM_MAX_DIM];
-  PetscBool             bounded = PETSC_TRUE;
+  MpmCellSymbols        cell   = {
+               .alpha = affine ? 1 : 0, .filter = 1, .kappa = 1, .transfer = scheme->transfer, .numbers = &scheme->numbers};
+  PetscReal H[MPM_MAX_DIM];
+  PetscBool bounded = PETSC_TRUE;
 
   PetscFunctionBegin;
   *lone = (MpmLone){.known = !MpmSpaceIsPrestressed(&scheme->space) && f->limit && f->corrected &&

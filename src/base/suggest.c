@@ -33,7 +33,7 @@ const char *MpmSuggest(const char misspelled[], PetscInt n, const char *const na
   for (PetscInt i = 0; i < n; i++) {
     const PetscInt distance = Distance(misspelled, names[i]);
 
-    if (distance < least) {
+    if (distance < least && distance < (PetscInt)strlen(names[i])) { /* a letter at least is right */
       least   = distance;
       nearest = names[i];
     }

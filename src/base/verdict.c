@@ -46,6 +46,17 @@ PetscErrorCode MpmFindingDispute(MpmFinding *f, const char words[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmFindingDecide(MpmFinding *finding, const char words[])
+{
+  const size_t said = strlen(finding->evidence);
+
+  PetscFunctionBegin;
+  if (finding->verdict != MPM_UNDECIDED) PetscFunctionReturn(PETSC_SUCCESS);
+  finding->verdict = MPM_STABLE;
+  (void)snprintf(finding->evidence + said, sizeof finding->evidence - said, "; %s", words);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFindingOfPhases(MpmFinding *f, PetscInt phases, PetscInt cells)
 {
   char words[80];

@@ -275,11 +275,27 @@ static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A scratch field lives for one pass: an operation that reads it, or adds to it, comes in the pass that begins it. */
+static PetscErrorCode CheckScratch(const MpmTable *t, const MpmOp *op, PetscBool begun[])
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   from   = traits.src == MPM_ON_PARTICLES && op->src >= t->nstate ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   to     = traits.dst == MPM_ON_PARTICLES && op->dst >= t->nstate ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (MpmTableIsFinite(t)) PetscFunctionReturn(PETSC_SUCCESS); /* there operations have more fields than they name */
+  if (to && op->kind == MPM_SCALE) begun[op->dst] = PETSC_TRUE;
+  PetscCheck((!from || begun[op->src]) && (!to || begun[op->dst]), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+             "a scratch field outlives its pass over the particles");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 {
-  const MpmTable  *t    = c->table;
-  const MpmOpList *ops  = c->ops;
-  const PetscInt   head = HeadLength(ops);
+  const MpmTable  *t                     = c->table;
+  const MpmOpList *ops                   = c->ops;
+  const PetscInt   head                  = HeadLength(ops);
+  PetscBool        begun[MPM_MAX_FIELDS] = {PETSC_FALSE};
   MpmPass         *pass;
 
   PetscFunctionBegin;
@@ -290,7 +306,11 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 
     if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE && !drifts) continue;
     if (IsPlain(op) && c->holds[op->dst] == op->src) continue; /* at rest, musl's second P2G serves */
-    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) PetscCall(NewPass(c->schedule, &pass));
+    if (EndsBefore(t, pass, op) || IsFull(t, pass, op)) {
+      PetscCall(NewPass(c->schedule, &pass));
+      PetscCall(PetscArrayzero(begun, MPM_MAX_FIELDS));
+    }
+    PetscCall(CheckScratch(t, op, begun));
     PetscCall(CompileOp(c, pass, op));
   }
   JoinPasses(c->schedule, MpmTableIsFinite(t) ? PETSC_FALSE : PETSC_TRUE);

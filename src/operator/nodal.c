@@ -15,7 +15,8 @@ typedef struct {
 } Reading;
 
 /*
-   c, terms, nterms  - of each particle register, up to the present operation
+   c, root, terms, nterms - of each particle register, up to the present operation: c times the state register root as it
+                       was, and the terms. A scratch register has the root of what it is set to.
    slot              - the slot of each node register
    captured          - captured[s]: terms of particles refer to slot s as it is, so it must not change
    readings          - what the present row of sums reads, each with the image that it is so far
@@ -25,7 +26,7 @@ typedef struct {
   const MpmTable *table;
   MpmNodalPlan   *plan;
   PetscReal       c[MPM_MAX_FIELDS];
-  PetscInt        nterms[MPM_MAX_FIELDS], slot[MPM_MAX_FIELDS], first_line, nreadings;
+  PetscInt        root[MPM_MAX_FIELDS], nterms[MPM_MAX_FIELDS], slot[MPM_MAX_FIELDS], first_line, nreadings;
   Term           *terms[MPM_MAX_FIELDS];
   PetscBool      *captured;
   Reading         reading[MPM_MAX_FIELDS];
@@ -149,11 +150,11 @@ static PetscErrorCode AddProduct(Builder *b, PetscInt dst, PetscInt src, PetscIn
 }
 
 /* What the terms of a particle register give to the nodes through a map: products, added to a slot. */
-static PetscErrorCode AddTerms(Builder *b, PetscInt slot, const MpmNodalTerm *to, PetscInt power)
+static PetscErrorCode AddTerms(Builder *b, PetscInt slot, PetscInt particle, const MpmNodalTerm *to, PetscInt power)
 {
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < b->nterms[to->src]; i++) {
-    const Term     *term    = &b->terms[to->src][i];
+  for (PetscInt i = 0; i < b->nterms[particle]; i++) {
+    const Term     *term    = &b->terms[particle][i];
     MpmNodalProduct product = {.to_particles   = term->op.kind,
                                .axis_particles = term->op.axis,
                                .src            = term->op.src,
@@ -274,24 +275,41 @@ static PetscErrorCode EndSums(Builder *b)
 
 static PetscErrorCode ToNodes(Builder *b, const MpmOp *op)
 {
-  MpmNodalTerm term = {.kind = op->kind, .axis = op->axis, .src = op->src, .dst = op->dst, .factor = op->factor};
+  MpmNodalTerm term = {
+      .kind = op->kind, .axis = op->axis, .src = b->root[op->src], .dst = op->dst, .factor = op->factor};
 
   PetscFunctionBegin;
   if (!op->accumulates) PetscCall(NewSlot(b, &b->slot[op->dst]));
-  PetscCall(AddTerms(b, b->slot[op->dst], &term, op->coefficient));
+  PetscCall(AddTerms(b, b->slot[op->dst], op->src, &term, op->coefficient));
   term.factor *= b->c[op->src];
   if (term.factor != 0) PetscCall(Read(b, b->slot[op->dst], op->coefficient, &term));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ToParticles(Builder *b, const MpmOp *op)
+static PetscErrorCode AddTerm(Builder *b, PetscInt particle, Term term)
 {
-  PetscInt *n = &b->nterms[op->dst];
+  PetscInt *n = &b->nterms[particle];
 
   PetscFunctionBegin;
-  PetscCall(PetscRealloc(sizeof(Term) * (size_t)(*n + 1), &b->terms[op->dst]));
-  b->terms[op->dst][(*n)++]     = (Term){.op = *op, .slot = b->slot[op->src]};
-  b->captured[b->slot[op->src]] = PETSC_TRUE;
+  PetscCall(PetscRealloc(sizeof(Term) * (size_t)(*n + 1), &b->terms[particle]));
+  b->terms[particle][(*n)++] = term;
+  b->captured[term.slot]     = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A scratch register takes a multiple of another register: of its root, and of its terms. */
+static PetscErrorCode AddRegister(Builder *b, const MpmOp *op)
+{
+  PetscFunctionBegin;
+  b->c[op->dst] += op->factor * b->c[op->src];
+  b->root[op->dst] = b->root[op->src];
+  for (PetscInt i = 0; i < b->nterms[op->src]; i++) {
+    Term term = b->terms[op->src][i];
+
+    term.op.factor *= op->factor;
+    term.op.dst = op->dst;
+    PetscCall(AddTerm(b, op->dst, term));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -354,7 +372,9 @@ static PetscErrorCode Apply(Builder *b, const MpmOp *op)
   if (traits.dst == MPM_ON_NODES)
     PetscCall(BetweenNodes(b, op));
   else if (traits.src == MPM_ON_NODES)
-    PetscCall(ToParticles(b, op));
+    PetscCall(AddTerm(b, op->dst, (Term){.op = *op, .slot = b->slot[op->src]}));
+  else if (op->kind == MPM_ADD)
+    PetscCall(AddRegister(b, op));
   else
     PetscCall(Scale(b, op));
   b->first_line = b->plan->nlines;
@@ -386,7 +406,8 @@ static PetscErrorCode Next(Builder *b)
     const MpmNodalImage *image = &plan->image[g];
 
     PetscCall(NewSlot(b, &plan->next[g]));
-    for (PetscInt i = 0; i < image->n; i++) PetscCall(AddTerms(b, plan->next[g], &image->term[i], 0));
+    for (PetscInt i = 0; i < image->n; i++)
+      PetscCall(AddTerms(b, plan->next[g], image->term[i].src, &image->term[i], 0));
     if (b->first_line < plan->nlines) PetscCall(EndMaps(b));
     if (image->c != 0)
       PetscCall(AddLine(b, (MpmNodalLine){.dst = plan->next[g], .src = g, .map = MPM_NONE, .factor = image->c}));
@@ -460,28 +481,50 @@ static void Keep(const MpmTable *table, MpmNodalPlan *plan)
     if (table->ops[o].kind == MPM_SCALE) plan->kept[table->ops[o].dst] *= table->ops[o].factor;
 }
 
+/* Follows what scratch registers stand for. PETSC_FALSE: for no single register of the state. */
+static PetscBool FollowRoot(const MpmTable *table, const MpmOp *op, PetscInt root[])
+{
+  if (op->kind == MPM_SCALE && op->dst >= table->nstate && op->factor == 0) root[op->dst] = op->dst;
+  if (op->kind != MPM_ADD) return PETSC_TRUE;
+  if (op->dst < table->nstate || op->coefficient || root[op->dst] != op->dst) return PETSC_FALSE;
+  root[op->dst] = root[op->src];
+  return PETSC_TRUE;
+}
+
 const char *MpmNodalWhyNot(const MpmTable *table)
 {
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOp *op = &table->ops[o];
+  PetscInt root[MPM_MAX_FIELDS];
 
-    if (op->kind == MPM_ADD) return "particles take what other fields of theirs hold";
-    if (op->kind == MPM_SCALE && op->coefficient) return "particles' values are multiplied by the Courant number";
+  for (PetscInt r = 0; r < table->nparticles; r++) root[r] = r;
+  for (PetscInt o = 0; o < table->nops; o++) {
+    if (!FollowRoot(table, &table->ops[o], root)) return "particles take what other fields of theirs hold";
+    if (table->ops[o].kind == MPM_SCALE && table->ops[o].coefficient)
+      return "particles' values are multiplied by the Courant number";
   }
   return NULL;
 }
 
-/* There is at most one image for each sum and each power of the Courant number in it. */
+/* There is at most one image for each sum of other registers and each power of the Courant number in it. */
 PetscBool MpmNodalHasRoom(const MpmTable *table)
 {
-  PetscInt images = 0;
+  PetscInt images = 0, root[MPM_MAX_FIELDS];
+  MpmOp    first[MPM_MAX_IMAGES + 1];
 
-  for (PetscInt o = 0; o < table->nops; o++) {
+  for (PetscInt r = 0; r < table->nparticles; r++) root[r] = r;
+  for (PetscInt o = 0; o < table->nops && images <= MPM_MAX_IMAGES; o++) {
     const MpmOp      *op     = &table->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    PetscInt          same   = 0;
 
+    (void)FollowRoot(table, op, root);
     if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES) continue;
-    if (!op->accumulates || op->coefficient != op[-1].coefficient) images++;
+    if (op->accumulates && op->coefficient == op[-1].coefficient) continue;
+    while (same < images && (first[same].kind != op->kind || first[same].axis != op->axis ||
+                             first[same].src != root[op->src] || first[same].coefficient != op->coefficient))
+      same++;
+    if (same < images) continue;
+    first[images]       = *op;
+    first[images++].src = root[op->src];
   }
   return images <= MPM_MAX_IMAGES ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -501,7 +544,10 @@ PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **out)
   PetscCall(PetscCalloc1(b.slot_room, &b.captured));
   Keep(table, plan);
   plan->nslots = MPM_MAX_IMAGES; /* the images' own come first */
-  for (PetscInt r = 0; r < table->nparticles; r++) b.c[r] = r < table->nstate ? 1 : 0;
+  for (PetscInt r = 0; r < table->nparticles; r++) {
+    b.c[r]    = r < table->nstate ? 1 : 0;
+    b.root[r] = r;
+  }
   for (PetscInt n = 0; n < table->nnodes; n++) PetscCall(NewSlot(&b, &b.slot[n]));
   for (PetscInt o = 0; o < table->nops; o++) PetscCall(Apply(&b, &table->ops[o]));
   PetscCall(EndSums(&b));

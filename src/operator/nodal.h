@@ -112,7 +112,7 @@ typedef struct {
 
 /*
    MpmNodalWhyNot - why a table has no plan, or NULL where it has one. Those that have none come from schemes as text that
-   add a particle field to another, or multiply one by the Courant number.
+   add a particle field to another one of the state, or multiply one by the Courant number. Scratch may be set to a field.
 
    Not collective.
 */

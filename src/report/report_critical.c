@@ -77,6 +77,14 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
   PetscCall(PrintDrift(s, c));
+  if (c->quiet > 0)
+    MpmPrint("  cannot ring  up to %.10g: theorem, no step raises the energy of the particles (docs/theory.md, section "
+             "12)\n",
+             c->quiet);
+  if (c->cure)
+    MpmPrint("  with formulation %s in its place no step raises the energy of the particles up to %.6g, so that it "
+             "cannot ring\n",
+             c->cure->name, c->cured);
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
@@ -283,6 +291,11 @@ static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
   MpmJsonSet(critical, "fading", c->fading);
   MpmJsonSetWindows(critical, &c->windows);
   if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
+  if (c->quiet > 0) MpmJsonSet(critical, "quiet", c->quiet);
+  if (c->cure) {
+    json_object_set_new(critical, "cure", json_string(c->cure->name));
+    MpmJsonSet(critical, "cure_quiet", c->cured);
+  }
   MpmJsonSet(critical, "growth_when_drifting", c->moving);
   MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));

@@ -144,7 +144,14 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
 {
   PetscFunctionBegin;
   MpmPrint("mpmstab %s %s: ", MPMSTAB_VERSION, request->task);
-  PetscCall(PrintFields(s, request, "{formulation}, {basis} basis, {transfer} transfer"));
+  PetscCall(PrintFields(s, request, "{formulation}"));
+  for (const char *const *reads = s->scheme.formulation->options; *reads; reads++) {
+    char text[64];
+
+    PetscCall(PetscSNPrintf(text, sizeof text, ", %s {%s}", *reads, *reads));
+    PetscCall(PrintFields(s, request, text));
+  }
+  PetscCall(PrintFields(s, request, ", {basis} basis, {transfer} transfer"));
   if (s->scheme.transfer->option)
     MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
   PetscCall(PrintFields(

@@ -37,6 +37,18 @@ PetscBool MpmRecordHasAffineRatio(const MpmScene *scene, MpmRecord record)
   return TransferReads(scene, "aflip_ratio");
 }
 
+PetscBool MpmRecordHasShare(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmFormulationReads(scene->scheme.formulation, "share");
+}
+
+PetscBool MpmRecordHasRk(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmFormulationReads(scene->scheme.formulation, "rk");
+}
+
 PetscBool MpmRecordHasFilterTime(const MpmScene *scene, MpmRecord record)
 {
   (void)record;

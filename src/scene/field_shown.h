@@ -8,6 +8,8 @@ PetscBool MpmRecordHasParameters(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasOrder(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasRatio(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasAffineRatio(const MpmScene *scene, MpmRecord record);
+PetscBool MpmRecordHasShare(const MpmScene *scene, MpmRecord record);
+PetscBool MpmRecordHasRk(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasFilterTime(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasDim(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasGradient(const MpmScene *scene, MpmRecord record);

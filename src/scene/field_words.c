@@ -41,6 +41,11 @@ const char *MpmTransferWord(PetscInt i)
   return MpmTransfers[i] ? MpmTransfers[i]->name : NULL;
 }
 
+const char *MpmRkOnWord(PetscInt i)
+{
+  return MpmRkOnNames[i];
+}
+
 const char *MpmLayoutWord(PetscInt i)
 {
   return i == 0 ? "uniform" : NULL;
@@ -154,6 +159,18 @@ const char *MpmBasisOf(const MpmScene *scene)
 const char *MpmTransferOf(const MpmScene *scene)
 {
   return scene->scheme.transfer->name;
+}
+
+const char *MpmRkOf(const MpmScene *scene)
+{
+  return MpmRkWord(scene->scheme.numbers.rk);
+}
+
+const char *MpmRkOnOf(const MpmScene *scene)
+{
+  const MpmScheme *scheme = &scene->scheme;
+
+  return MpmRkOnNames[MpmRkIsOnNodes(&scheme->numbers, scheme->transfer) ? MPM_RK_NODES : MPM_RK_PARTICLES];
 }
 
 const char *MpmGradientOf(const MpmScene *scene)

@@ -119,23 +119,55 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Refuses a number that only some transfers read, when the scene has another transfer. */
-static PetscErrorCode CheckTransferReads(const MpmSettings *settings, const MpmScene *scene, const char option[])
+static PetscBool TransferReads(PetscInt i, const char option[])
 {
-  char message[128] = "allowed: only with transfer ";
-  int  named        = 0;
+  return MpmTransfers[i]->option && !strcmp(MpmTransfers[i]->option, option) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool FormulationReads(PetscInt i, const char option[])
+{
+  return MpmFormulationReads(MpmFormulations[i], option);
+}
+
+/*
+   Refuses a number that only some of the words of another option read, transfer or formulation, when the scene has another
+   one. has: whether its own reads it.
+*/
+static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], const char of[], PetscBool has,
+                                 PetscBool (*reads)(PetscInt, const char[]))
+{
+  const MpmField *words = &MpmOptions[MpmOptionIndex(of)];
+  char            message[128];
+  int             named = 0;
 
   PetscFunctionBegin;
-  if (MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, "transfer"))
+  if (has || MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, of))
     PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->scheme.transfer->option && !strcmp(scene->scheme.transfer->option, option))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt t = 0; MpmTransfers[t]; t++) {
-    if (!MpmTransfers[t]->option || strcmp(MpmTransfers[t]->option, option)) continue;
+  PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with %s ", of));
+  for (PetscInt i = 0; words->word(i); i++) {
+    if (!reads(i, option)) continue;
     if (named++) PetscCall(MpmTextJoin(message, " or ", sizeof message));
-    PetscCall(MpmTextJoin(message, MpmTransfers[t]->name, sizeof message));
+    PetscCall(MpmTextJoin(message, words->word(i), sizeof message));
   }
   PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses the options of formulations and of transfers that the scene's own do not read. */
+static PetscErrorCode CheckAllReads(const MpmSettings *settings, const MpmScheme *scheme)
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (const char *const *option = MpmFormulations[f]->options; *option; option++)
+      PetscCall(CheckReads(settings, *option, "formulation", MpmFormulationReads(scheme->formulation, *option),
+                           FormulationReads));
+  for (PetscInt t = 0; MpmTransfers[t]; t++) {
+    const char *option = MpmTransfers[t]->option, *own = scheme->transfer->option;
+
+    if (option)
+      PetscCall(CheckReads(settings, option, "transfer", own && !strcmp(own, option) ? PETSC_TRUE : PETSC_FALSE,
+                           TransferReads));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,13 +207,15 @@ static PetscBool HasFilter(const MpmFormulation *f)
 
 static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
 {
+  MpmScheme      *scheme  = &scene->scheme;
+  const PetscBool filters = scheme->transfer->filter || scheme->transfer->sharpen ? PETSC_TRUE : PETSC_FALSE;
+
   PetscFunctionBegin;
-  PetscCall(CheckTransferReads(settings, scene, "xpic_order"));
-  PetscCall(CheckTransferReads(settings, scene, "blend_ratio"));
+  PetscCall(CheckAllReads(settings, scheme));
+  PetscCall(MpmSettingsFormulationNumbers(settings, filters, &scheme->numbers));
   if (scene->scheme.transfer->filter)
     PetscCall(MpmSettingsRequire(settings, scene, "transfer", HasFilter,
                                  "FILTER, which says where other transfers than flip act"));
-  PetscCall(CheckTransferReads(settings, scene, "aflip_ratio"));
   PetscCall(ReadFilterTime(settings, scene));
   if (scene->scheme.transfer->affine)
     PetscCall(MpmSettingsRequire(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));

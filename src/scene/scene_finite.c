@@ -16,7 +16,7 @@ static PetscBool HasMove(const MpmFormulation *f)
 
   for (PetscInt field = 0; f->particle_fields[field]; field++) {
     if (f->particle_ranks[field] == MPM_SCALAR) return PETSC_FALSE;
-    stresses += f->particle_ranks[field] == MPM_TENSOR;
+    stresses += f->particle_ranks[field] == MPM_TENSOR && !f->scratch[field];
   }
   return stresses == 1 && MpmFormulationHas(f, MPM_MOVE) && MpmFormulationHas(f, MPM_DRIFT) ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -40,9 +40,14 @@ static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
 /* At finite deformation F takes the place of the stress, which there is only for the time of a DIV. */
 static PetscBool LeavesStress(const MpmFormulation *f)
 {
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n;
+  const MpmOp *ops;
+
   if (!HasMove(f)) return PETSC_FALSE;
-  for (PetscInt o = 0; o < f->nops; o++)
-    if (TouchesStress(f, &f->ops[o])) return PETSC_FALSE;
+  ops = MpmFormulationLines(f, NULL, NULL, room, &n);
+  for (PetscInt o = 0; o < n; o++)
+    if (TouchesStress(f, &ops[o])) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 

@@ -64,6 +64,12 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
 PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line);
 
 /*
+   Collective. Sets the numbers of formulations. filters: the transfer has a filter, or makes something else of the nodes, for
+   which stages on particles have no place; such stages are refused then.
+*/
+PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscBool filters, MpmSchemeNumbers *numbers);
+
+/*
    MpmSettingsKeepScheme    - keeps a scheme that is written in the scene
    MpmSettingsKeepParameter - keeps what was said of what may be a parameter
    MpmSettingsReadScheme    - reads the scheme of a file, and what the command line says of the scheme's parameters. It

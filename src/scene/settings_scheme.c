@@ -47,6 +47,20 @@ static PetscErrorCode UseFile(void *context, yaml_document_t *document, const ya
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscBool filters, MpmSchemeNumbers *numbers)
+{
+  PetscInt on;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReal(settings, "share", &numbers->share));
+  PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
+  PetscCall(MpmSettingsWord(settings, "rk_on", &on));
+  numbers->rk_on = (MpmRkOn)on;
+  if (numbers->rk_on == MPM_RK_PARTICLES && filters)
+    PetscCall(MpmSettingsRefuse(settings, "rk_on", "allowed: only with transfer flip; nodes with others"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    A scheme says what a formulation says, so that the weaker source of the two gives way. A transfer alone is for the
    formulation that is named, or that of the default.
@@ -57,10 +71,14 @@ static PetscErrorCode Choose(MpmSettings *settings)
   const MpmOrigin says = settings->source[formulation], text = settings->source[scheme];
   PetscInt        i;
 
+  MpmSchemeNumbers numbers = {.order = 1};
+
   PetscFunctionBegin;
   if (!settings->scheme->nstep) {
     PetscCall(MpmSettingsWord(settings, "formulation", &i));
-    PetscCall(MpmWrittenAddFormulation(MpmFormulations[i], settings->scheme));
+    PetscCall(MpmSettingsFormulationNumbers(settings, PETSC_TRUE, &numbers));
+    numbers.rk_on = MPM_RK_NODES; /* they have a place for the text's filter */
+    PetscCall(MpmWrittenAddFormulation(MpmFormulations[i], &numbers, NULL, settings->scheme));
   } else if (settings->scheme->name.line && says != MPM_FROM_DEFAULT) {
     if (says > text) settings->scheme = NULL;
     PetscCall(MpmSettingsDisplace(settings, says > text ? formulation : scheme, says > text ? scheme : formulation,

@@ -93,11 +93,13 @@ PetscErrorCode MpmWrittenFromYaml(const char file[], yaml_document_t *document, 
                                   MpmWritten **written);
 
 /* Not collective. The text of a formulation; what that does not say, such as closed forms, is left out. */
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *formulation, MpmWritten **written);
-PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *formulation, MpmWritten *written);
+PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *formulation, const MpmSchemeNumbers *numbers,
+                                         const MpmTransfer *transfer, MpmWritten **written);
+PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *formulation, const MpmSchemeNumbers *numbers,
+                                        const MpmTransfer *transfer, MpmWritten *written);
 
 /* Collective. The text of a transfer. Refuses one without a filter, and one that does more than to filter. */
-PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmTransferNumbers *numbers,
+PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmSchemeNumbers *numbers,
                                       MpmWritten **written);
 
 PetscErrorCode MpmWrittenDestroy(MpmWritten **written);

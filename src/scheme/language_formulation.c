@@ -106,6 +106,42 @@ static PetscErrorCode Energy(MpmCompiler *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   A field of particles is scratch where a line sets it and lines up to the next pass over the particles read it: what
+   goes to nodes ends the pass for all that begins or comes from nodes after it.
+*/
+static void FindScratch(MpmCompiler *c)
+{
+  PetscBool set[MPM_MAX_FIELDS] = {PETSC_FALSE}, sums = PETSC_FALSE;
+
+  for (PetscInt p = 0; p < c->written->nparticles; p++)
+    c->f->scratch[p] = p != c->f->staggered && p != c->f->affine && p != c->f->conserved ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt t = 0; t < c->f->nenergy; t++)
+    if (c->f->energy[t].place == MPM_ON_PARTICLES) c->f->scratch[c->f->energy[t].field] = PETSC_FALSE;
+  for (PetscInt o = 0; o < c->nops; o++) {
+    const MpmOp      *op     = &c->ops[o];
+    const MpmOpTraits traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_NOWHERE};
+    const PetscBool   sends  = traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+
+    if (op->kind >= MPM_OP_KINDS || !sends) {
+      if (sums || op->kind >= MPM_OP_KINDS || traits.dst != MPM_ON_PARTICLES) PetscArrayzero(set, MPM_MAX_FIELDS);
+      sums = PETSC_FALSE;
+    } else
+      sums = PETSC_TRUE;
+    if (op->kind >= MPM_OP_KINDS) {
+      if (op->kind != MPM_IMPOSE && op->kind != MPM_REACT && op->dst != MPM_NONE) c->f->scratch[op->dst] = PETSC_FALSE;
+      continue;
+    }
+    if (traits.src == MPM_ON_PARTICLES && traits.dst != MPM_NOWHERE && op->kind != MPM_SCALE && !set[op->src])
+      c->f->scratch[op->src] = PETSC_FALSE;
+    if (traits.dst != MPM_ON_PARTICLES) continue;
+    if (op->kind == MPM_SCALE && op->factor == 0)
+      set[op->dst] = PETSC_TRUE;
+    else if (!set[op->dst])
+      c->f->scratch[op->dst] = PETSC_FALSE;
+  }
+}
+
 /* The continuous problems, and the ranks of their two fields. MpmWrittenFromYaml has put the vector first. */
 static PetscErrorCode Wave(MpmCompiler *c)
 {
@@ -117,13 +153,16 @@ static PetscErrorCode Wave(MpmCompiler *c)
                {"bar", "two scalars, displacement and w", &MpmWaveSecondOrder, {MPM_SCALAR, MPM_SCALAR}},
                {"momentum", "a vector and a stress", &MpmWaveMomentum, {MPM_VECTOR, MPM_TENSOR}}};
 
-  const MpmWritten *w = c->written;
+  const MpmWritten *w      = c->written;
+  PetscInt          fields = 0;
 
   PetscFunctionBegin;
   if (!w->wave.text) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(waves); i++) {
     if (strcmp(w->wave.text, waves[i].name)) continue;
-    if (w->nparticles != 2 || w->particles[0].rank != waves[i].rank[0] || w->particles[1].rank != waves[i].rank[1])
+    for (PetscInt f = 0; f < w->nparticles; f++) fields += !c->f->scratch[f];
+    if (fields != 2 || c->f->scratch[0] || c->f->scratch[1] || w->particles[0].rank != waves[i].rank[0] ||
+        w->particles[1].rank != waves[i].rank[1])
       Refuse(w, &w->wave, "its exact solutions are of %s; allowed: with two such fields of particles", waves[i].fields);
     c->f->wave = waves[i].wave;
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -219,9 +258,13 @@ static PetscErrorCode CheckUse(const MpmCompiler *c)
 
 static PetscBool SameOps(const MpmFormulation *a, const MpmFormulation *b)
 {
-  if (a->nops != b->nops) return PETSC_FALSE;
-  for (PetscInt o = 0; o < a->nops; o++) {
-    const MpmOp *x = &a->ops[o], *y = &b->ops[o];
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n;
+  const MpmOp *ops = MpmFormulationLines(a, NULL, NULL, room, &n);
+
+  if (n != b->nops) return PETSC_FALSE;
+  for (PetscInt o = 0; o < n; o++) {
+    const MpmOp *x = &ops[o], *y = &b->ops[o];
 
     if (x->kind != y->kind || x->dst != y->dst || x->src != y->src || x->accumulates != y->accumulates ||
         x->coefficient != y->coefficient || x->factor != y->factor)
@@ -232,13 +275,16 @@ static PetscBool SameOps(const MpmFormulation *a, const MpmFormulation *b)
   return PETSC_TRUE;
 }
 
-/* A name is taken by a formulation of the program, unless the scheme is the same as that. */
+/*
+   A name is taken by a formulation of the program, unless the scheme is the same as that. A formulation of the program that
+   a transfer as text is for has no line.
+*/
 static PetscErrorCode CheckName(const MpmCompiler *c)
 {
   const MpmFormulation *other = MpmFormulationFind(c->f->name);
 
   PetscFunctionBegin;
-  if (other && !SameOps(other, c->f))
+  if (other && c->written->name.line && !SameOps(other, c->f))
     Refuse(c->written, &c->written->name, "this name is taken by a formulation of the program; allowed: another name");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -286,10 +332,11 @@ static PetscErrorCode Compile(MpmCompiler *c, const PetscReal numbers[])
   c->f->nops = c->nops;
   c->f->ops  = c->ops;
   PetscCall(Energy(c));
-  PetscCall(Wave(c));
   PetscCall(ParticleField(w, &w->staggered, &c->f->staggered));
   PetscCall(ParticleField(w, &w->affine, &c->f->affine));
   PetscCall(ParticleField(w, &w->conserved, &c->f->conserved));
+  FindScratch(c);
+  PetscCall(Wave(c));
   if (c->f->affine != MPM_NONE && c->f->particle_ranks[c->f->affine] != MPM_VECTOR)
     Refuse(w, &w->affine, "is no vector; allowed: a vector of particles, whose affine part apic gives");
   FindAbilities(c);

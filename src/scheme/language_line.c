@@ -373,24 +373,30 @@ static PetscErrorCode Join(const Reader *r, Value *product, const Value *factor,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A factor that may have a sign of its own, as in v + -0.25 a. */
+static PetscErrorCode ReadSigned(Reader *r, Value *factor)
+{
+  const PetscReal sign = Takes(r, '-') ? -1 : 1;
+
+  PetscFunctionBegin;
+  PetscCall(ReadFactor(r, factor));
+  for (PetscInt t = 0; t < factor->n; t++)
+    for (PetscInt p = 0; p <= MPM_MOST_POWER; p++) factor->term[t].factor.of[p] *= sign;
+  for (PetscInt p = 0; p <= MPM_MOST_POWER; p++) factor->number.of[p] *= sign;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadProduct(Reader *r, Value *product)
 {
   PetscFunctionBegin;
-  PetscCall(ReadFactor(r, product));
+  PetscCall(ReadSigned(r, product));
   while (PETSC_TRUE) {
     const char c = Next(r);
     Value      factor;
 
     if (c != '*' && c != '/' && c != '(' && c != '.' && !isdigit((unsigned char)c) && !BeginsWord(c)) break;
     if (c == '*' || c == '/') r->at++;
-    if (Next(r) == '-') {
-      r->at++;
-      PetscCall(ReadFactor(r, &factor));
-      for (PetscInt t = 0; t < factor.n; t++)
-        for (PetscInt p = 0; p <= MPM_MOST_POWER; p++) factor.term[t].factor.of[p] *= -1;
-      for (PetscInt p = 0; p <= MPM_MOST_POWER; p++) factor.number.of[p] *= -1;
-    } else
-      PetscCall(ReadFactor(r, &factor));
+    PetscCall(ReadSigned(r, &factor));
     PetscCall(Join(r, product, &factor, c == '/' ? PETSC_TRUE : PETSC_FALSE));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

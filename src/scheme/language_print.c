@@ -94,31 +94,76 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The text of the first of n operations. A field of particles that is set to 0 and added to is one line, p = v + G2P a_i. */
+static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp ops[], size_t room, char text[],
+                              PetscInt *used)
+{
+  const PetscBool sets = ops->kind == MPM_SCALE && ops->factor == 0 ? PETSC_TRUE : PETSC_FALSE;
+  char            factor[64];
+
+  PetscFunctionBegin;
+  *used = 1;
+  if (!sets || n == 1 || ops[1].kind != MPM_ADD || ops[1].dst != ops->dst) {
+    PetscCall(MpmWrittenLineText(f, ops, room, text));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscSNPrintf(text, room, "%s =", f->particle_fields[ops->dst]));
+  for (; *used < n; ++*used) {
+    const MpmOp *op = &ops[*used];
+
+    if (op->kind >= MPM_OP_KINDS || MpmOpTraitsOf(op->kind).dst != MPM_ON_PARTICLES || op->dst != ops->dst ||
+        !op->accumulates)
+      break;
+    PetscCall(FactorText(op, sizeof factor, factor));
+    PetscCall(MpmTextJoin(text, *used > 1 ? " + " : " ", room));
+    PetscCall(MpmTextJoin(text, factor, room));
+    PetscCall(MpmTextJoin(text, Word(f, op), room));
+    PetscCall(MpmTextJoin(text, (op->kind == MPM_ADD ? f->particle_fields : f->node_fields)[op->src], room));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether an operation sets a scratch field. */
+static PetscBool Begins(PetscInt n, const MpmOp ops[], PetscInt field)
+{
+  for (PetscInt o = 0; o < n; o++)
+    if (ops[o].kind == MPM_SCALE && ops[o].dst == field) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static const char *WaveName(const MpmWave *wave)
 {
   return wave == &MpmWaveFirstOrder ? "gas" : wave == &MpmWaveSecondOrder ? "bar" : "momentum";
 }
 
-PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, MpmWritten *w)
+PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, const MpmSchemeNumbers *numbers,
+                                        const MpmTransfer *transfer, MpmWritten *w)
 {
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n;
+  const MpmOp *ops = MpmFormulationLines(f, numbers, transfer, room, &n);
+  PetscInt     used;
+
   PetscFunctionBegin;
   PetscCall(Keep(f->name, &w->name));
   PetscCall(Keep(f->summary, &w->summary));
   PetscCall(Keep(f->reference, &w->reference));
-  for (; f->particle_fields[w->nparticles]; w->nparticles++) {
-    PetscCall(Keep(f->particle_fields[w->nparticles], &w->particles[w->nparticles].name));
-    w->particles[w->nparticles].rank = f->particle_ranks[w->nparticles];
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    if (f->scratch[field] && !Begins(n, ops, field)) continue;
+    PetscCall(Keep(f->particle_fields[field], &w->particles[w->nparticles].name));
+    w->particles[w->nparticles++].rank = f->particle_ranks[field];
   }
   for (; f->node_fields[w->nnodes]; w->nnodes++) {
     PetscCall(Keep(f->node_fields[w->nnodes], &w->nodes[w->nnodes].name));
     w->nodes[w->nnodes].rank = f->node_ranks[w->nnodes];
   }
-  PetscCheck(f->nops <= MPM_MOST_LINES_OF_STEP, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MOST_LINES_OF_STEP");
-  for (; w->nstep < f->nops; w->nstep++) {
-    char text[128];
+  for (PetscInt o = 0; o < n;) {
+    char text[256];
 
-    PetscCall(MpmWrittenLineText(f, &f->ops[w->nstep], sizeof text, text));
-    PetscCall(Keep(text, &w->step[w->nstep]));
+    PetscCheck(w->nstep < MPM_MOST_LINES_OF_STEP, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MOST_LINES_OF_STEP");
+    PetscCall(SetText(f, n - o, &ops[o], sizeof text, text, &used));
+    PetscCall(Keep(text, &w->step[w->nstep++]));
+    o += used;
   }
   for (; w->nenergy < f->nenergy; w->nenergy++) {
     const MpmEnergyTerm *term = &f->energy[w->nenergy];
@@ -134,11 +179,12 @@ PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, MpmWritten *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, MpmWritten **written)
+PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, const MpmSchemeNumbers *numbers,
+                                         const MpmTransfer *transfer, MpmWritten **written)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(written));
-  PetscCall(MpmWrittenAddFormulation(f, *written));
+  PetscCall(MpmWrittenAddFormulation(f, numbers, transfer, *written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

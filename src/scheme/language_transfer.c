@@ -16,7 +16,7 @@ static char filtered_name[] = "q", nodal_name[] = "g";
 /* ---- in a table ---- */
 
 /* Puts the operations in the place of FILTER: register 0 is the particle's and the node's, the others are new. */
-static PetscErrorCode Lines(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+static PetscErrorCode Lines(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
   const MpmTransfer *t                           = table->transfer;
   PetscInt           particle_of[MPM_MAX_FIELDS] = {particle}, node_of[MPM_MAX_FIELDS] = {node};
@@ -242,7 +242,7 @@ static PetscErrorCode LinesOf(const MpmTable *table, MpmWritten *w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmTransferNumbers *numbers,
+PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmSchemeNumbers *numbers,
                                       MpmWritten **written)
 {
   MpmTable      *table;

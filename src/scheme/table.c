@@ -341,6 +341,27 @@ static PetscBool IsGradOf(const MpmOp *op, PetscInt particle)
   return op->kind == MPM_GRAD && op->dst == particle ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/*
+   Where a scratch field begins: what a transfer makes of the nodes that the next lines send to particles comes before it,
+   since scratch lives for one pass over the particles.
+*/
+static PetscErrorCode SharpenBefore(MpmTableBuilder *b, PetscInt o)
+{
+  const MpmFormulation *f = b->formulation;
+
+  PetscFunctionBegin;
+  if (f->ops[o].kind != MPM_SCALE || !f->scratch[f->ops[o].dst]) PetscFunctionReturn(PETSC_SUCCESS);
+  for (; o < f->nops && f->ops[o].kind < MPM_OP_KINDS && MpmOpTraitsOf(f->ops[o].kind).dst == MPM_ON_PARTICLES; o++)
+    for (PetscInt c = 0;
+         MpmOpTraitsOf(f->ops[o].kind).src == MPM_ON_NODES && c < MpmBuilderComponents(b, PETSC_TRUE, f->ops[o].src);
+         c++) {
+      PetscInt sharp;
+
+      PetscCall(MpmBuilderSharpen(b, b->node[f->ops[o].src] + c, &sharp));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A wall with a reaction is imposed after the filter, because the filter must act on the values before the wall. */
 static PetscErrorCode Translate(MpmTableBuilder *b)
 {
@@ -353,6 +374,7 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
         o + 1 < f->nops && IsFilter(b, &op[1]) && op[1].src == op->dst ? PETSC_TRUE : PETSC_FALSE;
 
     if (b->space->finite) PetscCall(MpmFiniteBefore(b, op));
+    PetscCall(SharpenBefore(b, o));
     if (op->kind == MPM_IMPOSE) {
       const PetscInt n = MpmBuilderComponents(b, PETSC_TRUE, op->dst);
 
@@ -413,16 +435,19 @@ static PetscErrorCode WhereOf(const MpmFormulation *f, size_t room, char where[]
 }
 
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
-                              const MpmTransferNumbers *numbers, const MpmSpace *space, MpmTable **table)
+                              const MpmSchemeNumbers *numbers, const MpmSpace *space, MpmTable **table)
 {
-  MpmTableBuilder b = {.formulation = formulation, .transfer = transfer, .numbers = numbers, .space = space};
+  MpmFormulation  written = *formulation;
+  MpmOp           lines[MPM_MOST_TABLE_LINES];
+  MpmTableBuilder b = {.formulation = &written, .transfer = transfer, .numbers = numbers, .space = space};
   MpmTable       *t;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(table));
-  t       = *table;
-  b.table = t;
-  t->dim  = space->dim;
+  t           = *table;
+  b.table     = t;
+  t->dim      = space->dim;
+  written.ops = MpmFormulationLines(formulation, numbers, transfer, lines, &written.nops);
   PetscCall(WhereOf(formulation, sizeof t->where, t->where));
   t->transfer = transfer;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;

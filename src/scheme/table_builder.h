@@ -26,11 +26,11 @@
    stretching      - the slopes are complete, and F is to be stretched by them
 S*/
 typedef struct {
-  const MpmFormulation     *formulation;
-  const MpmTransfer        *transfer;
-  const MpmTransferNumbers *numbers;
-  const MpmSpace           *space;
-  PetscInt                  particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
+  const MpmFormulation   *formulation;
+  const MpmTransfer      *transfer;
+  const MpmSchemeNumbers *numbers;
+  const MpmSpace         *space;
+  PetscInt                particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
       sharp_at[MPM_MAX_FIELDS];
   PetscInt  moved[MPM_MAX_MOVED], nmoved, moved_at, velocity, slope, load, way;
   PetscBool stretching;

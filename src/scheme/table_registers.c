@@ -209,17 +209,38 @@ static PetscErrorCode AddNodes(MpmTableBuilder *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The registers of a scratch field, if an operation has it. */
+static PetscErrorCode AddScratch(MpmTableBuilder *b, PetscInt field)
+{
+  const MpmFormulation *f    = b->formulation;
+  PetscBool             used = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < f->nops; o++)
+    if (f->ops[o].kind == MPM_SCALE && f->ops[o].dst == field) used = PETSC_TRUE;
+  for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_FALSE, field) && used; c++) {
+    PetscInt scratch;
+
+    if (c == 0) b->particle[field] = b->table->nparticles;
+    PetscCall(MpmTableScratch(b->table, &scratch));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b)
 {
   MpmTable *t = b->table;
 
   PetscFunctionBegin;
   t->stretch = MPM_NONE;
-  for (PetscInt f = 0; b->formulation->particle_fields[f]; f++) PetscCall(AddField(b, f));
+  for (PetscInt f = 0; b->formulation->particle_fields[f]; f++)
+    if (!b->formulation->scratch[f]) PetscCall(AddField(b, f));
   PetscCall(AddDisplacement(b));
   t->unfiltered = t->nstate;
   PetscCall(AddAffinePart(b));
   t->nparticles = t->nstate;
+  for (PetscInt f = 0; b->formulation->particle_fields[f]; f++)
+    if (b->formulation->scratch[f]) PetscCall(AddScratch(b, f));
   if (b->space->finite) PetscCall(MpmFiniteAddScratch(b));
   PetscCall(AddNodes(b));
   PetscFunctionReturn(PETSC_SUCCESS);

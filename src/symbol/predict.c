@@ -97,11 +97,11 @@ static PetscBool HasSum(const MpmScheme *scheme)
              : PETSC_FALSE;
 }
 
-PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
+static PetscErrorCode Create(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                             const MpmFraction drift[], MpmPredictor *p)
 {
-  const MpmFraction rest               = {.den = 1};
-  PetscBool         used[MPM_OP_KINDS] = {PETSC_FALSE};
-  PetscReal         mean               = 0;
+  PetscBool used[MPM_OP_KINDS] = {PETSC_FALSE};
+  PetscReal mean               = 0;
 
   PetscFunctionBegin;
   *p                   = (MpmPredictor){.layout            = layout,
@@ -120,7 +120,7 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
   if (IsCurved(scheme)) used[CurveOf(scheme)] = PETSC_TRUE;
   if (HasSlopes(scheme)) used[MPM_GRAD] = PETSC_TRUE;
   if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[scheme->table->affine_map] = PETSC_TRUE;
-  for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &rest, used, &p->ties[a]));
+  for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &drift[a], used, &p->ties[a]));
   for (PetscInt j = 0; j < layout->ppc[0]; j++) {
     PetscInt  cell[MPM_MAX_DIM];
     PetscReal xi[MPM_MAX_DIM];
@@ -134,6 +134,23 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
     if (!p->why_not_corrected) p->why_not_corrected = p->why_not;
     if (!p->why_not_published) p->why_not_published = p->why_not;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
+{
+  const MpmFraction rest[MPM_MAX_DIM] = {{.den = 1}, {.den = 1}, {.den = 1}};
+
+  PetscFunctionBegin;
+  PetscCall(Create(layout, scheme, drifts, rest, p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPredictorCreateFrozen(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[],
+                                        MpmPredictor *p)
+{
+  PetscFunctionBegin;
+  PetscCall(Create(layout, scheme, PETSC_FALSE, drift, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,17 +169,17 @@ MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
 
   MpmTiesWave(ties, beta, wave);
   for (PetscInt j = 0; j < ties->n; j++) {
-    const double complex value = MpmTie(ties, 0, MPM_P2G, j, wave);
-    const double complex slope = MpmTie(ties, 0, GradientOf(p->scheme), j, wave);
+    const double complex value = MpmTie(ties, p->at, MPM_P2G, j, wave);
+    const double complex slope = MpmTie(ties, p->at, GradientOf(p->scheme), j, wave);
 
     along.alpha += creal(conj(value) * value) / ties->n;
     along.kappa += creal(conj(slope) * slope) / ties->n;
     along.mu += conj(value) * slope / ties->n;
-    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, 0, CurveOf(p->scheme), j, wave)) * value / ties->n;
-    if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, 0, MPM_GRAD, j, wave) / ties->n;
+    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, p->at, CurveOf(p->scheme), j, wave)) * value / ties->n;
+    if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, p->at, MPM_GRAD, j, wave) / ties->n;
     if (p->scheme->table->affine != MPM_NONE)
-      along.theta += conj(MpmTie(ties, 0, MPM_P2G_AFFINE, j, wave)) *
-                     MpmTie(ties, 0, p->scheme->table->affine_map, j, wave) / ties->n;
+      along.theta += conj(MpmTie(ties, p->at, MPM_P2G_AFFINE, j, wave)) *
+                     MpmTie(ties, p->at, p->scheme->table->affine_map, j, wave) / ties->n;
   }
   if (along.alpha < NOTHING) along.alpha = 0;
   return along;
@@ -240,9 +257,10 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
 {
   const PetscInt  dim   = p->layout->dim;
   const MpmSpace *space = &p->scheme->space;
-  MpmCellSymbols  all   = {.alpha = Others(p, along, MPM_NONE, MPM_NONE)};
-  PetscReal       kappa[MPM_MAX_DIM], sharp = 1;
-  double complex  vector[MPM_MAX_DIM][MPM_MAX_DIM], sums[MPM_MAX_DIM], square = 0;
+  MpmCellSymbols  all   = {
+         .alpha = Others(p, along, MPM_NONE, MPM_NONE), .transfer = p->scheme->transfer, .numbers = &p->scheme->numbers};
+  PetscReal      kappa[MPM_MAX_DIM], sharp = 1;
+  double complex vector[MPM_MAX_DIM][MPM_MAX_DIM], sums[MPM_MAX_DIM], square = 0;
 
   for (PetscInt a = 0; a < dim; a++) {
     const double complex m = along[a].mu * Others(p, along, a, a);

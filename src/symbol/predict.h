@@ -31,7 +31,7 @@ const char *MpmPredictionText(const MpmScheme *scheme);
    problems          - a step of a phase splits into so many problems of two amplification factors each: with a stress,
                        one for each direction of motion that particles resist; else 1
    e                 - C1 - C2 of the slides' weights
-   ties              - the weights of the maps along each direction
+   ties, at          - the weights of the maps along each direction, at the steps of a drift; the step that symbols are of
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -40,11 +40,19 @@ typedef struct {
   PetscInt         problems;
   PetscReal        e;
   MpmTies          ties[MPM_MAX_DIM];
+  PetscInt         at;
 } MpmPredictor;
 
 /* Not collective. drifts says whether particles move; the closed forms do not cover that. */
 PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
                                   MpmPredictor *predictor);
+
+/*
+   Not collective. The same of a frozen grid: one whose particles have moved by so many steps of a drift (at), which is at rest for
+   the closed forms.
+*/
+PetscErrorCode MpmPredictorCreateFrozen(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[],
+                                        MpmPredictor *predictor);
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
 /*

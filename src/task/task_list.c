@@ -23,8 +23,8 @@ static PetscErrorCode ListFormulations(void)
 /* Prints a formulation in the language of schemes, so that the text can be changed and given back. */
 static PetscErrorCode ListOneFormulation(const char name[])
 {
-  const MpmTransferNumbers numbers = {.order = 1};
-  const MpmSpace           space   = {.dim = 1};
+  const MpmSchemeNumbers numbers = {.order = 1};
+  const MpmSpace         space   = {.dim = 1};
 
   const MpmFormulation *formulation = MpmFormulationFind(name);
   MpmTable             *table;
@@ -38,7 +38,7 @@ static PetscErrorCode ListOneFormulation(const char name[])
   near = MpmSuggest(name, n, names);
   MpmCheckInput(formulation, "list formulation %.200s: allowed: a name that 'mpmstab list formulation' prints%s%s%s",
                 name, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
-  PetscCall(MpmWrittenFromFormulation(formulation, &written));
+  PetscCall(MpmWrittenFromFormulation(formulation, NULL, NULL, &written));
   PetscCall(MpmWrittenYaml(written, &yaml));
   MpmPrint("%s", yaml);
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
@@ -54,7 +54,7 @@ static PetscErrorCode ListOneTransfer(const char name[], const char value[])
 {
   const MpmTransfer *transfer = MpmTransferFind(name);
   const char        *names[64], *near, *text = value;
-  MpmTransferNumbers numbers;
+  MpmSchemeNumbers   numbers;
   MpmWritten        *written;
   PetscInt           n = 0;
   char              *yaml, *end;
@@ -76,9 +76,9 @@ static PetscErrorCode ListOneTransfer(const char name[], const char value[])
                       (option->kind != MPM_INTEGER || number == floor(number)),
                   "list transfer %s %.100s: allowed: a value of %s, from %.6g to %.6g", name, text, transfer->option,
                   option->lo, option->hi);
-    numbers = (MpmTransferNumbers){.order = (PetscInt)number, .ratio = number, .affine_ratio = number};
+    numbers = (MpmSchemeNumbers){.order = (PetscInt)number, .ratio = number, .affine_ratio = number};
   } else
-    numbers = (MpmTransferNumbers){.order = 1};
+    numbers = (MpmSchemeNumbers){.order = 1};
   PetscCall(MpmWrittenFromTransfer(transfer, &numbers, &written));
   PetscCall(MpmWrittenYaml(written, &yaml));
   MpmPrint("%s", yaml);

@@ -20,10 +20,13 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
 {
   MpmScene *scene;
   MpmRun   *run;
-  PetscBool measured, turn;
+  PetscBool measured, turn = PETSC_FALSE;
+  int       ranks;
 
   PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   if (growth < LEAST || !strstr(row, ",") || row[0] == '1') PetscFunctionReturn(PETSC_SUCCESS);
+  if (ranks > 1 && strstr(options, "-cells 3")) PetscFunctionReturn(PETSC_SUCCESS); /* a rank needs 2 cells */
   PetscCall(CheckHasTurn(tried++, &turn));
   if (!turn) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(CheckScene(options, &scene));
@@ -44,8 +47,8 @@ static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "growth_nd FILE");
-  PetscCall(OracleGrowthNd(argv[1], 60, CheckRow));
-  CHECK(tried >= 21 && unmeasured <= 2, "%d of %d rows measured, %d not", (int)rows, (int)tried, (int)unmeasured);
+  PetscCall(OracleGrowthNd(argv[1], 159, CheckRow));
+  CHECK(tried >= 21 && unmeasured <= 3, "%d of %d rows measured, %d not", (int)rows, (int)tried, (int)unmeasured);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

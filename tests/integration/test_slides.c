@@ -96,8 +96,52 @@ static void MomentumStep(const char formulation[], PetscReal k, const Plain *s)
   }
 }
 
-static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
+/* The part of the strain before the force with verlet, half of it. */
+static void VerletStep(PetscReal k, const Plain *s)
 {
+  SumToNodes(s, s->a, s->ai);
+  AddGradient(s, k / 2, s->ai, s->b);
+  Divergence(s, s->b, s->ci);
+  AddValue(s, -k, s->ci, s->a);
+  for (PetscInt i = 0; i < s->cells; i++) s->ai[i] -= k * s->ci[i];
+  AddGradient(s, k / 2, s->ai, s->b);
+}
+
+/* The classical Runge-Kutta step as text books have it, of d(v, s)/dt = (-G2P DIV s, GRAD P2G v). */
+static PetscErrorCode RungeKuttaStep(PetscReal k, const Plain *s)
+{
+  static const PetscReal at[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
+  PetscReal             *v, *b, *dv, *db;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(s->n, &v, s->n, &b, s->n, &dv, s->n, &db));
+  PetscCall(PetscArraycpy(v, s->a, s->n));
+  PetscCall(PetscArraycpy(b, s->b, s->n));
+  for (int stage = 0; stage < 4; stage++) {
+    PetscReal *stage_v = dv, *stage_b = db;
+
+    for (PetscInt p = 0; p < s->n; p++) {
+      stage_v[p] = v[p] + (stage ? at[stage] * dv[p] : 0);
+      stage_b[p] = b[p] + (stage ? at[stage] * db[p] : 0);
+    }
+    SumToNodes(s, stage_v, s->ai);
+    Divergence(s, stage_b, s->ci);
+    PetscCall(PetscArrayzero(dv, s->n));
+    PetscCall(PetscArrayzero(db, s->n));
+    AddValue(s, -k, s->ci, dv);
+    AddGradient(s, k, s->ai, db);
+    for (PetscInt p = 0; p < s->n; p++) {
+      s->a[p] += weight[stage] * dv[p];
+      s->b[p] += weight[stage] * db[p];
+    }
+  }
+  PetscCall(PetscFree4(v, b, dv, db));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode PlainStep(const char formulation[], PetscReal k, const Plain *s)
+{
+  PetscFunctionBegin;
   if (!strcmp(formulation, "gas1")) {
     SumToNodes(s, s->a, s->ai);
     SumToNodes(s, s->b, s->bi);
@@ -108,6 +152,10 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
     AddGradient(s, k, s->bi, s->a);
     SumToNodes(s, s->a, s->ai);
     AddGradient(s, k, s->ai, s->b);
+  } else if (!strcmp(formulation, "verlet")) {
+    VerletStep(k, s);
+  } else if (!strcmp(formulation, "rk")) {
+    PetscCall(RungeKuttaStep(k, s));
   } else if (strcmp(formulation, "elastic")) {
     MomentumStep(formulation, k, s);
   } else {
@@ -119,6 +167,7 @@ static void PlainStep(const char formulation[], PetscReal k, const Plain *s)
     AddValue(s, 1, s->ci, s->b);
     AddValue(s, k, s->bi, s->a);
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Computes x = rest + n delta in extended precision, so that particles meet nodes where the fractions say they do. */
@@ -148,7 +197,7 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
   PetscCall(PlainCreate(march, &plain));
   for (PetscInt64 step = 0; step < check_request.steps; step++) {
     PetscCall(MpmMarchStep(march, PETSC_FALSE));
-    PlainStep(formulation, scene->step.courant, &plain);
+    PetscCall(PlainStep(formulation, scene->step.courant, &plain));
     PlainDrift(scene, step + 1, &plain);
   }
   PetscCall(GatherField(march, scene->scheme.table->fields[0], &a));

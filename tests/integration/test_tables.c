@@ -116,7 +116,7 @@ static PetscErrorCode Refuses(const char what[], PetscInt nops, const MpmOp ops[
 
   PetscFunctionBegin;
   PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-  error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, &space, &table);
+  error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmSchemeNumbers){.order = 1}, &space, &table);
   PetscCall(PetscPopErrorHandler());
   CHECK(error == PETSC_ERR_SUP, "%s: error %d", what, (int)error);
   PetscCall(MpmTableDestroy(&table));
@@ -213,7 +213,7 @@ static PetscErrorCode RefusesRanks(void)
     PetscErrorCode error;
 
     PetscCall(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
-    error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmTransferNumbers){.order = 1}, &space, &table);
+    error = MpmTableCreate(&test, MpmTransferFind("flip"), &(MpmSchemeNumbers){.order = 1}, &space, &table);
     PetscCall(PetscPopErrorHandler());
     CHECK(error == (dim == 1 ? PETSC_SUCCESS : PETSC_ERR_SUP), "dim %d: error %d", (int)dim, (int)error);
     PetscCall(MpmTableDestroy(&table));

@@ -184,6 +184,8 @@ def check_failures():
     check("-program_dt step: " in said and "allowed: dt\n" in said, f"a time step of another name: {said}")
     for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
         pids = f"signal{int(number)}"
+        if os.path.exists(pids):  # of an earlier run
+            os.remove(pids)
         with subprocess.Popen([MPMSTAB, "spectrum", "-program", program("program_fails.py", "hangs", pids)],
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
             while not os.path.exists(pids) or not os.path.getsize(pids):

@@ -25,7 +25,10 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 /* clang-format off */
 #define MOMENTUM                                                                                                       \
   .particle_fields = {"v", "s"}, .particle_ranks = {MPM_VECTOR, MPM_TENSOR}, .node_fields = {"v_i", "a_i"},            \
-  .node_ranks = {MPM_VECTOR, MPM_VECTOR}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops,                          \
+  .node_ranks = {MPM_VECTOR, MPM_VECTOR}, .nops = PETSC_STATIC_ARRAY_LENGTH(ops), .ops = ops, MOMENTUM_PROBLEM
+
+/* What they share besides fields and table. */
+#define MOMENTUM_PROBLEM                                                                                               \
   .affine = V, .conserved = V, .free_ends = PETSC_TRUE, .materials = PETSC_TRUE,                                       \
   .nenergy = PETSC_STATIC_ARRAY_LENGTH(MpmMomentumEnergy),                                                             \
   .energy = MpmMomentumEnergy, .wave = &MpmWaveMomentum

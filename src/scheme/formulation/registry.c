@@ -1,11 +1,11 @@
 /* The list of formulations, and the traits and numbers of operations. */
-#include <mpmstab/formulation.h>
+#include <mpmstab/transfer.h>
 #include <string.h>
 
-extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg;
+extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg, MpmVerlet, MpmRk;
 
-const MpmFormulation *const MpmFormulations[] = {&MpmGas1, &MpmGas2, &MpmElastic, &MpmUsl,
-                                                 &MpmUsf,  &MpmMusl, &MpmUsavg,   NULL};
+const MpmFormulation *const MpmFormulations[] = {&MpmGas1, &MpmGas2,  &MpmElastic, &MpmUsl, &MpmUsf,
+                                                 &MpmMusl, &MpmUsavg, &MpmVerlet,  &MpmRk,  NULL};
 
 const MpmFormulation *MpmFormulationFind(const char name[])
 {
@@ -14,24 +14,61 @@ const MpmFormulation *MpmFormulationFind(const char name[])
   return NULL;
 }
 
-PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind)
+const MpmOp *MpmFormulationLines(const MpmFormulation *f, const MpmSchemeNumbers *numbers, const MpmTransfer *transfer,
+                                 MpmOp room[MPM_MOST_TABLE_LINES], PetscInt *n)
 {
-  for (PetscInt o = 0; o < formulation->nops; o++)
-    if (formulation->ops[o].kind == kind) return PETSC_TRUE;
+  const MpmSchemeNumbers usual = {.share = 0.5, .rk = MPM_RK_USUAL};
+
+  *n = f->lines ? f->lines(numbers ? numbers : &usual, transfer, room) : f->nops;
+  return f->lines ? room : f->ops;
+}
+
+PetscBool MpmFormulationReads(const MpmFormulation *formulation, const char option[])
+{
+  for (const char *const *reads = formulation->options; *reads; reads++)
+    if (!strcmp(*reads, option)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
+PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind)
+{
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n;
+  const MpmOp *ops = MpmFormulationLines(formulation, NULL, NULL, room, &n);
+
+  for (PetscInt o = 0; o < n; o++)
+    if (ops[o].kind == kind) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Whether another operation takes the particle field of the first one to nodes by another map. */
+static PetscBool Differ(const MpmOp *one, const MpmOp *other)
+{
+  return (other->kind == MPM_P2G || other->kind == MPM_DIV) && other->src == one->src && other->kind != one->kind
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* A scratch field stands for the field that it is set to: root. */
 PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation)
 {
-  for (PetscInt o = 0; o < formulation->nops; o++) {
-    const MpmOp *op = &formulation->ops[o];
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n, root[MPM_MAX_FIELDS];
+  const MpmOp *ops = MpmFormulationLines(formulation, NULL, NULL, room, &n);
 
-    if (op->kind == MPM_SCALE || op->kind == MPM_ADD) return PETSC_FALSE;
-    if (op->kind != MPM_P2G && op->kind != MPM_DIV) continue;
-    for (PetscInt other = 0; other < o; other++)
-      if ((formulation->ops[other].kind == MPM_P2G || formulation->ops[other].kind == MPM_DIV) &&
-          formulation->ops[other].src == op->src && formulation->ops[other].kind != op->kind)
+  for (PetscInt f = 0; f < MPM_MAX_FIELDS; f++) root[f] = f;
+  for (PetscInt o = 0; o < n; o++) {
+    MpmOp op = ops[o];
+
+    if (op.kind == MPM_SCALE || op.kind == MPM_ADD) {
+      if (!formulation->scratch[op.dst] || (root[op.dst] != op.dst && op.src != op.dst && root[op.dst] != op.src))
         return PETSC_FALSE;
+      if (op.kind == MPM_ADD) root[op.dst] = op.src;
+    }
+    if (op.kind != MPM_P2G && op.kind != MPM_DIV) continue;
+    op.src = root[op.src];
+    for (PetscInt other = 0; other < o; other++)
+      if (Differ(&op, &ops[other])) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }

@@ -11,8 +11,7 @@
 */
 #include <mpmstab/table.h>
 
-PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle,
-                                     PetscInt node)
+PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
   PetscFunctionBegin;
   if (numbers->affine_ratio < 1) {
@@ -24,7 +23,7 @@ PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmTransferNumbers *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmTransferAffineRatio(const MpmTransferNumbers *numbers)
+PetscReal MpmTransferAffineRatio(const MpmSchemeNumbers *numbers)
 {
   return numbers->affine_ratio;
 }

@@ -11,6 +11,7 @@
 const MpmTransfer MpmApic = {.name = "apic",
                              .summary =
                                  "particles take values and an affine field from the grid; momentum schemes only",
+                             .quiet         = PETSC_TRUE,
                              .reference     = "Jiang, Schroeder, Selle, Teran and Stomakhin 2015",
                              .affine        = PETSC_TRUE,
                              .mls_bound     = PETSC_TRUE,

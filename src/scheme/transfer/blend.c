@@ -7,7 +7,7 @@
 */
 #include <mpmstab/table.h>
 
-static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+static PetscErrorCode Filter(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
   PetscFunctionBegin;
   PetscCall(MpmTableAppend(table, (MpmOp)SCALE(particle, numbers->ratio)));
@@ -15,23 +15,24 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   return numbers->ratio + (1 - numbers->ratio) * alpha;
 }
 
-static PetscReal NullFactor(const MpmTransferNumbers *numbers)
+static PetscReal NullFactor(const MpmSchemeNumbers *numbers)
 {
   return numbers->ratio;
 }
 
-static PetscReal Number(const MpmTransferNumbers *numbers)
+static PetscReal Number(const MpmSchemeNumbers *numbers)
 {
   return numbers->ratio;
 }
 
 const MpmTransfer MpmBlend = {.name          = "blend",
                               .summary       = "blend_ratio of flip, the rest of pic",
+                              .quiet         = PETSC_TRUE,
                               .reference     = "Zhu and Bridson 2005",
                               .option        = "blend_ratio",
                               .number        = Number,

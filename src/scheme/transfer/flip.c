@@ -1,14 +1,14 @@
 /* FLIP: particles gain the grid's increments. The filter is the identity. Source: Brackbill and Ruppel 1986. */
 #include <mpmstab/transfer.h>
 
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   (void)alpha;
   return 1;
 }
 
-static PetscReal NullFactor(const MpmTransferNumbers *numbers)
+static PetscReal NullFactor(const MpmSchemeNumbers *numbers)
 {
   (void)numbers;
   return 1;
@@ -16,6 +16,7 @@ static PetscReal NullFactor(const MpmTransferNumbers *numbers)
 
 const MpmTransfer MpmFlip = {.name          = "flip",
                              .summary       = "particles gain increments from the grid",
+                             .quiet         = PETSC_TRUE,
                              .reference     = "Brackbill and Ruppel 1986",
                              .filter_symbol = FilterSymbol,
                              .leftmost      = PETSC_TRUE,

@@ -14,7 +14,7 @@
 #include <mpmstab/transfer.h>
 #include <math.h>
 
-static PetscReal SharpSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal SharpSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   PetscReal sum = 0;
 

@@ -8,7 +8,7 @@
 */
 #include <mpmstab/table.h>
 
-static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+static PetscErrorCode Filter(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
   PetscInt solution;
 
@@ -19,7 +19,7 @@ static PetscErrorCode Filter(MpmTable *table, const MpmTransferNumbers *numbers,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal FilterSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+static PetscReal FilterSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   return alpha > 0 ? 1 : 0;

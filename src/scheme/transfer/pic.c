@@ -1,7 +1,7 @@
 /* PIC: particles take the grid's values. The filter is F = W P. Source: Harlow 1964. */
 #include <mpmstab/table.h>
 
-PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
   PetscFunctionBegin;
   (void)numbers;
@@ -10,13 +10,13 @@ PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmTransferNumbers *nu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmTransferForgets(const MpmTransferNumbers *numbers)
+PetscReal MpmTransferForgets(const MpmSchemeNumbers *numbers)
 {
   (void)numbers;
   return 0;
 }
 
-PetscReal MpmTransferFromGridSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+PetscReal MpmTransferFromGridSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   (void)numbers;
   return alpha;
@@ -24,6 +24,7 @@ PetscReal MpmTransferFromGridSymbol(const MpmTransferNumbers *numbers, PetscReal
 
 const MpmTransfer MpmPic = {.name          = "pic",
                             .summary       = "particles take values from the grid",
+                            .quiet         = PETSC_TRUE,
                             .reference     = "Harlow 1964",
                             .filter        = MpmTransferFromGrid,
                             .filter_symbol = MpmTransferFromGridSymbol,

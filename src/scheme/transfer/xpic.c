@@ -21,26 +21,44 @@ static PetscErrorCode NextTerm(MpmTable *table, PetscInt scratch, PetscInt smoot
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTransferSum(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt node, PetscInt *sum)
+/* The registers of a sum. They are those of an earlier sum of the same node field, if there is one. */
+static PetscErrorCode Registers(MpmTable *table, PetscInt node, PetscInt *scratch, PetscInt *smoothed, PetscInt *term,
+                                PetscInt *sum)
 {
-  PetscInt scratch, smoothed, term;
+  PetscFunctionBegin;
+  if (*sum == MPM_NONE) {
+    PetscCall(MpmTableScratch(table, scratch));
+    PetscCall(MpmTableNode(table, node, smoothed));
+    PetscCall(MpmTableNode(table, node, term));
+    PetscCall(MpmTableNode(table, node, sum));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *term     = *sum - 1;
+  *smoothed = *sum - 2;
+  for (PetscInt o = 0; o < table->nops; o++)
+    if (table->ops[o].kind == MPM_G2P && table->ops[o].src == *term) *scratch = table->ops[o].dst;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmTransferSum(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sum)
+{
+  PetscInt scratch = MPM_NONE, smoothed, term;
 
   PetscFunctionBegin;
-  *sum = node;
-  if (numbers->order == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTableScratch(table, &scratch));
-  PetscCall(MpmTableNode(table, node, &smoothed));
-  PetscCall(MpmTableNode(table, node, &term));
-  PetscCall(MpmTableNode(table, node, sum));
+  if (numbers->order == 1) {
+    *sum = node;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(Registers(table, node, &scratch, &smoothed, &term, sum));
   PetscCall(MpmTableAppend(table, (MpmOp)COPY(term, node)));
   PetscCall(MpmTableAppend(table, (MpmOp)COPY(*sum, node)));
   for (PetscInt r = 1; r < numbers->order; r++) PetscCall(NextTerm(table, scratch, smoothed, term, *sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmTransferNumbers *numbers, PetscInt particle, PetscInt node)
+PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node)
 {
-  PetscInt sum;
+  PetscInt sum = MPM_NONE;
 
   PetscFunctionBegin;
   PetscCall(MpmTransferSum(table, numbers, node, &sum));
@@ -48,12 +66,12 @@ PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmTransferNumbers *number
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscReal MpmTransferXpicSymbol(const MpmTransferNumbers *numbers, PetscReal alpha)
+PetscReal MpmTransferXpicSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 {
   return 1 - pow(1 - alpha, (double)numbers->order);
 }
 
-PetscReal MpmTransferOrder(const MpmTransferNumbers *numbers)
+PetscReal MpmTransferOrder(const MpmSchemeNumbers *numbers)
 {
   return (PetscReal)numbers->order;
 }
