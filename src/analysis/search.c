@@ -4,6 +4,8 @@
 
 #define LEAST 1e-24 /* Courant number; a second material may be that much stiffer and lighter */
 #define FADES 0.03  /* growth in the middle below a limit, over the tolerance, that shows that there is no threshold */
+#define ABOVE 1.01  /* so far above a limit growth that fades is at most */
+#define STEEP 2     /* times the tolerance, and growth beyond a threshold is larger, whatever rounding does below */
 #define GOLDEN 0.6180339887498949
 
 #define RATIO 1.25  /* of the Courant numbers of a scan, one over the other, */
@@ -75,13 +77,16 @@ PetscErrorCode MpmSearchThreshold(MpmSearchGrowth growth, void *context, PetscRe
                                   MpmCritical *c)
 {
   const PetscReal middle = PetscMax(from + c->unstable_at, c->unstable_at) / 2;
-  PetscReal       at[2];
+  PetscReal       at[3];
 
   PetscFunctionBegin;
   if (c->stable_at == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(growth(context, c->unstable_at, &at[0]));
   PetscCall(growth(context, middle, &at[1]));
   c->threshold = at[1] - 1 <= FADES * tolerance ? PETSC_TRUE : PETSC_FALSE;
+  if (c->threshold) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(growth(context, ABOVE * c->unstable_at, &at[2]));
+  c->threshold = at[2] - 1 > STEEP * tolerance ? PETSC_TRUE : PETSC_FALSE;
   if (c->threshold) PetscFunctionReturn(PETSC_SUCCESS);
   c->windows.n = 0;
   c->fading    = log((at[0] - 1) / (at[1] - 1)) / log(c->unstable_at / middle);

@@ -45,7 +45,8 @@ PetscErrorCode MpmSearchScan(MpmSearchGrowth growth, void *context, PetscReal to
 
 /*
    MpmSearchThreshold - sets threshold and fading. from: the least Courant number of the range without growth, 0 where no
-   window is below it. There is a threshold when growth in the middle of this range is none but for rounding. Without one,
+   window is below it. There is a threshold when growth in the middle of this range is none but for rounding, which is up to
+   1e-7 where eigenvalues 1 are defective, or when it is not, but growth is steep beyond unstable_at. Without a threshold
    fading is the power of the Courant number with which growth - 1 fades, and windows are part of it.
 */
 PetscErrorCode MpmSearchThreshold(MpmSearchGrowth growth, void *context, PetscReal tolerance, PetscReal from,
