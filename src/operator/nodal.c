@@ -264,7 +264,7 @@ static PetscErrorCode Apply(Builder *b, const MpmOp *op)
   if (traits.dst == MPM_ON_NODES)
     PetscCall(BetweenNodes(b, op));
   else if (traits.src == MPM_ON_NODES)
-    PetscCall(AddTerm(b, op->dst, (Term){.op = *op, .slot = b->slot[op->src]}));
+    PetscCall(AddTerm(b, op->dst, (Term){.op = *op, .at = (PetscInt)(op - b->table->ops), .slot = b->slot[op->src]}));
   else if (op->kind == MPM_ADD)
     PetscCall(AddRegister(b, op));
   else

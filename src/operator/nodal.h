@@ -49,12 +49,12 @@ typedef struct {
 } MpmNodalLine;
 
 /*S
-   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, and the slot that
-   it reads.
+   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, its number there,
+   and the slot that it reads.
 S*/
 typedef struct {
   MpmOp    op;
-  PetscInt slot;
+  PetscInt at, slot;
 } MpmNodalSent;
 
 /*S

@@ -103,7 +103,7 @@ static PetscErrorCode Symbol(void *context, const MpmNodalMap *map, double compl
   PetscFunctionBegin;
   if (!map->product) *symbol = MpmBlochOfNodes(b, P, b->beta);
   for (PetscInt j = 0; j < b->ppc && map->product; j++)
-    *symbol += conj(MpmBlochTie(b, P->kind, P->axis, j)) * MpmBlochTie(b, W->kind, W->axis, j) / b->mass;
+    *symbol += conj(MpmBlochTie(b, P, j, NULL)) * MpmBlochTie(b, W, j, NULL) / b->mass;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
