@@ -116,7 +116,7 @@ static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s,
   PetscInt    exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(bloch, s->step.courant, beta, PETSC_FALSE, small->matrix, &exponent));
+  PetscCall(MpmBlochMatrices(bloch, 1, &s->step.courant, beta, PETSC_FALSE, small->matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(small, PETSC_TRUE));
   PetscCall(PetscMPIIntCast(2 * (PetscInt64)s->size * s->size, &count));
   PetscCallMPI(MPI_Bcast(small->right, count, MPI_DOUBLE, 0, comm));

@@ -54,11 +54,11 @@ typedef struct {
 static PetscErrorCode FactorsAt(void *context, PetscReal x, double complex value[])
 {
   Plane          *p    = (Plane *)context;
-  const PetscReal beta = p->over_phases ? x : p->fixed;
+  const PetscReal beta = p->over_phases ? x : p->fixed, courant = p->over_phases ? p->fixed : x;
   PetscInt        exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochTurn(&p->bloch, p->over_phases ? p->fixed : x, &beta, p->eigen.matrix, &exponent));
+  PetscCall(MpmBlochTurns(&p->bloch, 1, &courant, &beta, p->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&p->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < p->eigen.n; i++) value[i] = p->eigen.value[i] * scalbn(1, (int)exponent);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -24,16 +24,7 @@ static double complex Sent(const MpmBloch *b, const MpmOp *op, const double comp
 {
   double complex sum = 0;
 
-  for (PetscInt j = 0; j < b->ppc; j++) {
-    double complex tie  = 1;
-    PetscInt       rest = j;
-
-    for (PetscInt a = 0; a < b->layout->dim; a++) {
-      tie *= MpmTie(&b->ties[a], 0, MpmKindAlong(op->kind, op->axis, a), rest % b->ties[a].n, b->wave[a]);
-      rest /= b->ties[a].n;
-    }
-    sum += conj(tie) * mode[b->fields * j + op->src];
-  }
+  for (PetscInt j = 0; j < b->ppc; j++) sum += conj(MpmBlochTie(b, op, j, NULL)) * mode[b->fields * j + op->src];
   return sum;
 }
 
@@ -80,8 +71,9 @@ PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant,
   if (vector == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
   PetscCall(MpmSmallEigenCreate(bloch.size, &whole));
-  PetscCall(MpmBlochMatrix(&bloch, courant, beta, PETSC_FALSE, whole.matrix, &exponent));
+  PetscCall(MpmBlochMatrices(&bloch, 1, &courant, beta, PETSC_FALSE, whole.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&whole, PETSC_TRUE));
+  MpmBlochSetStep(&bloch, 0);
   for (PetscInt i = 0; i < whole.n; i++) largest = fmax(largest, cabs(whole.value[i]));
   excess = log(largest) + (PetscReal)exponent * M_LN2;
   for (PetscInt i = 0; i < whole.n; i++) {

@@ -199,7 +199,7 @@ static PetscErrorCode FindOne(void *context, PetscInt i)
   PetscCall(SetStep(s, i / d->nwaves));
   time = s->step.courant * s->bloch.period;
   SetWave(s, beta[0]);
-  PetscCall(MpmBlochMatrix(&s->bloch, s->step.courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrices(&s->bloch, 1, &s->step.courant, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_TRUE));
   best = Nearest(s, &d->match[i]);
   PetscCall(Turn(s, beta, s->eigen.value[best], s->eigen.right + best * s->bloch.size, &turn));

@@ -8,10 +8,12 @@
 
 static PetscErrorCode WhyNot(const MpmScene *scene, const MpmRequest *request, const char **why)
 {
-  PetscInt64 unknowns;
+  PetscInt64    unknowns;
+  MpmNodalPlan *plan;
 
   PetscFunctionBegin;
-  *why = MpmNodalWhyNot(scene->scheme.table);
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, why, &plan));
+  PetscCall(MpmNodalPlanDestroy(&plan));
   if (MpmSceneDrifts(scene))
     *why = "particles move";
   else if (!strcmp(request->task, "critical") && !MpmSymbolWhyNot(&scene->layout))

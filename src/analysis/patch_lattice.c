@@ -34,13 +34,12 @@ static void KindsAlong(const MpmNodalPlan *plan, PetscInt axis, PetscBool used[]
 {
   for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++)
     used[kind] = kind == MPM_P2G || kind == MPM_G2P ? PETSC_TRUE : PETSC_FALSE;
-  for (PetscInt m = 0; m < plan->nmaps; m++)
-    for (PetscInt i = 0; i < plan->map[m].n; i++) {
-      const MpmNodalProduct *product = &plan->map[m].product[i];
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    const MpmNodalMap *map = &plan->map[m];
 
-      if (product->axis_nodes == axis) used[product->to_nodes] = PETSC_TRUE;
-      if (product->axis_particles == axis) used[product->to_particles] = PETSC_TRUE;
-    }
+    if (map->product && map->to_nodes.axis == axis) used[map->to_nodes.kind] = PETSC_TRUE;
+    if (map->product && map->to_particles.axis == axis) used[map->to_particles.kind] = PETSC_TRUE;
+  }
 }
 
 /* The cell of particle p of a row, and its place there. */
@@ -197,9 +196,8 @@ static void Laplacian(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscI
       }
 }
 
-/* out += factor (T_2 x T_1 x T_0), Kronecker; direction 0 counts first. */
-static void AddKronecker(PetscInt dim, const Line line[], const double complex *const T[], PetscReal factor,
-                         double complex out[])
+/* out += T_2 x T_1 x T_0, Kronecker; direction 0 counts first. */
+static void AddKronecker(PetscInt dim, const Line line[], const double complex *const T[], double complex out[])
 {
   const PetscInt n0 = line[0].nodes, n1 = dim > 1 ? line[1].nodes : 1, n2 = dim > 2 ? line[2].nodes : 1;
   const PetscInt n = n0 * n1 * n2;
@@ -208,7 +206,7 @@ static void AddKronecker(PetscInt dim, const Line line[], const double complex *
     for (PetscInt j1 = 0; j1 < n1; j1++)
       for (PetscInt i2 = 0; i2 < n2; i2++)
         for (PetscInt i1 = 0; i1 < n1; i1++) {
-          const double complex scale = factor * (dim > 1 ? T[1][j1 * n1 + i1] : 1) * (dim > 2 ? T[2][j2 * n2 + i2] : 1);
+          const double complex scale = (dim > 1 ? T[1][j1 * n1 + i1] : 1) * (dim > 2 ? T[2][j2 * n2 + i2] : 1);
 
           for (PetscInt j0 = 0; j0 < n0; j0++) {
             double complex *column = out + ((j2 * n1 + j1) * n0 + j0) * n + (i2 * n1 + i1) * n0;
@@ -224,31 +222,35 @@ static void Identity(PetscInt n, double complex T[])
     for (PetscInt i = 0; i < n; i++) T[c * n + i] = i == c ? 1 : 0;
 }
 
-/* The matrix of one of the plan's maps. room[]: for a matrix of each direction. */
-static PetscErrorCode MapOf(const MpmPatchLattice *l, const MpmPatchSpot *spot, Line line[], const MpmNodalMap *map,
-                            double complex *const room[], double complex out[])
+/* A spot, its nodes and particles along the directions, and room for a matrix of each direction. */
+typedef struct {
+  const MpmPatchLattice *l;
+  const MpmPatchSpot    *spot;
+  Line                   line[MPM_MAX_DIM];
+  double complex        *room[MPM_MAX_DIM];
+  PetscInt               nodes, rank; /* rank: of the fields of a lone particle */
+  PetscReal             *basis, *field[2];
+} Spot;
+
+/* The matrix of one of the plan's maps. */
+static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double complex out[])
 {
-  const PetscInt        dim            = l->plan->dim;
-  const double complex *T[MPM_MAX_DIM] = {room[0], room[1], room[2]};
+  Spot                 *s   = context;
+  const PetscInt        dim = s->l->plan->dim;
+  const MpmOp          *P = &map->to_nodes, *W = &map->to_particles;
+  const double complex *T[MPM_MAX_DIM] = {s->room[0], s->room[1], s->room[2]};
 
   PetscFunctionBegin;
-  if (map->n == 0) {
-    PetscCheck(map->op.kind == MPM_LAP, PETSC_COMM_SELF, PETSC_ERR_SUP, "SOLVE in a patch");
-    for (PetscInt a = 0; a < dim; a++)
-      if (a == map->op.axis)
-        Laplacian(l, spot, a, &map->op, &line[a], room[a]);
-      else
-        Identity(line[a].nodes, room[a]);
-    AddKronecker(dim, line, T, 1, out);
+  PetscCheck(map->product || P->kind == MPM_LAP, PETSC_COMM_SELF, PETSC_ERR_SUP, "SOLVE in a patch");
+  for (PetscInt a = 0; a < dim; a++) {
+    if (map->product)
+      PetscCall(Product(&s->line[a], MpmKindAlong(P->kind, P->axis, a), a == W->axis ? W->kind : MPM_G2P, &T[a]));
+    else if (a == P->axis)
+      Laplacian(s->l, s->spot, a, P, &s->line[a], s->room[a]);
+    else
+      Identity(s->line[a].nodes, s->room[a]);
   }
-  for (PetscInt i = 0; i < map->n; i++) {
-    const MpmNodalProduct *p = &map->product[i];
-
-    for (PetscInt a = 0; a < dim; a++)
-      PetscCall(Product(&line[a], a == p->axis_nodes ? p->to_nodes : MPM_P2G,
-                        a == p->axis_particles ? p->to_particles : MPM_G2P, &T[a]));
-    AddKronecker(dim, line, T, p->factor, out);
-  }
+  AddKronecker(dim, s->line, T, out);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,7 +265,7 @@ static PetscBool IsLone(const MpmPatchLattice *l)
   for (PetscInt a = 0; a < l->plan->dim; a++)
     if (l->end[a] != MPM_PATCH_SINGLE) return PETSC_FALSE;
   for (PetscInt m = 0; m < l->plan->nmaps; m++)
-    if (l->plan->map[m].n == 0) return PETSC_FALSE;
+    if (!l->plan->map[m].product) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -310,39 +312,38 @@ static void Widen(PetscInt n, const PetscReal field[], PetscInt *rank, PetscReal
 }
 
 /* The fields of a product of maps: field[0] is what it gives to nodes and field[1] what it reads of them. */
-static void FieldsOf(PetscInt dim, const Line line[], const MpmNodalProduct *p, PetscReal *const field[])
+static void FieldsOf(const Spot *s, const MpmNodalMap *map)
 {
-  FieldOf(dim, line, p->to_nodes, p->axis_nodes, MPM_P2G, field[0]);
-  FieldOf(dim, line, p->to_particles, p->axis_particles, MPM_G2P, field[1]);
+  const PetscInt dim = s->l->plan->dim;
+
+  FieldOf(dim, s->line, map->to_nodes.kind, map->to_nodes.axis, MPM_P2G, s->field[0]);
+  FieldOf(dim, s->line, map->to_particles.kind, map->to_particles.axis, MPM_G2P, s->field[1]);
 }
 
-/* The matrices of the maps on these fields alone: rank x rank. */
-static PetscErrorCode LoneMaps(const MpmNodalPlan *plan, const Line line[], PetscInt nodes, double complex *map[],
-                               PetscInt *rank)
+/* A basis of all fields, of rank fields. */
+static void FindBasis(Spot *s)
 {
-  PetscReal *basis, *field[2], *part[2];
+  const MpmNodalPlan *plan = s->l->plan;
+
+  for (PetscInt m = 0; m < plan->nmaps; m++) {
+    FieldsOf(s, &plan->map[m]);
+    for (int i = 0; i < 2; i++) Widen(s->nodes, s->field[i], &s->rank, s->basis);
+  }
+}
+
+/* The matrix of a map on these fields alone: rank x rank. */
+static PetscErrorCode LoneMapOf(void *context, const MpmNodalMap *map, double complex out[])
+{
+  Spot          *s    = context;
+  const PetscInt rank = s->rank;
 
   PetscFunctionBegin;
-  *rank = 0;
-  PetscCall(PetscMalloc5(nodes * nodes, &basis, nodes, &field[0], nodes, &field[1], nodes, &part[0], nodes, &part[1]));
-  for (PetscInt m = 0; m < plan->nmaps; m++)
-    for (PetscInt i = 0; i < plan->map[m].n; i++) {
-      FieldsOf(plan->dim, line, &plan->map[m].product[i], field);
-      for (int s = 0; s < 2; s++) Widen(nodes, field[s], rank, basis);
-    }
-  for (PetscInt m = 0; m < plan->nmaps; m++) {
-    PetscCall(PetscCalloc1(*rank * *rank, &map[m]));
-    for (PetscInt i = 0; i < plan->map[m].n; i++) {
-      const MpmNodalProduct *p = &plan->map[m].product[i];
+  FieldsOf(s, map);
+  for (PetscInt c = 0; c < rank; c++) {
+    const PetscReal part = Dot(s->nodes, s->basis + c * s->nodes, s->field[1]);
 
-      FieldsOf(plan->dim, line, p, field);
-      for (int s = 0; s < 2; s++)
-        for (PetscInt r = 0; r < *rank; r++) part[s][r] = Dot(nodes, basis + r * nodes, field[s]);
-      for (PetscInt c = 0; c < *rank; c++)
-        for (PetscInt r = 0; r < *rank; r++) map[m][c * *rank + r] += p->factor * part[0][r] * part[1][c];
-    }
+    for (PetscInt r = 0; r < rank; r++) out[c * rank + r] = part * Dot(s->nodes, s->basis + r * s->nodes, s->field[0]);
   }
-  PetscCall(PetscFree5(basis, field[0], field[1], part[0], part[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -356,30 +357,8 @@ PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) space.ends[a][0] = space.ends[a][1] = MPM_PERIODIC;
   PetscCall(MpmTableCreate(scheme->formulation, scheme->transfer, &scheme->numbers, &space, &table));
-  PetscCall(MpmNodalPlanCreate(table, plan));
+  PetscCall(MpmNodalPlanCreate(table, NULL, plan));
   PetscCall(MpmTableDestroy(&table));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The matrices of the plan's maps, and their order, which is nodes but for a lone particle. */
-static PetscErrorCode Maps(const MpmPatchLattice *l, const MpmPatchSpot *spot, Line line[], PetscInt nodes,
-                           double complex *map[], PetscInt *order)
-{
-  const MpmNodalPlan *plan              = l->plan;
-  double complex     *room[MPM_MAX_DIM] = {NULL};
-
-  PetscFunctionBegin;
-  *order = nodes;
-  if (IsLone(l)) {
-    PetscCall(LoneMaps(plan, line, nodes, map, order));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(PetscMalloc1(line[a].nodes * line[a].nodes, &room[a]));
-  for (PetscInt m = 0; m < plan->nmaps; m++) {
-    PetscCall(PetscCalloc1(nodes * nodes, &map[m]));
-    PetscCall(MapOf(l, spot, line, &plan->map[m], room, map[m]));
-  }
-  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(PetscFree(room[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -387,26 +366,30 @@ PetscErrorCode MpmPatchOperator(const MpmPatchLattice *l, const MpmPatchSpot *sp
                                 double complex *coefficient[], PetscReal *unseen)
 {
   const MpmNodalPlan *plan = l->plan;
-  Line                line[MPM_MAX_DIM];
-  double complex    **map;
-  PetscInt            nodes = 1, order;
+  const PetscBool     lone = IsLone(l);
+  Spot                s    = {.l = l, .spot = spot, .nodes = 1};
+  PetscInt            square;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < plan->dim; a++) {
-    PetscCall(LineCreate(l, spot, a, &line[a]));
-    nodes *= line[a].nodes;
+    PetscCall(LineCreate(l, spot, a, &s.line[a]));
+    PetscCall(PetscMalloc1(s.line[a].nodes * s.line[a].nodes, &s.room[a]));
+    s.nodes *= s.line[a].nodes;
   }
-  PetscCall(PetscMalloc1(plan->nmaps, &map));
-  PetscCall(Maps(l, spot, line, nodes, map, &order));
-  *n      = plan->nimages * order;
+  square = lone ? s.nodes * s.nodes : 0;
+  PetscCall(PetscMalloc3(square, &s.basis, s.nodes, &s.field[0], s.nodes, &s.field[1]));
+  if (lone) FindBasis(&s);
+  *n      = plan->nimages * (lone ? s.rank : s.nodes);
   *unseen = 0;
-  for (PetscInt g = 0; g < plan->nimages && order < nodes; g++)
+  for (PetscInt g = 0; g < plan->nimages && *n < plan->nimages * s.nodes; g++)
     *unseen = PetscMax(*unseen, PetscAbsReal(plan->image[g].c));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(*n * *n, &coefficient[j]));
-  PetscCall(MpmNodalRun(plan, order, map, coefficient));
-  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
-  PetscCall(PetscFree(map));
-  for (PetscInt a = 0; a < plan->dim; a++) PetscCall(LineDestroy(&line[a]));
+  PetscCall(MpmNodalRun(plan, *n / plan->nimages, lone ? LoneMapOf : MapOf, &s, coefficient));
+  PetscCall(PetscFree3(s.basis, s.field[0], s.field[1]));
+  for (PetscInt a = 0; a < plan->dim; a++) {
+    PetscCall(PetscFree(s.room[a]));
+    PetscCall(LineDestroy(&s.line[a]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -110,7 +110,7 @@ static PetscErrorCode Masses(Boxed *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void AddProduct(const Boxed *b, const MpmNodalProduct *product, double complex map[])
+static void AddProduct(const Boxed *b, const MpmOp *P, const MpmOp *W, double complex map[])
 {
   PetscInt  from[MOST_WEIGHTS], to[MOST_WEIGHTS];
   PetscReal w[MOST_WEIGHTS], p[MOST_WEIGHTS];
@@ -119,13 +119,13 @@ static void AddProduct(const Boxed *b, const MpmNodalProduct *product, double co
     PetscInt n;
 
     if (!IsThere(b, site)) continue;
-    n = Weights(b, site, product->to_particles, product->axis_particles, from, w);
-    (void)Weights(b, site, product->to_nodes, product->axis_nodes, to, p);
+    n = Weights(b, site, W->kind, W->axis, from, w);
+    (void)Weights(b, site, P->kind, P->axis, to, p);
     for (PetscInt j = 0; j < n; j++)
       for (PetscInt i = 0; i < n; i++) {
         const PetscReal mass = b->mass[to[i]] * b->mass[from[j]];
 
-        if (mass > 0) map[from[j] * b->nodes + to[i]] += product->factor * p[i] * w[j] / sqrt(mass);
+        if (mass > 0) map[from[j] * b->nodes + to[i]] += p[i] * w[j] / sqrt(mass);
       }
   }
 }
@@ -147,21 +147,15 @@ static void AddStencil(const Boxed *b, const MpmOp *op, double complex map[])
     }
 }
 
-static PetscErrorCode Assemble(Boxed *b)
+static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double complex matrix[])
 {
-  const MpmNodalPlan *plan = b->search->plan;
-  double complex    **map;
+  const Boxed *b = context;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(plan->nmaps, &map));
-  for (PetscInt m = 0; m < plan->nmaps; m++) {
-    PetscCall(PetscCalloc1(b->nodes * b->nodes, &map[m]));
-    for (PetscInt i = 0; i < plan->map[m].n; i++) AddProduct(b, &plan->map[m].product[i], map[m]);
-    if (!plan->map[m].n) AddStencil(b, &plan->map[m].op, map[m]);
-  }
-  PetscCall(MpmNodalRun(plan, b->nodes, map, b->coefficient));
-  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
-  PetscCall(PetscFree(map));
+  if (map->product)
+    AddProduct(b, &map->to_nodes, &map->to_particles, matrix);
+  else
+    AddStencil(b, &map->to_nodes, matrix);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,7 +172,7 @@ static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
   PetscCall(PetscMalloc4(b->n * b->n, &b->matrix, b->n, &b->re, b->n, &b->im, plan->degree + 1, &b->coefficient));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(b->n * b->n, &b->coefficient[j]));
   PetscCall(Masses(b));
-  PetscCall(Assemble(b));
+  PetscCall(MpmNodalRun(plan, b->nodes, MapOf, b, b->coefficient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -359,7 +353,7 @@ PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts 
   MpmNodalPlan *plan;
 
   PetscFunctionBegin;
-  PetscCall(MpmNodalPlanCreate(of->scheme->table, &plan));
+  PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
   s.plan          = plan;
   asked->growth   = 0;
   asked->courant  = NAN;

@@ -38,8 +38,8 @@ PetscErrorCode MpmWavesRounding(MpmWaves *w, PetscReal courant, const PetscReal 
   PetscFunctionBegin;
   PetscCall(MpmSmallEigenCreate(w->bloch.size, e));
   noisy = e->left; /* vectors come later */
-  PetscCall(MpmBlochMatrix(&w->bloch, courant, beta, PETSC_FALSE, e->matrix, &exponent));
-  PetscCall(MpmBlochMatrix(&w->bloch, courant, beta, PETSC_TRUE, noisy, &other));
+  PetscCall(MpmBlochMatrices(&w->bloch, 1, &courant, beta, PETSC_FALSE, e->matrix, &exponent));
+  PetscCall(MpmBlochMatrices(&w->bloch, 1, &courant, beta, PETSC_TRUE, noisy, &other));
   for (PetscInt i = 0; i < e->n * e->n; i++) {
     norm  = hypot(norm, cabs(e->matrix[i]));
     moved = hypot(moved, cabs(noisy[i] * scalbn(1, (int)(other - exponent)) - e->matrix[i]));

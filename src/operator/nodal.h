@@ -20,50 +20,23 @@
 #define MPM_MAX_IMAGES 16 /* the most images of a plan */
 
 /*S
-   MpmNodalTerm - a part of an image: what a map from particles to nodes makes of a state register.
-
-   kind, axis - of the map
-   src        - the state register
-   dst        - the node register that the table reads it into; its parity is that of the image
-   factor     - the number that multiplies it
+   MpmNodalImage - an unknown at each node: a sum of n operations from registers of the state to nodes, each times its
+   factor. A step multiplies the registers of all of them by c before it adds to them.
 S*/
 typedef struct {
-  MpmOpKind kind;
-  PetscInt  axis, src, dst;
-  PetscReal factor;
-} MpmNodalTerm;
-
-/*S
-   MpmNodalImage - an unknown at each node: a sum of n terms. A step multiplies the registers of all of them by c before
-   it adds to them.
-S*/
-typedef struct {
-  PetscInt     n;
-  MpmNodalTerm term[MPM_MAX_FIELDS];
-  PetscReal    c;
+  PetscInt  n;
+  MpmOp     term[MPM_MAX_FIELDS];
+  PetscReal c;
 } MpmNodalImage;
 
 /*S
-   MpmNodalProduct - factor P W: a map from nodes to particles, and then one from particles to nodes.
-
-   to_particles, to_nodes   - the kinds of W and P
-   axis_particles, axis_nodes - their axes
-   src, dst - the node registers that W reads and P writes; their parities are those of W and P
+   MpmNodalMap - a map from nodes to nodes: P W, with P that of to_nodes and W that of to_particles, or where it is no
+   product that of to_nodes, an operation between nodes. Of a WALL it is the selection of the wall's nodes: 1 on them, 0
+   on others. The operations' factors do not count.
 S*/
 typedef struct {
-  MpmOpKind to_particles, to_nodes;
-  PetscInt  axis_particles, axis_nodes, src, dst;
-  PetscReal factor;
-} MpmNodalProduct;
-
-/*S
-   MpmNodalMap - a map from nodes to nodes: the sum of n products, or with n = 0 that of one operation of the table. Of
-   a WALL it is the selection of the wall's nodes: 1 on them, 0 on others.
-S*/
-typedef struct {
-  PetscInt         n, room;
-  MpmNodalProduct *product;
-  MpmOp            op;
+  PetscBool product;
+  MpmOp     to_nodes, to_particles;
 } MpmNodalMap;
 
 /*S
@@ -76,12 +49,12 @@ typedef struct {
 } MpmNodalLine;
 
 /*S
-   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, and the slot that
-   it reads.
+   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, its number there,
+   and the slot that it reads.
 S*/
 typedef struct {
   MpmOp    op;
-  PetscInt slot;
+  PetscInt at, slot;
 } MpmNodalSent;
 
 /*S
@@ -111,23 +84,15 @@ typedef struct {
 } MpmNodalPlan;
 
 /*
-   MpmNodalWhyNot - why a table has no plan, or NULL where it has one. Those that have none come from schemes as text that
-   add a particle field to another one of the state, or multiply one by the Courant number. Scratch may be set to a field.
-
-   Not collective.
-*/
-const char *MpmNodalWhyNot(const MpmTable *table);
-
-/* Not collective. Whether a plan has room: a table that reads many sums has more than MPM_MAX_IMAGES images. */
-PetscBool MpmNodalHasRoom(const MpmTable *table);
-
-/*
    MpmNodalPlanCreate - derives the plan of a table, for particles at rest.
 
-   Collective. Errors: PETSC_ERR_USER_INPUT for a table that has none (MpmNodalWhyNot), PETSC_ERR_SUP for one with more
-   than MPM_MAX_IMAGES images.
+   Collective. plan: NULL where the table has none. why: NULL, or why that is so; the reason is NULL for a table that reads
+   so many sums that it has more than MPM_MAX_IMAGES images. Other tables without a plan come from schemes as text that add
+   a particle field to another one of the state, or multiply one by the Courant number. Scratch may be set to a field.
+
+   Errors: where why is NULL, refuses (PETSC_ERR_USER_INPUT) a table without a plan.
 */
-PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, MpmNodalPlan **plan);
+PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, const char **why, MpmNodalPlan **plan);
 PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan);
 
 /*
@@ -137,12 +102,14 @@ PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan);
    Not collective.
 
    Input Parameters:
-+  plan  - the plan
-.  nodes - the number of nodes; with 1 and the symbols of the maps, the operator of a Bloch mode comes out
--  map   - map[m]: the matrix of the plan's map m, nodes x nodes by columns
++  plan    - the plan
+.  nodes   - the number of nodes; with 1 and the symbols of the maps, the operator of a Bloch mode comes out
+.  map     - makes the matrix of a map of the plan, nodes x nodes by columns, of zeros
+-  context - for map
 
    Output Parameter: coefficient - coefficient[j], j <= degree: n x n by columns, n = nimages x nodes. Unknown g of node
                      i has the number g nodes + i.
 */
-PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, double complex *const map[],
+typedef PetscErrorCode (*MpmNodalMapMatrix)(void *context, const MpmNodalMap *map, double complex matrix[]);
+PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, MpmNodalMapMatrix map, void *context,
                            double complex *const coefficient[]);

@@ -15,38 +15,22 @@ typedef struct {
   Mat          *map;
 } Nodal;
 
-/* ---- maps ---- */
-
-static PetscErrorCode ProductOf(Nodal *x, const MpmNodalProduct *p, Mat *product)
+static PetscErrorCode MapOf(Nodal *x, const MpmNodalMap *map, Mat *matrix)
 {
-  const MpmOp to_particles = {.kind = p->to_particles, .axis = p->axis_particles, .src = p->src};
-  const MpmOp to_nodes     = {.kind = p->to_nodes, .axis = p->axis_nodes, .dst = p->dst};
-  Mat         P, W;
+  Mat P, W;
 
   PetscFunctionBegin;
-  PetscCall(MpmMapsGet(&x->maps, &to_particles, &W));
-  PetscCall(MpmMapsGet(&x->maps, &to_nodes, &P));
-  PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, product));
-  PetscCall(MatScale(*product, p->factor));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode MapOf(Nodal *x, const MpmNodalMap *map, Mat *sum)
-{
-  Mat next;
-
-  PetscFunctionBegin;
-  if (map->n == 0 && map->op.kind == MPM_WALL)
-    PetscCall(MpmWallSelection(&x->sizes, map->op.axis, map->op.side, sum));
-  else if (map->n == 0) {
-    PetscCall(MpmMapsGet(&x->maps, &map->op, sum));
-    PetscCall(PetscObjectReference((PetscObject)*sum));
-  } else
-    PetscCall(ProductOf(x, &map->product[0], sum));
-  for (PetscInt i = 1; i < map->n; i++) {
-    PetscCall(ProductOf(x, &map->product[i], &next));
-    PetscCall(MatAXPY(*sum, 1, next, DIFFERENT_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&next));
+  if (map->to_nodes.kind == MPM_WALL) {
+    PetscCall(MpmWallSelection(&x->sizes, map->to_nodes.axis, map->to_nodes.side, matrix));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmMapsGet(&x->maps, &map->to_nodes, &P));
+  if (map->product) {
+    PetscCall(MpmMapsGet(&x->maps, &map->to_particles, &W));
+    PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, matrix));
+  } else {
+    PetscCall(PetscObjectReference((PetscObject)P));
+    *matrix = P;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -107,11 +91,10 @@ static PetscErrorCode CreateZ(Nodal *x, Mat *Z)
   for (PetscInt g = 0; g < plan->nimages; g++) {
     program->registers.out[g] = plan->nstate + g;
     for (PetscInt i = 0; i < plan->image[g].n; i++) {
-      const MpmNodalTerm *t  = &plan->image[g].term[i];
-      const MpmOp         op = {.kind = t->kind, .axis = t->axis, .dst = t->dst};
-      MpmLine line           = {.dst = plan->nstate + g, .src = t->src, .factor = t->factor, .accumulates = PETSC_TRUE};
+      const MpmOp *op   = &plan->image[g].term[i];
+      MpmLine      line = {.dst = plan->nstate + g, .src = op->src, .factor = op->factor, .accumulates = PETSC_TRUE};
 
-      PetscCall(MpmMapsGet(&x->maps, &op, &line.map));
+      PetscCall(MpmMapsGet(&x->maps, op, &line.map));
       PetscCall(MpmStepProgramAppend(program, line));
     }
   }
@@ -200,14 +183,14 @@ PetscErrorCode MpmNodalMatrixUnknowns(const MpmLayout *layout, const MpmScheme *
   const PetscInt64 nodes = NodesOf(layout);
   MpmReduced       r     = {.nkept = 0};
   MpmNodalPlan    *plan;
+  const char      *why;
   PetscBool        too_many;
 
   PetscFunctionBegin;
   *unknowns = 0;
-  if (MpmStepDrifts(step) || MpmNodalWhyNot(scheme->table) || !MpmNodalHasRoom(scheme->table))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodalPlanCreate(scheme->table, &plan));
-  if (plan->nstate * layout->particles <= PETSC_MAX_INT && plan->nimages * nodes <= PETSC_MAX_INT) {
+  if (MpmStepDrifts(step)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodalPlanCreate(scheme->table, &why, &plan));
+  if (plan && plan->nstate * layout->particles <= PETSC_MAX_INT && plan->nimages * nodes <= PETSC_MAX_INT) {
     Count(plan, layout->particles, nodes, &r, &too_many);
     *unknowns = plan->nimages * nodes < plan->nstate * layout->particles && !too_many ? plan->nimages * nodes : 0;
     for (PetscInt k = 0; k < r.nkept; k++)
@@ -275,7 +258,7 @@ PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, cons
   PetscFunctionBegin;
   PetscCall(PetscNew(nodal));
   r = *nodal;
-  PetscCall(MpmNodalPlanCreate(scheme->table, &x.plan));
+  PetscCall(MpmNodalPlanCreate(scheme->table, NULL, &x.plan));
   PetscCall(MpmSlabOf(comm, layout, scheme, step, &x.sizes));
   x.maps = (MpmMaps){.slab = &x.sizes};
   PetscCall(PetscCalloc1(PetscMax(1, x.plan->nmaps), &x.map));

@@ -5,7 +5,7 @@
 
 /*
    MpmNodalMatrixUnknowns - the order of the nodal operator of a layout, or 0 where it is not smaller than that of the
-   particles or does not have its eigenvalues: particles that drift, tables without a plan (see MpmNodalWhyNot), more
+   particles or does not have its eigenvalues: particles that drift, tables without a plan, more
    unknowns on nodes than on particles.
 
    Not collective.

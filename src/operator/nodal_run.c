@@ -18,10 +18,10 @@ typedef struct {
 } Block;
 
 typedef struct {
-  const MpmNodalPlan    *plan;
-  PetscInt               nodes, powers; /* the number of powers, 0 and up */
-  double complex *const *map;
-  Block                 *block;
+  const MpmNodalPlan *plan;
+  PetscInt            nodes, powers; /* the number of powers, 0 and up */
+  double complex     *map;           /* of all maps, one after another */
+  Block              *block;
 } Run;
 
 static Block *BlockOf(const Run *r, PetscInt slot, PetscInt image, PetscInt power)
@@ -45,7 +45,7 @@ static void Add(PetscInt n, PetscReal factor, const double complex src[], double
 static PetscErrorCode AddBlock(const Run *r, const MpmNodalLine *line, const Block *src, Block *dst)
 {
   const PetscInt        square = r->nodes * r->nodes;
-  const double complex *map = line->map == MPM_NONE ? NULL : r->map[line->map], alpha = line->factor, one = 1;
+  const double complex *map = line->map == MPM_NONE ? NULL : r->map + line->map * square, alpha = line->factor, one = 1;
   PetscBLASInt          n;
 
   PetscFunctionBegin;
@@ -102,14 +102,16 @@ static PetscInt PowersOf(const MpmNodalPlan *plan)
   return powers;
 }
 
-PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, double complex *const map[],
+PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, MpmNodalMapMatrix map, void *context,
                            double complex *const coefficient[])
 {
-  const PetscInt square = nodes * nodes * plan->nimages * plan->nimages;
-  Run            r      = {.plan = plan, .nodes = nodes, .powers = PowersOf(plan), .map = map};
+  const PetscInt square = nodes * nodes, all = plan->nimages * plan->nimages * square;
+  Run            r = {.plan = plan, .nodes = nodes, .powers = PowersOf(plan)};
 
   PetscFunctionBegin;
-  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscArrayzero(coefficient[j], square));
+  PetscCall(PetscCalloc1(plan->nmaps * square, &r.map));
+  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(map(context, &plan->map[m], r.map + m * square));
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscArrayzero(coefficient[j], all));
   PetscCall(PetscCalloc1(plan->nslots * plan->nimages * r.powers, &r.block));
   for (PetscInt g = 0; g < plan->nimages; g++) BlockOf(&r, g, g, 0)->multiple = 1;
   for (PetscInt l = 0; l < plan->nlines; l++) PetscCall(RunLine(&r, &plan->line[l]));
@@ -118,5 +120,6 @@ PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, double comp
       for (PetscInt j = 0; j < r.powers; j++) Gather(&r, g, h, j, coefficient);
   for (PetscInt i = 0; i < plan->nslots * plan->nimages * r.powers; i++) PetscCall(PetscFree(r.block[i].matrix));
   PetscCall(PetscFree(r.block));
+  PetscCall(PetscFree(r.map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

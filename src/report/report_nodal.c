@@ -11,7 +11,7 @@ static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan
   PetscCall(MpmTextAdd(text, "%s", ""));
   for (PetscInt g = 0; g < plan->nimages && table->dim == 1; g++)
     for (PetscInt i = 0; i < plan->image[g].n; i++) {
-      const MpmNodalTerm *term = &plan->image[g].term[i];
+      const MpmOp *term = &plan->image[g].term[i];
 
       PetscCall(MpmTextAdd(text, "%s%s %s",
                            i   ? " + "
@@ -26,14 +26,12 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
 {
   MpmNodalPlan *plan;
   MpmText       images = {NULL, 0};
+  const char   *why;
 
   PetscFunctionBegin;
-  if (MpmNodalWhyNot(table)) {
-    MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, MpmNodalWhyNot(table));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (!MpmNodalHasRoom(table)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodalPlanCreate(table, &plan));
+  PetscCall(MpmNodalPlanCreate(table, &why, &plan));
+  if (why) MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, why);
+  if (!plan) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(NameImages(table, plan, &images));
   MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
            plan->nimages, plan->nimages, images.text);

@@ -57,32 +57,15 @@ void MpmBlochSetStep(MpmBloch *b, PetscInt step)
   }
 }
 
-static inline double complex Tie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
-{
-  const PetscInt *ppc = b->layout->ppc;
-  double complex  product;
-
-  if (b->layout->dim == 1) return b->now[0][kind * b->ties[0].period * ppc[0] + j];
-  product = 1;
-  for (PetscInt a = 0; a < b->layout->dim; a++) {
-    product *= b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]];
-    j /= ppc[a];
-  }
-  return product;
-}
-
-double complex MpmBlochTie(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j)
-{
-  return Tie(b, kind, axis, j);
-}
-
-double complex MpmBlochTieAlong(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j, const PetscBool along[])
+double complex MpmBlochTie(const MpmBloch *b, const MpmOp *op, PetscInt j, const PetscBool along[])
 {
   const PetscInt *ppc     = b->layout->ppc;
   double complex  product = 1;
 
+  if (b->layout->dim == 1 && !along) return b->now[0][op->kind * b->ties[0].period * ppc[0] + j];
   for (PetscInt a = 0; a < b->layout->dim; a++) {
-    if (along[a]) product *= b->now[a][MpmKindAlong(kind, axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]];
+    if (!along || along[a])
+      product *= b->now[a][MpmKindAlong(op->kind, op->axis, a) * b->ties[a].period * ppc[a] + j % ppc[a]];
     j /= ppc[a];
   }
   return product;
@@ -138,10 +121,11 @@ static double complex Stencil(const MpmOpTraits *traits, PetscReal beta)
 /* The inverse of the symbol of P2G G2P; 0 where that is 0. */
 static PetscReal Inverse(const MpmBloch *b)
 {
-  PetscReal alpha = 0;
+  const MpmOp phi   = {.kind = MPM_G2P};
+  PetscReal   alpha = 0;
 
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex tie = MpmBlochTie(b, MPM_G2P, 0, j);
+    const double complex tie = MpmBlochTie(b, &phi, j, NULL);
 
     alpha += (creal(tie) * creal(tie) + cimag(tie) * cimag(tie)) / b->mass;
   }
@@ -183,7 +167,7 @@ void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
   }
   if (traits.dst == MPM_ON_PARTICLES) {
     for (PetscInt j = 0; j < ppc; j++) {
-      f = Times(a, Tie(b, op->kind, op->axis, j));
+      f = Times(a, MpmBlochTie(b, op, j, NULL));
       AddRow(n, &f, MpmBlochRow(b, op->src), PETSC_FALSE, MpmBlochRows(b, op->dst) + j * 2 * n);
     }
     return;
@@ -196,7 +180,7 @@ void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
   if (traits.src == MPM_ON_PARTICLES) {
     for (PetscInt i = 0; i < BLOCK; i++) share[i] = a[i] / b->mass;
     for (PetscInt j = 0; j < ppc; j++) {
-      f = Times(share, conj(Tie(b, op->kind, op->axis, j)));
+      f = Times(share, conj(MpmBlochTie(b, op, j, NULL)));
       if (j == 0 && !op->accumulates)
         AddRow(n, &f, MpmBlochRows(b, op->src), PETSC_TRUE, dst);
       else
@@ -362,20 +346,35 @@ static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The matrices of a period of up to so many Courant numbers as there are lanes. exponent has an entry for each lane. */
-static PetscErrorCode Period(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
-                             PetscBool noisy, double complex G[], PetscInt exponent[])
+double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
+{
+  PetscReal angle = 0;
+
+  for (PetscInt a = 0; a < b->layout->dim; a++) angle -= beta[a] * (PetscReal)b->beyond[j][a];
+  return angle == 0 ? 1 : cexp(I * angle);
+}
+
+/*
+   The matrices of a period, or those of a turn, of up to so many Courant numbers as there are lanes. exponent has an entry
+   for each lane.
+*/
+static PetscErrorCode Whole(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscBool turn,
+                            PetscBool noisy, double complex G[], PetscInt exponent[])
 {
   const PetscInt size = b->size;
 
   PetscFunctionBegin;
-  PetscCall(Steps(b, n, courant, beta, b->period, noisy, exponent));
-  for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < b->ppc; j++)
+  PetscCall(Steps(b, n, courant, beta, turn ? b->turn : b->period, noisy, exponent));
+  for (PetscInt j = 0; j < b->ppc; j++) {
+    const double complex wave = turn ? MpmBlochPhaseBeyond(b, beta, j) : 1;
+    const PetscInt       to   = turn ? b->place[j] : j;
+
+    for (PetscInt field = 0; field < b->fields; field++)
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + b->fields * j + field] =
-              At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
+          G[(lane * size + c) * size + b->fields * to + field] =
+              wave * At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -387,43 +386,8 @@ PetscErrorCode MpmBlochMatrices(MpmBloch *b, PetscInt n, const PetscReal courant
     PetscInt of[MPM_BLOCH_LANES] = {0};
 
     some = PetscMin(b->most, n - first);
-    PetscCall(Period(b, some, courant + first, beta, noisy, G + first * b->size * b->size, of));
+    PetscCall(Whole(b, some, courant + first, beta, PETSC_FALSE, noisy, G + first * b->size * b->size, of));
     PetscCall(PetscArraycpy(exponent + first, of, some));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmBlochMatrix(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscBool noisy,
-                              double complex G[], PetscInt *exponent)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmBlochMatrices(b, 1, &courant, beta, noisy, G, exponent));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
-{
-  PetscReal angle = 0;
-
-  for (PetscInt a = 0; a < b->layout->dim; a++) angle -= beta[a] * (PetscReal)b->beyond[j][a];
-  return angle == 0 ? 1 : cexp(I * angle);
-}
-
-static PetscErrorCode WholeTurn(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
-                                double complex G[], PetscInt exponent[])
-{
-  const PetscInt size = b->size;
-
-  PetscFunctionBegin;
-  PetscCall(Steps(b, n, courant, beta, b->turn, PETSC_FALSE, exponent));
-  for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = MpmBlochPhaseBeyond(b, beta, j);
-
-    for (PetscInt field = 0; field < b->fields; field++)
-      for (PetscInt lane = 0; lane < n; lane++)
-        for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + b->fields * b->place[j] + field] =
-              wave * At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -447,12 +411,12 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
       const MpmTakenGift *gift = &t->gift[t->first[y]];
 
       for (PetscInt i = 0; i < gift->parts; i++) {
-        const MpmTakenPart  *part = &gift->part[i];
+        const MpmOp         *part = &gift->part[i];
         PetscReal           *row  = MpmBlochRows(b, part->dst) + 2 * b->place[j] * b->width + y * b->lanes;
-        const double complex tie  = wave * MpmBlochTie(b, part->kind, part->axis, j);
+        const double complex tie  = wave * MpmBlochTie(b, part, j, NULL);
 
         for (PetscInt lane = 0; lane < n; lane++) {
-          const double complex given = part->factor * PetscPowRealInt(courant[lane], part->power) * tie;
+          const double complex given = MpmOpValue(part, courant[lane]) * tie;
 
           row[lane] += creal(given);
           row[b->width + lane] += cimag(given);
@@ -536,16 +500,11 @@ PetscErrorCode MpmBlochTurns(MpmBloch *b, PetscInt n, const PetscReal courant[],
     PetscInt        powers[MPM_BLOCH_LANES] = {0};
 
     some = PetscMin(b->most, n - first);
-    PetscCall((b->taken ? SmallerTurn : WholeTurn)(b, some, courant + first, beta, of, powers));
+    if (b->taken)
+      PetscCall(SmallerTurn(b, some, courant + first, beta, of, powers));
+    else
+      PetscCall(Whole(b, some, courant + first, beta, PETSC_TRUE, PETSC_FALSE, of, powers));
     PetscCall(PetscArraycpy(exponent + first, powers, some));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmBlochTurn(MpmBloch *b, PetscReal courant, const PetscReal beta[], double complex G[],
-                            PetscInt *exponent)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmBlochTurns(b, 1, &courant, beta, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

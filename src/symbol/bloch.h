@@ -72,46 +72,35 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
 PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 
 /*
-   MpmBlochMatrix - the amplification matrix of a phase at a Courant number, size x size by columns, divided by
-   2^exponent. beta has one number for each direction. With noisy, every number is moved by about its rounding after each
-   step. The difference of two such matrices then shows the effect of rounding, with any growth over the rest of the
-   period.
+   MpmBlochMatrices - the amplification matrices of a phase at n Courant numbers, one after another, each size x size by
+   columns and divided by 2^exponent. Each is the same to the last bit as alone. beta has one number for each direction.
+   With noisy, every number is moved by about its rounding after each step. The difference of two such matrices then shows
+   the effect of rounding, with any growth over the rest of the period.
 
-   MpmBlochMatrices - the same at n Courant numbers, one matrix after another. Each is the same to the last bit as alone.
+   MpmBlochTurns - the matrices of a turn. With R, which gives what was a particle's to the one whose place it has taken,
+   every turn is the same step of R q. So the matrix of a period is e^(i beta.m) times a power of this one, m the cells that
+   particles move in a period, and growth per step is the same. With two particles a cell and a drift of 1/8 a turn takes
+   four steps, and a period eight. They are turn_size x turn_size. Where particles take values from nodes (MpmTaken) they
+   are of the smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those of the turn, but
+   for zeros.
 
    Not collective.
 */
-PetscErrorCode MpmBlochMatrix(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscBool noisy,
-                              double complex G[], PetscInt *exponent);
 PetscErrorCode MpmBlochMatrices(MpmBloch *bloch, PetscInt n, const PetscReal courant[], const PetscReal beta[],
                                 PetscBool noisy, double complex G[], PetscInt exponent[]);
-
-/*
-   MpmBlochTurn - the matrix of a turn, as MpmBlochMatrix. With R, which gives what was a particle's to the one whose
-   place it has taken, every turn is the same step of R q. So the matrix of a period is e^(i beta.m) times a power of this
-   one, m the cells that particles move in a period, and growth per step is the same. With two particles a cell and a
-   drift of 1/8 a turn takes four steps, and a period eight.
-
-   MpmBlochTurns - the same at n Courant numbers, one matrix after another. Each is the same to the last bit as alone.
-
-   Not collective. G is turn_size x turn_size by columns. Where particles take values from nodes (MpmTaken) it is of the
-   smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those of the turn, but for zeros.
-*/
-PetscErrorCode MpmBlochTurn(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], double complex G[],
-                            PetscInt *exponent);
 PetscErrorCode MpmBlochTurns(MpmBloch *bloch, PetscInt n, const PetscReal courant[], const PetscReal beta[],
                              double complex G[], PetscInt exponent[]);
 
 /*
    MpmBlochSetPhase - makes ready for MpmBlochTie and MpmBlochOfNodes at a phase, before the first step
-   MpmBlochTie     - the symbol of a map along an axis at particle j of a cell: the map's own along the axis, and phi's
-                     along the others
+   MpmBlochTie     - the symbol of an operation's map at particle j of a cell; along: of the directions for which it is
+                     true, or NULL for all
    MpmBlochOfNodes - the symbol of an operation from nodes to nodes, without its factor
 
    Not collective.
 */
 void           MpmBlochSetPhase(MpmBloch *bloch, const PetscReal beta[]);
-double complex MpmBlochTie(const MpmBloch *bloch, MpmOpKind kind, PetscInt axis, PetscInt j);
+double complex MpmBlochTie(const MpmBloch *bloch, const MpmOp *op, PetscInt j, const PetscBool along[]);
 double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const PetscReal beta[]);
 
 /*
@@ -154,8 +143,6 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
    MpmBlochNote - adds to the rows of what nodes give in a step, 2 x width numbers each, what operation o is the first to
    read. MpmBlochApply comes after it.
 
-   MpmBlochTieAlong - as MpmBlochTie, of the directions for which along is true
-
    MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
    between.
 
@@ -166,5 +153,4 @@ PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[],
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
 void           MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[]);
 void           MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[]);
-double complex MpmBlochTieAlong(const MpmBloch *b, MpmOpKind kind, PetscInt axis, PetscInt j, const PetscBool along[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

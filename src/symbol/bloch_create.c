@@ -69,7 +69,7 @@ static PetscErrorCode FindTaken(MpmBloch *b)
   PetscFunctionBegin;
   b->turn_size = b->size;
   if (b->period == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTakenFind(b->scheme->table, &b->taken));
+  PetscCall(MpmTakenFind(b->scheme->table, PETSC_FALSE, &b->taken));
   if (b->taken) b->turn_size = b->taken->numbers + b->taken->left * b->ppc;
   if (b->taken && b->turn_size < b->size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree(b->taken));

@@ -29,7 +29,7 @@ PetscErrorCode MpmBlochGainedCreate(const MpmBloch *b, const MpmFraction drift[]
   g         = *gained;
   g->cycles = 1;
   for (PetscInt j = b->place[0]; j != 0; j = b->place[j]) g->cycles++;
-  PetscCall(MpmTakenGains(b->scheme->table, &g->gains));
+  PetscCall(MpmTakenFind(b->scheme->table, PETSC_TRUE, &g->gains));
   if (g->gains) PetscCall(ChooseOrder(b, drift, g));
   if (g->order == 0) {
     PetscCall(MpmBlochGainedDestroy(gained));
@@ -57,11 +57,11 @@ static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, 
                        const MpmTakenGift *gift)
 {
   for (PetscInt i = 0; i < gift->parts; i++) {
-    const MpmTakenPart *part   = &gift->part[i];
-    const PetscReal     factor = part->factor * PetscPowRealInt(courant, part->power);
+    const MpmOp    *part   = &gift->part[i];
+    const PetscReal factor = MpmOpValue(part, courant);
 
     for (PetscInt j = 0; j < b->ppc; j++) {
-      double complex given = factor * MpmBlochTie(b, part->kind, part->axis, j);
+      double complex given = factor * MpmBlochTie(b, part, j, NULL);
       PetscInt       at    = j;
 
       for (PetscInt l = 0; l < g->cycles; l++) {

@@ -31,19 +31,6 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
   *factor = scheme->transfer->null_factor(&scheme->numbers);
 }
 
-/* The sums over particles that a table begins: an upper bound of the images of its plan. */
-static PetscInt Sums(const MpmTable *t)
-{
-  PetscInt sums = 0;
-
-  for (PetscInt o = 0; o < t->nops; o++) {
-    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
-
-    sums += traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES && !t->ops[o].accumulates;
-  }
-  return sums;
-}
-
 /*
    What no image of a plan sees of the registers that a step multiplies by c stays a multiple of itself, and so |c| is a
    factor where these registers have more numbers than there are images with c. Returns the largest; NaN where there are
@@ -70,6 +57,7 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   const MpmScheme *scheme = b->scheme;
   PetscInt         rest   = 0, all, n;
   PetscReal        factor;
+  const char      *why;
   MpmNodalPlan    *plan;
   MpmBlochNodal *new;
 
@@ -77,9 +65,10 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   *nodal = NULL;
   MpmBlochCountNull(b, &rest, &all, &factor);
   if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->null_factor) ||
-      scheme->formulation->written || MpmNodalWhyNot(scheme->table) || Sums(scheme->table) > MPM_MAX_IMAGES)
+      scheme->formulation->written)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmNodalPlanCreate(scheme->table, &plan));
+  PetscCall(MpmNodalPlanCreate(scheme->table, &why, &plan));
+  if (!plan) PetscFunctionReturn(PETSC_SUCCESS);
   n = plan->nimages;
   if (all == MPM_NONE) factor = LargestUnseen(b, plan);
   if (all == MPM_NONE ? isnan(factor) : n != b->size - all) {
@@ -89,8 +78,7 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   PetscCall(PetscNew(nodal));
   new  = *nodal;
   *new = (MpmBlochNodal){.plan = plan, .beta = {NAN, NAN, NAN}, .rest = rest, .all = all, .factor = factor};
-  PetscCall(PetscMalloc3(plan->nmaps, &new->map, plan->nmaps, &new->maps, plan->degree + 1, &new->coefficient));
-  for (PetscInt m = 0; m < plan->nmaps; m++) new->maps[m] = &new->map[m];
+  PetscCall(PetscMalloc1(plan->degree + 1, &new->coefficient));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(n * n, &new->coefficient[j]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,26 +88,23 @@ PetscErrorCode MpmBlochNodalDestroy(MpmBlochNodal **nodal)
   PetscFunctionBegin;
   if (!*nodal) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt j = 0; j <= (*nodal)->plan->degree; j++) PetscCall(PetscFree((*nodal)->coefficient[j]));
-  PetscCall(PetscFree3((*nodal)->map, (*nodal)->maps, (*nodal)->coefficient));
+  PetscCall(PetscFree((*nodal)->coefficient));
   PetscCall(MpmNodalPlanDestroy(&(*nodal)->plan));
   PetscCall(PetscFree(*nodal));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The symbol of a map: a sum over particles of what goes to them and comes back, or that of an operation of nodes. */
-static double complex SymbolOf(const MpmBloch *b, const MpmNodalMap *map, const PetscReal beta[])
+static PetscErrorCode Symbol(void *context, const MpmNodalMap *map, double complex symbol[])
 {
-  double complex sum = 0;
+  const MpmBloch *b = context;
+  const MpmOp    *P = &map->to_nodes, *W = &map->to_particles;
 
-  if (map->n == 0) return MpmBlochOfNodes(b, &map->op, beta);
-  for (PetscInt i = 0; i < map->n; i++) {
-    const MpmNodalProduct *p = &map->product[i];
-
-    for (PetscInt j = 0; j < b->ppc; j++)
-      sum += (p->factor / b->mass) * conj(MpmBlochTie(b, p->to_nodes, p->axis_nodes, j)) *
-             MpmBlochTie(b, p->to_particles, p->axis_particles, j);
-  }
-  return sum;
+  PetscFunctionBegin;
+  if (!map->product) *symbol = MpmBlochOfNodes(b, P, b->beta);
+  for (PetscInt j = 0; j < b->ppc && map->product; j++)
+    *symbol += conj(MpmBlochTie(b, P, j, NULL)) * MpmBlochTie(b, W, j, NULL) / b->mass;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SetPhase(MpmBlochNodal *nodal, MpmBloch *b, const PetscReal beta[])
@@ -132,8 +117,7 @@ static PetscErrorCode SetPhase(MpmBlochNodal *nodal, MpmBloch *b, const PetscRea
   if (same) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscArraycpy(nodal->beta, beta, nodal->plan->dim));
   MpmBlochSetPhase(b, beta);
-  for (PetscInt m = 0; m < nodal->plan->nmaps; m++) nodal->map[m] = SymbolOf(b, &nodal->plan->map[m], beta);
-  PetscCall(MpmNodalRun(nodal->plan, 1, nodal->maps, nodal->coefficient));
+  PetscCall(MpmNodalRun(nodal->plan, 1, Symbol, b, nodal->coefficient));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

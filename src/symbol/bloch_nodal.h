@@ -11,7 +11,6 @@
 
    plan        - of the table
    beta        - the present phase; NaN for none yet
-   map         - map[m]: the symbol of the plan's map m
    coefficient - coefficient[j]: nimages x nimages by columns (MpmNodalRun)
    rest, all   - the amplification factors of the null space of P2G, particle data that no node feels: rest of them are
                  1, the others of all are factor; all is MPM_NONE where only the largest abs of them is known, factor
@@ -19,8 +18,7 @@ S*/
 struct MpmBlochNodal_ {
   MpmNodalPlan    *plan;
   PetscReal        beta[MPM_MAX_DIM], factor;
-  double complex  *map, **coefficient;
-  double complex **maps; /* maps[m]: where map m is */
+  double complex **coefficient;
   PetscInt         rest, all;
 };
 

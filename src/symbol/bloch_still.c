@@ -3,7 +3,7 @@
 #include "symbol/bloch_still.h"
 
 /* Whether two parts have the same weights along the moving directions. */
-static PetscBool SameKinds(const MpmBlochStill *s, PetscInt dim, const MpmTakenPart *a, const MpmTakenPart *b)
+static PetscBool SameKinds(const MpmBlochStill *s, PetscInt dim, const MpmOp *a, const MpmOp *b)
 {
   for (PetscInt d = 0; d < dim; d++)
     if (s->moves[d] && MpmKindAlong(a->kind, a->axis, d) != MpmKindAlong(b->kind, b->axis, d)) return PETSC_FALSE;
@@ -87,11 +87,11 @@ void MpmBlochStillBegin(const MpmBlochStill *s, MpmBloch *b, const MpmTaken *gai
     const MpmTakenGift *gift = &gains->gift[gains->first[y]];
 
     for (PetscInt i = 0; i < gift->parts; i++) {
-      const MpmTakenPart *part   = &gift->part[i];
-      const PetscReal     factor = part->factor * PetscPowRealInt(courant, part->power);
+      const MpmOp    *part   = &gift->part[i];
+      const PetscReal factor = MpmOpValue(part, courant);
 
       for (PetscInt j = 0; j < b->ppc; j++) {
-        const double complex given = factor * MpmBlochTieAlong(b, part->kind, part->axis, j, s->rests);
+        const double complex given = factor * MpmBlochTie(b, part, j, s->rests);
         PetscReal *row = MpmBlochRows(b, part->dst) + 2 * j * b->width + s->place[j] + s->moving * s->of[y][i];
 
         row[0] += creal(given);
@@ -105,8 +105,7 @@ void MpmBlochStillWeigh(MpmBlochStill *s, const MpmBloch *b, PetscInt step)
 {
   for (PetscInt w = 0; w < s->n; w++)
     for (PetscInt m = 0; m < s->moving; m++)
-      s->weight[(step * s->n + w) * s->moving + m] =
-          MpmBlochTieAlong(b, s->part[w].kind, s->part[w].axis, s->first[m], s->moves);
+      s->weight[(step * s->n + w) * s->moving + m] = MpmBlochTie(b, &s->part[w], s->first[m], s->moves);
 }
 
 /* What is there and what is given goes to the places that particles have taken. */

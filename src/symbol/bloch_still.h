@@ -29,7 +29,7 @@ S*/
 typedef struct {
   PetscBool       moves[MPM_MAX_DIM], rests[MPM_MAX_DIM];
   PetscInt        moving, *place, *first, n, of[MPM_MAX_TAKEN][MPM_MAX_FIELDS], number[MPM_MAX_STILL];
-  MpmTakenPart    part[MPM_MAX_STILL];
+  MpmOp           part[MPM_MAX_STILL];
   double complex *weight;
 } MpmBlochStill;
 

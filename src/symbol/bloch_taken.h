@@ -12,25 +12,19 @@
 
 #define MPM_MAX_TAKEN 32 /* the most node fields that a table gives to registers that are taken */
 
-/* A part of a taken register dst: factor k^power W y, where W has this kind and axis. k is the Courant number. */
-typedef struct {
-  PetscInt  dst, axis, power;
-  PetscReal factor;
-  MpmOpKind kind;
-} MpmTakenPart;
-
 /*S
    MpmTakenGift - what a node register holds while operations of the table give it to taken registers.
 
    at, src - the first operation that reads it, and the register
+   slot    - its slot in the plan of the nodal operator
    number  - the unknown that it is a part of
    times   - y[number] is the sum of times the value over the gifts of this number
-   parts, part - what it gives
+   parts, part - the operations that give it: W y, times factor k^coefficient, to dst
 S*/
 typedef struct {
-  PetscInt     at, src, version, number, parts;
-  PetscReal    times;
-  MpmTakenPart part[MPM_MAX_FIELDS];
+  PetscInt  at, src, slot, number, parts;
+  PetscReal times;
+  MpmOp     part[MPM_MAX_FIELDS];
 } MpmTakenGift;
 
 /*S
@@ -48,16 +42,10 @@ typedef struct {
 } MpmTaken;
 
 /*
-   MpmTakenFind - finds it for a table, or NULL where no register is taken, or node fields are too many.
+   MpmTakenFind - finds it for a table, or NULL where no register is taken, node fields are too many, or the table has no
+   plan of its nodal operator. gains: the same of all registers of a table whose particles only gain, so that a step
+   multiplies none; NULL for other tables. No register counts as taken then.
 
    Not collective. Free it with PetscFree.
 */
-PetscErrorCode MpmTakenFind(const MpmTable *table, MpmTaken **taken);
-
-/*
-   MpmTakenGains - the same of all registers of a table whose particles only gain: no register is ever multiplied, and all
-   that is added to one comes from nodes. NULL for other tables. No register counts as taken then.
-
-   Not collective. Free it with PetscFree.
-*/
-PetscErrorCode MpmTakenGains(const MpmTable *table, MpmTaken **gains);
+PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **taken);

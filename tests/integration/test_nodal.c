@@ -32,39 +32,27 @@ static PetscErrorCode DenseOf(Mat matrix, double complex **out)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ProductOf(MpmMaps *maps, const MpmNodalProduct *p, Mat *product)
+static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double complex out[])
 {
-  const MpmOp to_particles = {.kind = p->to_particles, .axis = p->axis_particles, .src = p->src};
-  const MpmOp to_nodes     = {.kind = p->to_nodes, .axis = p->axis_nodes, .dst = p->dst};
-  Mat         P, W;
+  MpmMaps        *maps = context;
+  double complex *dense;
+  Mat             P, W, matrix;
 
   PetscFunctionBegin;
-  PetscCall(MpmMapsGet(maps, &to_particles, &W));
-  PetscCall(MpmMapsGet(maps, &to_nodes, &P));
-  PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, product));
-  PetscCall(MatScale(*product, p->factor));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode MapOf(MpmMaps *maps, const MpmNodalMap *map, double complex **out)
-{
-  Mat sum, next;
-
-  PetscFunctionBegin;
-  if (map->n == 0 && map->op.kind == MPM_WALL) {
-    PetscCall(MpmWallSelection(maps->slab, map->op.axis, map->op.side, &sum));
-  } else if (map->n == 0) {
-    PetscCall(MpmMapsGet(maps, &map->op, &next));
-    PetscCall(MatDuplicate(next, MAT_COPY_VALUES, &sum));
-  } else
-    PetscCall(ProductOf(maps, &map->product[0], &sum));
-  for (PetscInt i = 1; i < map->n; i++) {
-    PetscCall(ProductOf(maps, &map->product[i], &next));
-    PetscCall(MatAXPY(sum, 1, next, DIFFERENT_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&next));
+  if (map->to_nodes.kind == MPM_WALL) {
+    PetscCall(MpmWallSelection(maps->slab, map->to_nodes.axis, map->to_nodes.side, &matrix));
+  } else {
+    PetscCall(MpmMapsGet(maps, &map->to_nodes, &P));
+    if (map->product) {
+      PetscCall(MpmMapsGet(maps, &map->to_particles, &W));
+      PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &matrix));
+    } else
+      PetscCall(MatDuplicate(P, MAT_COPY_VALUES, &matrix));
   }
-  PetscCall(DenseOf(sum, out));
-  PetscCall(MatDestroy(&sum));
+  PetscCall(DenseOf(matrix, &dense));
+  PetscCall(PetscArraycpy(out, dense, maps->slab->nodes * maps->slab->nodes));
+  PetscCall(PetscFree(dense));
+  PetscCall(MatDestroy(&matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -77,13 +65,12 @@ static PetscErrorCode ImagesOf(const MpmScene *scene, const MpmNodalPlan *plan, 
   PetscFunctionBegin;
   for (PetscInt g = 0; g < plan->nimages; g++)
     for (PetscInt i = 0; i < plan->image[g].n; i++) {
-      const MpmNodalTerm *t    = &plan->image[g].term[i];
-      const MpmOp         op   = {.kind = t->kind, .axis = t->axis, .dst = t->dst};
-      const PetscReal     unit = t->factor * pow(scene->step.courant, (double)plan->weight[g]);
-      double complex     *dense;
-      Mat                 P;
+      const MpmOp    *t    = &plan->image[g].term[i];
+      const PetscReal unit = t->factor * pow(scene->step.courant, (double)plan->weight[g]);
+      double complex *dense;
+      Mat             P;
 
-      PetscCall(MpmMapsGet(maps, &op, &P));
+      PetscCall(MpmMapsGet(maps, t, &P));
       PetscCall(DenseOf(P, &dense));
       for (PetscInt p = 0; p < particles; p++)
         for (PetscInt node = 0; node < r->nodes; node++)
@@ -99,20 +86,18 @@ static PetscErrorCode Reduced(const MpmScene *scene, const MpmNodalPlan *plan, d
 {
   MpmSlab         r;
   MpmMaps         maps = {.slab = &r};
-  double complex *map[256], *c[64];
+  double complex *c[64];
   const PetscReal x = pow(scene->step.courant, (double)plan->stride);
 
   PetscFunctionBegin;
   PetscCall(MpmSlabOf(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &r));
   *n = plan->nimages * r.nodes;
-  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(MapOf(&maps, &plan->map[m], &map[m]));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(*n * *n, &c[j]));
-  PetscCall(MpmNodalRun(plan, r.nodes, map, c));
+  PetscCall(MpmNodalRun(plan, r.nodes, MapOf, &maps, c));
   PetscCall(PetscCalloc2(*n * *n, M, *n * scene->scheme.table->nstate * (PetscInt)scene->layout.particles, Z));
   for (PetscInt j = plan->degree; j >= 0; j--)
     for (PetscInt i = 0; i < *n * *n; i++) (*M)[i] = (*M)[i] * x + c[j][i];
   PetscCall(ImagesOf(scene, plan, &maps, *Z));
-  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(PetscFree(map[m]));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscFree(c[j]));
   PetscCall(MpmMapsDestroy(&maps));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -218,7 +203,7 @@ static PetscErrorCode CheckScheme(const char scheme[], const char layout[], Pets
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "%s %s", scheme, layout));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmNodalPlanCreate(scene->scheme.table, &plan));
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, NULL, &plan));
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(Reduced(scene, plan, &M, &Z, &n));
   PetscCall(DenseOf(op->A, &A));
@@ -279,7 +264,7 @@ static PetscErrorCode CheckImages(const char options[], PetscInt expected)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmNodalPlanCreate(scene->scheme.table, &plan));
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, NULL, &plan));
   CHECK(plan->nimages == expected, "%s: %d images", options, (int)plan->nimages);
   CHECK(plan->stride == 2, "%s: odd powers of the Courant number", options);
   PetscCall(MpmNodalPlanDestroy(&plan));
@@ -300,7 +285,7 @@ static PetscErrorCode CheckSymbolOf(const char options[])
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmNodalPlanCreate(scene->scheme.table, &plan));
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, NULL, &plan));
   of           = MpmCriticalCaseOf(scene, 1e-6);
   lattice.of   = &of;
   lattice.plan = plan;

@@ -93,7 +93,7 @@ static PetscErrorCode LatticeGrowth(MpmBloch *bloch, MpmSmallEigen *eigen, Petsc
     const PetscReal beta = PETSC_PI * (m + 0.4) / PHASES;
     PetscInt        exponent;
 
-    PetscCall(MpmBlochMatrix(bloch, courant, &beta, PETSC_FALSE, eigen->matrix, &exponent));
+    PetscCall(MpmBlochMatrices(bloch, 1, &courant, &beta, PETSC_FALSE, eigen->matrix, &exponent));
     PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
     for (PetscInt i = 0; i < eigen->n; i++) *growth = fmax(*growth, cabs(eigen->value[i]) * scalbn(1, (int)exponent));
   }

@@ -27,7 +27,7 @@ static PetscErrorCode CheckTurn(const char options[], PetscInt turn, PetscInt un
   CHECK(w.bloch.turn == turn && w.bloch.size <= 64, "%s: a turn of %d steps", options, (int)w.bloch.turn);
   CHECK(w.bloch.turn_size == unknowns, "%s: %d unknowns of %d", options, (int)w.bloch.turn_size, (int)w.bloch.size);
   PetscCall(MpmSmallEigenCreate(w.bloch.turn_size, &smaller));
-  PetscCall(MpmBlochTurn(&w.bloch, w.scene->step.courant, beta, smaller.matrix, &exponent));
+  PetscCall(MpmBlochTurns(&w.bloch, 1, &w.scene->step.courant, beta, smaller.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&smaller, PETSC_FALSE));
   for (PetscInt a = 0; a < w.scene->layout.dim; a++)
     angle += beta[a] * w.scene->step.drift[a].value * (PetscReal)w.bloch.period;
@@ -174,7 +174,7 @@ static PetscErrorCode CheckLanes(const char options[])
     for (int i = 0; i < MANY; i++) {
       PetscInt own;
 
-      PetscCall(MpmBlochMatrix(&w.bloch, courant[i], beta, noisy ? PETSC_TRUE : PETSC_FALSE, alone, &own));
+      PetscCall(MpmBlochMatrices(&w.bloch, 1, &courant[i], beta, noisy ? PETSC_TRUE : PETSC_FALSE, alone, &own));
       CHECK(Same(size, G + i * size * size, exponent[i], alone, own), "%s: matrix %d%s", options, i,
             noisy ? " with noise" : "");
     }
@@ -183,7 +183,7 @@ static PetscErrorCode CheckLanes(const char options[])
   for (int i = 0; i < MANY; i++) {
     PetscInt own;
 
-    PetscCall(MpmBlochTurn(&w.bloch, courant[i], beta, alone, &own));
+    PetscCall(MpmBlochTurns(&w.bloch, 1, &courant[i], beta, alone, &own));
     CHECK(Same(turn, G + i * turn * turn, exponent[i], alone, own), "%s: turn %d", options, i);
   }
   PetscCall(MpmBlochGrowths(&w.bloch, &turned, MANY, courant, beta, growth, without));
@@ -242,7 +242,7 @@ static PetscErrorCode CheckNoise(const char options[])
   for (int phase = 0; phase < 2; phase++) {
     PetscInt differ = 0;
 
-    PetscCall(MpmBlochMatrix(&w.bloch, w.scene->step.courant, beta[phase], PETSC_TRUE, G, &exponent));
+    PetscCall(MpmBlochMatrices(&w.bloch, 1, &w.scene->step.courant, beta[phase], PETSC_TRUE, G, &exponent));
     for (PetscInt c = 0; c < n; c++) {
       for (PetscInt i = 0; i < n; i++) state[i] = i == c;
       for (PetscInt step = 0; step < w.bloch.period; step++) {

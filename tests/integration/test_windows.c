@@ -104,7 +104,7 @@ static PetscErrorCode GrowthAt(Symbol *s, PetscReal courant, PetscReal beta, Pet
   PetscReal largest = 0;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&s->bloch, courant, &beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrices(&s->bloch, 1, &courant, &beta, PETSC_FALSE, s->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
   *nearest = INFINITY;
   for (PetscInt i = 0; i < s->eigen.n; i++) {

@@ -35,7 +35,7 @@ static inline PetscErrorCode FactorsAt(Wave *w, PetscReal courant, const PetscRe
   PetscInt exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrix(&w->bloch, courant, beta, PETSC_FALSE, w->eigen.matrix, &exponent));
+  PetscCall(MpmBlochMatrices(&w->bloch, 1, &courant, beta, PETSC_FALSE, w->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&w->eigen, vectors));
   for (PetscInt i = 0; i < w->eigen.n; i++) w->eigen.value[i] *= scalbn(1, (int)exponent);
   PetscFunctionReturn(PETSC_SUCCESS);
