@@ -1,22 +1,80 @@
-/* The growth of particles that move and only gain from nodes: a turn on the numbers that nodes give. */
+/* The growth of particles that move and only gain from nodes: a turn on the vectors that they gain. */
 #include "linalg/small_qr.h"
 #include "symbol/bloch_gained.h"
-#include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 
 #define LARGEST 1e250 /* of the numbers that nodes give: sums of their products with weights are doubles, too */
 
-/* The smaller of the two matrices; order stays 0 where both have as many rows as the registers. */
-static PetscErrorCode ChooseOrder(const MpmBloch *b, const MpmFraction drift[], MpmBlochGained *g)
+/* Whether two parts have the same weights along the moving directions. */
+static PetscBool SameKinds(const MpmBlochGained *g, PetscInt dim, const MpmOp *a, const MpmOp *b)
 {
-  const PetscInt all = g->cycles * b->turn * g->gains->numbers;
-  PetscInt       few;
+  for (PetscInt d = 0; d < dim; d++)
+    if (g->moves[d] && MpmKindAlong(a->kind, a->axis, d) != MpmKindAlong(b->kind, b->axis, d)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+/* Finds the w of all numbers, with the number of each. Returns false where there are too many. */
+static PetscBool FindProducts(MpmBlochGained *g, PetscInt dim, PetscInt number[])
+{
+  for (PetscInt y = 0; y < g->gains->numbers; y++) {
+    const MpmTakenGift *gift = &g->gains->gift[g->gains->first[y]];
+
+    for (PetscInt i = 0; i < gift->parts; i++) {
+      PetscInt w = 0;
+
+      while (w < g->n && (number[w] != y || !SameKinds(g, dim, &g->part[w], &gift->part[i]))) w++;
+      if (w == MPM_MAX_STILL) return PETSC_FALSE;
+      number[w]   = y;
+      g->part[w]  = gift->part[i];
+      g->of[y][i] = w;
+      g->n        = PetscMax(g->n, w + 1);
+    }
+  }
+  return PETSC_TRUE;
+}
+
+/* The places of particles along the moving directions. */
+static void SetPlaces(const MpmBloch *b, MpmBlochGained *g)
+{
+  const PetscInt *ppc = b->layout->ppc;
+
+  for (PetscInt j = b->ppc - 1; j >= 0; j--) {
+    PetscInt rest = j, stride = 1;
+
+    g->place[j] = 0;
+    for (PetscInt a = 0; a < b->layout->dim; a++) {
+      if (g->moves[a]) g->place[j] += stride * (rest % ppc[a]);
+      if (g->moves[a]) stride *= ppc[a];
+      rest /= ppc[a];
+    }
+    g->first[g->place[j]] = j;
+  }
+}
+
+/* Chooses the vectors. order stays 0 where there are as many of them as rows of the registers. */
+static PetscErrorCode Choose(const MpmBloch *b, const MpmFraction drift[], MpmBlochGained *g)
+{
+  const PetscInt orbits = g->cycles * b->turn * g->gains->numbers;
+  PetscInt       number[MPM_MAX_STILL], order = orbits;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochStillCreate(b, drift, g->gains, &g->still));
-  few = g->still ? g->still->n * g->still->moving : all;
-  if (few >= all) PetscCall(MpmBlochStillDestroy(&g->still));
-  if (PetscMin(few, all) < b->size && PetscMin(few, all) <= MPM_SMALL_QR_MOST) g->order = PetscMin(few, all);
+  g->moving = 1;
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    g->rests[a] = drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
+    g->moves[a] = g->rests[a] ? PETSC_FALSE : PETSC_TRUE;
+    if (g->moves[a]) g->moving *= b->layout->ppc[a];
+  }
+  if (FindProducts(g, b->layout->dim, number)) order = PetscMin(orbits, g->n * g->moving);
+  if (order >= b->size || order > MPM_SMALL_QR_MOST) PetscFunctionReturn(PETSC_SUCCESS);
+  g->products = order < orbits ? PETSC_TRUE : PETSC_FALSE;
+  g->order    = order;
+  PetscCall(PetscMalloc4(b->ppc, &g->place, g->moving, &g->first, order, &g->number, order, &g->to));
+  /* a row is filled up as the registers' are, which have b->size columns */
+  PetscCall(PetscMalloc6(2 * b->turn * g->gains->numbers * (order + MPM_BLOCH_LANES), &g->given, b->turn * order,
+                         &g->weight, order, &g->times, order * order, &g->matrix, order, &g->value, b->ppc,
+                         &g->beyond));
+  SetPlaces(b, g);
+  for (PetscInt i = 0; i < order; i++) g->number[i] = g->products ? number[i / g->moving] : i % g->gains->numbers;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -30,63 +88,71 @@ PetscErrorCode MpmBlochGainedCreate(const MpmBloch *b, const MpmFraction drift[]
   g->cycles = 1;
   for (PetscInt j = b->place[0]; j != 0; j = b->place[j]) g->cycles++;
   PetscCall(MpmTakenFind(b->scheme->table, PETSC_TRUE, &g->gains));
-  if (g->gains) PetscCall(ChooseOrder(b, drift, g));
-  if (g->order == 0) {
-    PetscCall(MpmBlochGainedDestroy(gained));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  /* a row is filled up as the registers' are, which have b->size columns */
-  PetscCall(PetscMalloc4(2 * b->turn * g->gains->numbers * (g->order + MPM_BLOCH_LANES), &g->given, g->order * g->order,
-                         &g->matrix, g->order, &g->value, b->ppc, &g->beyond));
+  if (g->gains) PetscCall(Choose(b, drift, g));
+  if (g->order == 0) PetscCall(MpmBlochGainedDestroy(gained));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochGainedDestroy(MpmBlochGained **gained)
 {
+  MpmBlochGained *g = *gained;
+
   PetscFunctionBegin;
-  if (!*gained) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmBlochStillDestroy(&(*gained)->still));
-  PetscCall(PetscFree((*gained)->gains));
-  if ((*gained)->order) PetscCall(PetscFree4((*gained)->given, (*gained)->matrix, (*gained)->value, (*gained)->beyond));
+  if (!g) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree(g->gains));
+  if (g->order) PetscCall(PetscFree4(g->place, g->first, g->number, g->to));
+  if (g->order) PetscCall(PetscFree6(g->given, g->weight, g->times, g->matrix, g->value, g->beyond));
   PetscCall(PetscFree(*gained));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sets column l x steps x numbers + number of the registers to P^l U, of one number of a step. */
-static void SetColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, PetscInt number,
-                       const MpmTakenGift *gift)
+/* What P makes of the vectors. */
+static void SetPhase(MpmBlochGained *g, const MpmBloch *b, const PetscReal beta[])
 {
-  for (PetscInt i = 0; i < gift->parts; i++) {
-    const MpmOp    *part   = &gift->part[i];
-    const PetscReal factor = MpmOpValue(part, courant);
+  const PetscInt block = b->turn * g->gains->numbers;
+  double complex mu    = 1;
 
+  for (PetscInt j = 0; j < b->ppc; j++) g->beyond[j] = MpmBlochPhaseBeyond(b, beta, j);
+  for (PetscInt l = 0, j = 0; l < g->cycles; l++, j = b->place[j]) mu *= g->beyond[j];
+  for (PetscInt i = 0; i < g->order; i++) {
+    const PetscInt m = i % g->moving;
+
+    g->to[i]    = g->products ? i - m + g->place[b->place[g->first[m]]] : (i + block) % g->order;
+    g->times[i] = g->products ? g->beyond[g->first[m]] : i + block < g->order ? 1 : mu;
+  }
+}
+
+/* Adds to the registers at the start of a turn what number y of a step gives: its products, or it and its orbit. */
+static void AddColumns(const MpmBlochGained *g, MpmBloch *b, PetscReal courant, PetscInt step, PetscInt y)
+{
+  const MpmTakenGift *gift = &g->gains->gift[g->gains->first[y]];
+
+  for (PetscInt i = 0; i < gift->parts; i++)
     for (PetscInt j = 0; j < b->ppc; j++) {
-      double complex given = factor * MpmBlochTie(b, part, j, NULL);
-      PetscInt       at    = j;
+      double complex given =
+          MpmOpValue(&gift->part[i], courant) * MpmBlochTie(b, &gift->part[i], j, g->products ? g->rests : NULL);
 
-      for (PetscInt l = 0; l < g->cycles; l++) {
-        PetscReal *row = MpmBlochRows(b, part->dst) + 2 * at * b->width + l * b->turn * g->gains->numbers + number;
+      for (PetscInt l = 0, at = j; l < (g->products ? 1 : g->cycles); l++, at = b->place[at]) {
+        PetscReal *row =
+            MpmBlochRows(b, gift->part[i].dst) + 2 * at * b->width +
+            (g->products ? g->place[j] + g->moving * g->of[y][i] : (l * b->turn + step) * g->gains->numbers + y);
 
         row[0] += creal(given);
         row[b->width] += cimag(given);
         given *= g->beyond[at];
-        at = b->place[at];
       }
     }
-  }
 }
 
-/* The registers at the start of a turn. */
-static void Begin(MpmBlochGained *g, MpmBloch *b, PetscReal courant)
+static void Weigh(MpmBlochGained *g, const MpmBloch *b, PetscInt step)
 {
-  const MpmTaken *gains = g->gains;
+  double complex *weight = g->weight + step * g->order;
 
-  if (g->still) MpmBlochStillBegin(g->still, b, gains, courant);
-  for (PetscInt step = 0; step < b->turn && !g->still; step++) {
-    MpmBlochSetStep(b, step);
-    for (PetscInt y = 0; y < gains->numbers; y++)
-      SetColumns(g, b, courant, step * gains->numbers + y, &gains->gift[gains->first[y]]);
-  }
+  for (PetscInt i = 0; i < g->order; i++)
+    if (g->products)
+      weight[i] = MpmBlochTie(b, &g->part[i / g->moving], g->first[i % g->moving], g->moves);
+    else
+      weight[i] = i / g->gains->numbers == step;
 }
 
 /* The steps of a turn. Returns false where what nodes give might leave the range of doubles. */
@@ -98,7 +164,7 @@ static PetscBool March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
   for (PetscInt i = 0; i < b->turn * each; i++) g->given[i] = 0;
   for (PetscInt step = 0; step < b->turn; step++) {
     MpmBlochSetStep(b, step);
-    if (g->still) MpmBlochStillWeigh(g->still, b, step);
+    Weigh(g, b, step);
     for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
       MpmBlochNote(b, g->gains, o, g->given + step * each);
       MpmBlochApply(b, o, beta);
@@ -109,25 +175,22 @@ static PetscBool March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
   return ok;
 }
 
-/* C: what is there goes to the next power of P, and what is given to the first. */
+/* What is there and what is given goes to the places that particles have taken. */
 static void SetMatrix(MpmBlochGained *g, const MpmBloch *b)
 {
-  const PetscInt n = g->order, block = b->turn * g->gains->numbers;
-  double complex mu = 1, times;
-  PetscInt       j  = 0;
+  const PetscInt n = g->order;
 
-  for (PetscInt l = 0; l < g->cycles; l++) {
-    mu *= g->beyond[j];
-    j = b->place[j];
-  }
-  times = g->cycles == 1 ? mu : 1;
-  for (PetscInt i = 0; i < n * n; i++) g->matrix[i] = 0;
-  for (PetscInt c = 0; c < n; c++) {
-    double complex *column = g->matrix + n * c;
+  for (PetscInt i = 0; i < n; i++) {
+    double complex *to = g->matrix + g->to[i];
 
-    column[(c + block) % n] = c + block < n ? 1 : mu;
-    for (PetscInt y = 0; y < block; y++)
-      column[(y + block) % n] += times * CMPLX(g->given[2 * y * b->width + c], g->given[(2 * y + 1) * b->width + c]);
+    for (PetscInt c = 0; c < n; c++) to[n * c] = c == i ? 1 : 0;
+    for (PetscInt step = 0; step < b->turn; step++) {
+      const PetscReal     *row    = g->given + (step * g->gains->numbers + g->number[i]) * 2 * b->width;
+      const double complex weight = g->weight[step * n + i];
+
+      for (PetscInt c = 0; c < n && weight != 0; c++) to[n * c] += weight * CMPLX(row[c], row[b->width + c]);
+    }
+    for (PetscInt c = 0; c < n; c++) to[n * c] *= g->times[i];
   }
 }
 
@@ -138,14 +201,14 @@ PetscErrorCode MpmBlochGainedGrowth(MpmBlochGained *g, MpmBloch *b, PetscReal co
 
   PetscFunctionBegin;
   PetscCall(MpmBlochBegin(b, 1, &courant, beta, b->turn, g->order));
-  for (PetscInt j = 0; j < b->ppc; j++) g->beyond[j] = MpmBlochPhaseBeyond(b, beta, j);
-  Begin(g, b, courant);
+  SetPhase(g, b, beta);
+  for (PetscInt step = 0; step < (g->products ? 1 : b->turn); step++) {
+    MpmBlochSetStep(b, step);
+    for (PetscInt y = 0; y < g->gains->numbers; y++) AddColumns(g, b, courant, step, y);
+  }
   *ok = March(g, b, beta);
   if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
-  if (g->still)
-    MpmBlochStillMatrix(g->still, b, g->gains, g->given, g->beyond, g->matrix);
-  else
-    SetMatrix(g, b);
+  SetMatrix(g, b);
   MpmSmallQr(g->order, g->matrix, g->value, ok);
   if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < g->order; i++) largest = PetscMax(largest, cabs(g->value[i]));

@@ -1,34 +1,54 @@
 /*
    The growth of particles that move and only gain from nodes, as with flip: a register is never multiplied, and all that is
    added to it comes from nodes. With y the numbers that nodes give in the steps of a turn, and U y what particles gain,
-   the turn takes x to P (x + U y(x)). P puts particles in their new places, and P^q is a number mu of modulus 1, since q
-   turns take each particle to its own place some cells farther.
+   the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the state that hold all U y
+   and what P makes of them are enough: a turn takes their sums to such sums, and all other amplification factors have
+   modulus 1. There are two sets of them, and the smaller one is taken.
 
-   States sum_l P^l U a_l, l < q, stay such states. Their numbers a are taken to others by a matrix C of order q x steps x
-   (numbers of a step). All other amplification factors are those of P, of modulus 1. In three dimensions usl with eight
-   particles in a cell and a drift of 1/8 along the diagonal has C of order 48 where the registers hold 72 numbers. Where
-   particles move along some directions only, a smaller matrix may do (bloch_still.h).
+   Orbits: the P^l U, l < q. P^q is a number mu of modulus 1, since q turns take each particle to its own place some cells
+   farther. In three dimensions usl with eight particles in a cell and a drift of 1/8 along the diagonal has 48 of them
+   where the registers hold 72 numbers.
+
+   Products, where particles move along some directions only. The weights of a map are products of those along the
+   directions, and along a direction without drift they stay. So all that a number y of the nodes ever gives to particles is
+
+     sum_d e_d x w_(y,d)
+
+   where d are the kinds of weights along the moving directions, w what y gives along the others, and e_d numbers of the
+   particles that differ along the moving directions. With the drift along x usl has 18 vectors e x w.
 */
 #pragma once
-#include "symbol/bloch_still.h"
+#include "symbol/bloch.h"
+
+#define MPM_MAX_STILL 128 /* the most w */
 
 /*S
-   MpmBlochGained - see above.
+   MpmBlochGained - see above. Vector i is number l x steps x numbers + step x numbers + y of the orbits, or the product of
+   the w with number i / moving and of the place i % moving along the moving directions.
 
-   gains   - what nodes give in a step
-   still   - the smaller matrix of particles that rest along some directions; NULL where C is no larger
-   cycles  - q
-   order   - of the matrix
-   given   - rows of y of all steps, as those of registers
+   gains    - what nodes give in a step
+   order    - how many vectors there are
+   products - they are products
+   cycles   - q
+   moves, rests - of each direction
+   moving   - the number of places in a cell along the moving directions
+   place, first - place[j]: that of particle j; first[m]: a particle with place m
+   n, of    - the number of w; of[y][i]: the w that part i of number y belongs to
+   part     - one of the parts of a w
+   number   - of each vector: the number of the nodes that gives it
+   weight   - of each vector in each step: how much its number gives of it
+   to, times - P takes vector i to times[i] vector to[i], at the present phase
+   given    - rows of y of all steps, as those of registers
    matrix, value - the matrix and its eigenvalues
-   beyond  - MpmBlochPhaseBeyond of each particle, at the present phase
+   beyond   - MpmBlochPhaseBeyond of each particle, at the present phase
 S*/
 struct MpmBlochGained_ {
   MpmTaken       *gains;
-  MpmBlochStill  *still;
-  PetscInt        cycles, order;
+  PetscBool       products, moves[MPM_MAX_DIM], rests[MPM_MAX_DIM];
+  PetscInt        order, cycles, moving, n, of[MPM_MAX_TAKEN][MPM_MAX_FIELDS], *place, *first, *number, *to;
+  MpmOp           part[MPM_MAX_STILL];
   PetscReal      *given;
-  double complex *matrix, *value, *beyond;
+  double complex *weight, *times, *matrix, *value, *beyond;
 };
 
 /*
