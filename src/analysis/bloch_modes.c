@@ -6,77 +6,10 @@
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "symbol/bloch.h"
+#include "symbol/source.h"
 #include <math.h>
 
 #define MODES (MPM_BLOCH_VECTORS / 2)
-#define AWAY 0.05      /* distance from 1 */
-#define EQUAL_ABS 1e-9 /* relative: abs that differ by less are taken for equal */
-
-/* An amplification factor and the number of its phase; size is -1 where there is none. */
-typedef struct {
-  PetscReal re, im, size, distance, phase;
-} Candidate;
-
-static PetscBool IsBetter(const Candidate *a, const Candidate *b)
-{
-  const PetscBool away = a->distance > AWAY ? PETSC_TRUE : PETSC_FALSE;
-
-  if (b->size < 0 || a->size < 0) return a->size > b->size ? PETSC_TRUE : PETSC_FALSE;
-  if (away != (b->distance > AWAY ? PETSC_TRUE : PETSC_FALSE)) return away;
-  if (away && fabs(a->size - b->size) > EQUAL_ABS * b->size) return a->size > b->size ? PETSC_TRUE : PETSC_FALSE;
-  return a->distance > b->distance * (1 + EQUAL_ABS) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* Inserts a candidate in a list that is sorted, best first. */
-static void Insert(Candidate c, Candidate best[MODES])
-{
-  for (PetscInt i = 0; i < MODES; i++) {
-    if (IsBetter(&c, &best[i])) {
-      const Candidate kept = best[i];
-
-      best[i] = c;
-      c       = kept;
-    }
-  }
-}
-
-/* The best factor of a class. */
-static Candidate BestOf(const MpmSymbol *s, PetscInt i)
-{
-  Candidate best = {.size = -1, .distance = -1};
-
-  for (PetscInt j = 0; j < s->size; j++) {
-    const PetscReal *factor = s->factors + 2 * (s->size * i + j);
-    Candidate        c      = {.re    = scalbn(factor[0], (int)s->exponents[i]),
-                               .im    = scalbn(factor[1], (int)s->exponents[i]),
-                               .phase = (PetscReal)MpmSymbolPhaseOfClass(s, s->first + i)};
-
-    c.size     = hypot(c.re, c.im);
-    c.distance = hypot(c.re - 1, c.im);
-    if (IsBetter(&c, &best)) best = c;
-  }
-  return best;
-}
-
-/* The leading factors of different classes, on every rank. */
-static PetscErrorCode Leading(MPI_Comm comm, const MpmSymbol *s, Candidate best[MODES])
-{
-  const PetscMPIInt count = MODES * sizeof(Candidate) / sizeof(PetscReal);
-  PetscMPIInt       ranks;
-  Candidate        *all;
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < MODES; i++) best[i] = (Candidate){.size = -1};
-  for (PetscInt i = 0; i < s->count; i++) Insert(BestOf(s, i), best);
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(PetscMalloc1(ranks * MODES, &all));
-  PetscCallMPI(MPI_Allgather(best, count, MPIU_REAL, all, count, MPIU_REAL, comm));
-  for (PetscInt i = 0; i < MODES; i++) best[i] = (Candidate){.size = -1};
-  for (PetscInt i = 0; i < ranks * MODES; i++) Insert(all[i], best);
-  PetscCall(PetscFree(all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Fills a state, real and imaginary part, with a Bloch mode. q: the numbers of the cell at the origin. */
 static PetscErrorCode Fill(const MpmOperator *op, const PetscReal beta[], const double complex q[], Vec mode[2])
 {
@@ -108,8 +41,8 @@ static PetscErrorCode Fill(const MpmOperator *op, const PetscReal beta[], const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The eigenvector of a phase's matrix for a candidate; the same on every rank. */
-static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s, const Candidate *c,
+/* The eigenvector of a phase's matrix for a factor; the same on every rank. */
+static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s, const MpmSymbolFactor *c,
                              const PetscReal beta[], MpmSmallEigen *small, PetscInt *nearest)
 {
   PetscMPIInt count;
@@ -132,14 +65,14 @@ static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s,
 
 PetscErrorCode MpmBlochModesCreate(const MpmOperator *op, const MpmSymbol *s, PetscInt *n, Vec **vectors)
 {
-  const MPI_Comm comm = PetscObjectComm((PetscObject)op->A);
-  Candidate      best[MODES];
-  MpmBloch       bloch;
-  MpmSmallEigen  small;
-  Vec            x;
+  const MPI_Comm  comm = PetscObjectComm((PetscObject)op->A);
+  MpmSymbolFactor best[MODES];
+  MpmBloch        bloch;
+  MpmSmallEigen   small;
+  Vec             x;
 
   PetscFunctionBegin;
-  PetscCall(Leading(comm, s, best));
+  PetscCall(MpmSymbolLeading(comm, s, 0, MODES, best));
   *n = 0;
   while (*n < 2 * MODES && best[*n / 2].size >= 0) *n += 2;
   PetscCall(MatCreateVecs(op->A, &x, NULL));

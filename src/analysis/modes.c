@@ -1,7 +1,7 @@
 /* Computes wavenumber, polarisation and null-space share of eigenvectors. */
 #include "analysis/modes.h"
 #include "linalg/dense.h"
-#include "program/maps.h"
+#include "program/program.h"
 #include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
 #include <fftw3.h>
 #include <math.h>
@@ -264,58 +264,42 @@ static PetscBool IsRepeated(const MpmTable *table, PetscInt o)
   return PETSC_FALSE;
 }
 
-/* Adds a map, times a factor, to a sum of maps, which NULL begins. */
-static PetscErrorCode AddMap(MpmMaps *maps, const MpmOp *op, PetscReal factor, Mat *sum)
-{
-  Mat known, map;
-
-  PetscFunctionBegin;
-  PetscCall(MpmMapsGet(maps, op, &known));
-  PetscCall(MatDuplicate(known, MAT_COPY_VALUES, &map));
-  if (factor != 1) PetscCall(MatScale(map, factor));
-  if (*sum) {
-    PetscCall(MatAXPY(*sum, 1, map, DIFFERENT_NONZERO_PATTERN));
-    PetscCall(MatDestroy(&map));
-  } else
-    *sum = map;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-   Makes the map of all components of a field, registers [first, first + n), to the nodes: rows are nodes of each register.
-   The map is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an isothermal
+   Makes the map of all components of a field, registers [first, first + n), to the nodes: the program of the sums that read
+   them. It is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an isothermal
    gas that is stretched: in one dimension its force does not depend on the stretch.
 */
 static PetscErrorCode MapOfField(MpmMaps *maps, PetscInt first, PetscInt n, Mat *map)
 {
-  const MpmTable *table                 = maps->slab->scheme->table;
-  PetscInt        rows                  = 0;
-  Mat             block[MPM_MAX_FIELDS] = {NULL}, nest;
-  PetscInt        row_of[MPM_MAX_FIELDS];
-  PetscReal       factor[MPM_MAX_FIELDS];
+  const MpmTable *table = maps->slab->scheme->table;
+  MpmRegisters    r;
+  MpmStepProgram *program;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) row_of[i] = MPM_NONE;
+  PetscCall(MpmRegistersOf(maps->slab, &r));
+  r.nin  = n;
+  r.nout = 0;
+  for (PetscInt i = 0; i < n; i++) r.in[i] = first + i;
+  PetscCall(MpmStepProgramCreate(&r, 1, &program));
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOp      *op     = &table->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    MpmLine           line = {.dst = r.n[0] + op->dst, .src = op->src, .factor = op->factor, .accumulates = PETSC_TRUE};
+    PetscInt          out  = 0;
 
     if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || op->src < first || op->src >= first + n)
       continue;
     if (op->factor == 0 || IsRepeated(table, o)) continue;
-    if (row_of[op->dst] == MPM_NONE) {
-      factor[rows]    = op->factor;
-      row_of[op->dst] = rows++;
-    }
-    PetscCheck(rows * n <= MPM_MAX_FIELDS, maps->slab->comm, PETSC_ERR_PLIB, "raise MPM_MAX_FIELDS");
-    PetscCall(AddMap(maps, op, op->factor / factor[row_of[op->dst]], &block[row_of[op->dst] * n + op->src - first]));
+    PetscCall(MpmMapsGet(maps, op, &line.map));
+    PetscCall(MpmStepProgramAppend(program, line));
+    while (out < r.nout && r.out[out] != line.dst) out++;
+    r.out[out] = line.dst;
+    r.nout     = PetscMax(r.nout, out + 1);
   }
-  *map = NULL;
-  if (!rows) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MatCreateNest(maps->slab->comm, rows, NULL, n, NULL, block, &nest));
-  PetscCall(MatConvert(nest, MATAIJ, MAT_INITIAL_MATRIX, map));
-  PetscCall(MatDestroy(&nest));
-  for (PetscInt i = 0; i < rows * n; i++) PetscCall(MatDestroy(&block[i]));
+  program->registers = r;
+  *map               = NULL;
+  if (r.nout) PetscCall(MpmStepProgramAssemble(program, PETSC_FALSE, map));
+  PetscCall(MpmStepProgramDestroy(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

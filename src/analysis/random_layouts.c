@@ -12,8 +12,8 @@
 #include "base/farm.h"
 #include "linalg/dense.h"
 #include "operator/nodal.h"
+#include "program/maps.h"
 #include "scene/layout.h"
-#include "scheme/maps.h"
 #include <math.h>
 
 #define LEAST 1e-6     /* Courant number below which no limit is sought */
@@ -65,30 +65,16 @@ static MpmLayout BoxOf(const MpmLayout *from, PetscInt64 seed)
 static PetscInt Weights(const Boxed *b, PetscInt64 site, MpmOpKind kind, PetscInt axis, PetscInt node[],
                         PetscReal weight[])
 {
-  const MpmLayout *l     = &b->layout;
-  const MpmBasis  *basis = b->search->of->scheme->basis;
-  const PetscInt   reach = MpmMapReach(basis);
-  PetscInt         cell[MPM_MAX_DIM], n = 1, stride = 1;
-  PetscReal        xi[MPM_MAX_DIM];
+  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+  const MpmLayout       *l                 = &b->layout;
+  const MpmSlab          slab              = {.layout = l, .scheme = b->search->of->scheme};
+  PetscInt               cell[MPM_MAX_DIM];
+  PetscReal              xi[MPM_MAX_DIM], row[MPM_MAX_DIM][MPM_MAX_REACH];
 
   MpmLayoutPlace(l, site, cell, xi);
-  node[0]   = 0;
-  weight[0] = 1;
-  for (PetscInt a = 0; a < l->dim; a++) {
-    const PetscInt cells = l->grid[a].cells;
-    PetscReal      row[MPM_MAX_REACH];
-
-    MpmMapRow(basis, a == axis ? kind : MPM_G2P, xi[a], l->half_width[a], MpmNoWalls, row);
-    for (PetscInt i = n * reach - 1; i >= 0; i--) { /* from the last, since the first n are read by all */
-      const PetscInt d = i / n, at = (cell[a] - basis->reach_left + d) % cells;
-
-      node[i]   = node[i % n] + stride * (at < 0 ? at + cells : at);
-      weight[i] = weight[i % n] * row[d];
-    }
-    n *= reach;
-    stride *= cells;
-  }
-  return n;
+  for (PetscInt a = 0; a < l->dim; a++)
+    MpmMapRow(slab.scheme->basis, a == axis ? kind : MPM_G2P, xi[a], l->half_width[a], MpmNoWalls, row[a]);
+  return MpmNodeWeights(&slab, row, even, PETSC_FALSE, cell, node, weight);
 }
 
 static PetscBool IsThere(const Boxed *b, PetscInt64 site)

@@ -25,7 +25,7 @@ static PetscErrorCode MinusGrowth(void *context, const PetscReal beta[], PetscRe
   PetscInt  exponent;
 
   PetscFunctionBegin;
-  PetscCall(s->source->matrix(s->source->context, beta, PETSC_FALSE, s->eigen.matrix, &exponent));
+  PetscCall(MpmSourceMatrix(s->source, beta, s->eigen.matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(&s->eigen, PETSC_FALSE));
   for (PetscInt i = 0; i < s->eigen.n; i++) largest = PetscMax(largest, cabs(s->eigen.value[i]));
   *value = -MpmGrowthPerStep(largest, exponent, s->source->period);

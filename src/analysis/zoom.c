@@ -1,5 +1,6 @@
 /* The least value of a function of phases: a grid over all of them, then steps that shrink from the best places. */
 #include "analysis/zoom.h"
+#include "symbol/phases.h"
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -23,15 +24,7 @@ MpmZoom MpmZoomOf(const MpmLayout *layout, const MpmSpace *space, const MpmFract
 {
   MpmZoom zoom = {.dim = layout->dim};
 
-  for (PetscInt a = 0; a < layout->dim; a++) {
-    zoom.mirror[a] =
-        layout->offset[a].value == 0.5 && drift[a].value == 0 && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
-    zoom.alike[a] = a;
-    for (PetscInt b = a - 1; b >= 0; b--)
-      if (layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
-          drift[a].value == drift[b].value && MpmSpaceAlike(space, a, b))
-        zoom.alike[a] = b;
-  }
+  MpmPhasesSymmetries(layout, space, drift, zoom.mirror, zoom.alike);
   return zoom;
 }
 

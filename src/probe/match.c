@@ -274,7 +274,7 @@ static PetscErrorCode CompareAt(const MpmSource source[2], const PetscReal beta[
   PetscFunctionBegin;
   for (int s = 0; s < 2; s++) {
     PetscCall(MpmSmallEigenCreate(source[s].size, &eigen[s]));
-    PetscCall(source[s].matrix(source[s].context, beta, PETSC_FALSE, eigen[s].matrix, &exponent));
+    PetscCall(MpmSourceMatrix(&source[s], beta, eigen[s].matrix, &exponent));
     PetscCall(MpmSmallEigenSolve(&eigen[s], PETSC_FALSE));
   }
   PetscCall(PetscCalloc1(eigen[1 - few].n, &taken));

@@ -24,13 +24,15 @@ PetscErrorCode MpmBlocksFree(MpmBlocks *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
-                             PetscInt *exponent)
+static PetscErrorCode Matrices(void *context, PetscInt cases, const PetscInt which[], const PetscReal beta[],
+                               PetscBool noisy, double complex G[], PetscInt *exponent)
 {
   const MpmBlocks *b = context;
   const PetscInt   n = b->size;
 
   PetscFunctionBegin;
+  (void)cases;
+  (void)which;
   (void)noisy;
   *exponent = 0;
   PetscCall(PetscArrayzero(G, n * n));
@@ -62,7 +64,7 @@ PetscErrorCode MpmBlocksSource(const MpmBlocks *b, const char name[], MpmSource 
                         .period   = b->period,
                         .cases    = 1,
                         .together = 1,
-                        .matrix   = Matrix,
+                        .matrices = Matrices,
                         .context  = (void *)b,
                         .alike    = {0, 1, 2},
                         .null_all = MPM_NONE};
@@ -96,7 +98,7 @@ static PetscErrorCode Sample(MPI_Comm comm, const MpmSource *source, PetscInt n,
       beta[a] = MpmSymbolPhase(rest % n, n);
       rest /= n;
     }
-    PetscCall(source->matrix(source->context, beta, PETSC_FALSE, at, &exponent));
+    PetscCall(MpmSourceMatrix(source, beta, at, &exponent));
     for (PetscInt i = 0; i < numbers && exponent; i++) at[i] *= scalbn(1, (int)exponent);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, G, 2 * all * numbers, MPIU_REAL, MPI_SUM, comm));
@@ -180,8 +182,8 @@ static PetscErrorCode Agree(const MpmSource *source, const MpmBlocks *b, PetscBo
     PetscInt  exponent, none;
 
     for (PetscInt a = 0; a < b->dim; a++) beta[a] = 2 * PETSC_PI * fmod(GOLDEN * (PetscReal)(t * (2 * a + 1)), 1);
-    PetscCall(source->matrix(source->context, beta, PETSC_FALSE, G[0], &exponent));
-    PetscCall(Matrix((void *)b, beta, PETSC_FALSE, G[1], &none));
+    PetscCall(MpmSourceMatrix(source, beta, G[0], &exponent));
+    PetscCall(Matrices((void *)b, 1, NULL, beta, PETSC_FALSE, G[1], &none));
     for (PetscInt i = 0; i < numbers; i++) {
       const double complex exact = G[0][i] * scalbn(1, (int)exponent);
 

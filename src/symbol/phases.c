@@ -18,6 +18,20 @@ PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPhasesSymmetries(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[], PetscBool mirror[],
+                         PetscInt alike[])
+{
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    mirror[a] =
+        layout->offset[a].value == 0.5 && drift[a].value == 0 && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
+    alike[a] = a;
+    for (PetscInt b = a - 1; b >= 0; b--)
+      if (layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
+          drift[a].value == drift[b].value && MpmSpaceAlike(space, a, b))
+        alike[a] = b;
+  }
+}
+
 void MpmPhasesFind(const MpmSource *source, MpmSymbol *s)
 {
   for (PetscInt a = 0; a < s->dim; a++) {

@@ -7,16 +7,9 @@
 #include <complex.h>
 
 /*
-   Computes the amplification matrix of a phase, size x size by columns, divided by 2^exponent. With noisy, which only a
-   source with has_noise is asked for, every number is moved by about its rounding after each step of the period.
-
-   Not collective.
-*/
-typedef PetscErrorCode (*MpmSourceMatrix)(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
-                                          PetscInt *exponent);
-
-/*
-   Computes the matrices of a phase in n cases of a source, in the order of which, one after another.
+   Computes the amplification matrices of a phase in n cases of a source, in the order of which, one after another, each
+   size x size by columns and divided by 2^exponent. With noisy, which only a source with has_noise is asked for, every
+   number is moved by about its rounding after each step of the period.
 
    Not collective.
 */
@@ -38,12 +31,10 @@ typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[]
 
    dim, size    - the number of directions, and the order of a matrix
    period       - the number of steps that a matrix covers
-   matrix, context - gives the matrix of a phase, in the first case; the matrices of beta and -beta are conjugates of each
-                  other
    cases, together - the number of cases, and how many of them matrices takes at a time
-   matrices     - the same in several cases; NULL where there is one
+   matrices, context - gives the matrices of a phase; those of beta and -beta are conjugates of each other
    growths      - NULL where there is no shorter way
-   has_noise    - whether matrix knows how rounding goes through the steps of a period
+   has_noise    - whether matrices knows how rounding goes through the steps of a period
    reflects, alike - the symmetries, as MpmSymbol has them; alike[a] is at most a
    null_rest, null_all, null_factor - the amplification factors of the null space of P2G, which is particle data that no
                   node feels: null_rest of them are 1, the others of null_all are null_factor. null_all is MPM_NONE where
@@ -52,7 +43,6 @@ typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[]
 S*/
 typedef struct {
   PetscInt          dim, size, period, cases, together;
-  MpmSourceMatrix   matrix;
   MpmSourceMatrices matrices;
   MpmSourceGrowths  growths;
   void             *context;
@@ -79,5 +69,22 @@ typedef struct {
   PetscReal growth, condition, relative;
 } MpmSourceGrowth;
 
-/* Not collective. */
+/* Not collective. MpmSourceMatrix: the matrix of a phase in the first case. */
+PetscErrorCode MpmSourceMatrix(const MpmSource *source, const PetscReal beta[], double complex G[], PetscInt *exponent);
 PetscErrorCode MpmSourceGrowthAt(const MpmSource *source, const PetscReal beta[], MpmSourceGrowth *at);
+
+/*S
+   MpmSymbolFactor - an amplification factor and the number of its phase; size is its abs, -1 where there is none, and
+   distance that from 1.
+S*/
+typedef struct {
+  PetscReal re, im, size, distance, phase;
+} MpmSymbolFactor;
+
+/*
+   MpmSymbolLeading - the n best factors of different classes in the order of MpmSymbolTarget, divided by 2^exponent.
+
+   Collective. The symbol must have kept its amplification factors.
+*/
+PetscErrorCode MpmSymbolLeading(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscInt n,
+                                MpmSymbolFactor best[]);

@@ -54,30 +54,26 @@ static PetscErrorCode ReaderDestroy(Reader *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CallMatrices(const MpmSource *source, PetscInt n, const PetscInt which[], const PetscReal beta[],
-                                   PetscBool noisy, double complex G[], PetscInt exponent[])
+PetscErrorCode MpmSourceMatrix(const MpmSource *source, const PetscReal beta[], double complex G[], PetscInt *exponent)
 {
+  const PetscInt first = 0;
+
   PetscFunctionBegin;
-  if (source->matrices)
-    PetscCall(source->matrices(source->context, n, which, beta, noisy, G, exponent));
-  else
-    PetscCall(source->matrix(source->context, beta, noisy, G, exponent));
+  PetscCall(source->matrices(source->context, 1, &first, beta, PETSC_FALSE, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes the matrices of a phase in up to as many cases as the source takes together. */
-static PetscErrorCode Matrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[])
+/*
+   Computes the matrices of a phase in up to as many cases as the source takes together; noisy: also those with noise, for
+   Rounding.
+*/
+static PetscErrorCode Matrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[], PetscBool noisy)
 {
-  PetscFunctionBegin;
-  PetscCall(CallMatrices(r->source, n, which, beta, PETSC_FALSE, r->plain, r->exponent));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  const MpmSource *s = r->source;
 
-/* The same with noise, for Rounding. */
-static PetscErrorCode NoisyMatrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[])
-{
   PetscFunctionBegin;
-  if (r->noisy) PetscCall(CallMatrices(r->source, n, which, beta, PETSC_TRUE, r->noisy, r->other));
+  PetscCall(s->matrices(s->context, n, which, beta, PETSC_FALSE, r->plain, r->exponent));
+  if (noisy && r->noisy) PetscCall(s->matrices(s->context, n, which, beta, PETSC_TRUE, r->noisy, r->other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -203,7 +199,7 @@ static PetscErrorCode VisitPhase(Reader *r, PetscInt i, const PetscReal beta[], 
   for (PetscInt c = 0; c < source->cases; c++) r->which[c] = c;
   for (PetscInt first = 0, n; first < source->cases; first += n) {
     n = PetscMin(source->together, source->cases - first);
-    PetscCall(Matrices(r, n, r->which + first, beta));
+    PetscCall(Matrices(r, n, r->which + first, beta, PETSC_FALSE));
     for (PetscInt k = 0; k < n; k++) {
       PetscCall(Take(r, k));
       PetscCall(VisitMatrix(r, i, r->exponent[k], s[first + k]));
@@ -246,8 +242,7 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s[
     BetaOf(s[0], i, beta);
     for (PetscInt first = 0, n; first < some; first += n) {
       n = PetscMin(r->source->together, some - first);
-      PetscCall(Matrices(r, n, r->which + first, beta));
-      PetscCall(NoisyMatrices(r, n, r->which + first, beta));
+      PetscCall(Matrices(r, n, r->which + first, beta, PETSC_TRUE));
       for (PetscInt k = 0; k < n; k++) {
         MpmSymbol *at = s[r->which[first + k]];
 
@@ -269,8 +264,7 @@ static PetscErrorCode LookAt(Reader *r, PetscInt n, const PetscInt which[], cons
                              MpmSourceGrowth at[])
 {
   PetscFunctionBegin;
-  PetscCall(Matrices(r, n, which, beta));
-  PetscCall(NoisyMatrices(r, n, which, beta));
+  PetscCall(Matrices(r, n, which, beta, PETSC_TRUE));
   for (PetscInt k = 0; k < n; k++) {
     PetscInt       largest;
     double complex overlap = 0, leading;
@@ -486,44 +480,73 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-typedef struct {
-  PetscReal re, im, size, distance;
-} Candidate;
-
-static PetscBool IsBetter(const Candidate *a, const Candidate *b)
+static PetscBool IsBetter(const MpmSymbolFactor *a, const MpmSymbolFactor *b)
 {
   const PetscBool away = a->distance > AWAY ? PETSC_TRUE : PETSC_FALSE;
 
+  if (b->size < 0 || a->size < 0) return a->size > b->size ? PETSC_TRUE : PETSC_FALSE;
   if (away != (b->distance > AWAY ? PETSC_TRUE : PETSC_FALSE)) return away;
   if (away && fabs(a->size - b->size) > EQUAL_ABS * b->size) return a->size > b->size ? PETSC_TRUE : PETSC_FALSE;
   return a->distance > b->distance * (1 + EQUAL_ABS) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal target[2])
+/* Inserts a factor in a list that is sorted, best first. */
+static void Insert(MpmSymbolFactor c, PetscInt n, MpmSymbolFactor best[])
 {
-  Candidate   best = {.distance = -1}, *all;
-  PetscMPIInt ranks;
+  for (PetscInt i = 0; i < n; i++) {
+    if (IsBetter(&c, &best[i])) {
+      const MpmSymbolFactor kept = best[i];
 
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < s->count; i++) {
-    for (PetscInt j = 0; j < s->size; j++) {
-      const PetscReal *factor = s->factors + 2 * (s->size * i + j);
-      Candidate        c      = {.re = scalbn(factor[0], (int)(s->exponents[i] - exponent)),
-                                 .im = fabs(scalbn(factor[1], (int)(s->exponents[i] - exponent)))};
-
-      c.size     = hypot(c.re, c.im);
-      c.distance = hypot(c.re - scalbn(1, -(int)exponent), c.im);
-      if (IsBetter(&c, &best)) best = c;
+      best[i] = c;
+      c       = kept;
     }
   }
+}
+
+/* The best factor of a class. */
+static MpmSymbolFactor BestOf(const MpmSymbol *s, PetscInt i, PetscInt exponent)
+{
+  MpmSymbolFactor best = {.size = -1};
+
+  for (PetscInt j = 0; j < s->size; j++) {
+    const PetscReal *factor = s->factors + 2 * (s->size * i + j);
+    MpmSymbolFactor  c      = {.re    = scalbn(factor[0], (int)(s->exponents[i] - exponent)),
+                               .im    = scalbn(factor[1], (int)(s->exponents[i] - exponent)),
+                               .phase = (PetscReal)MpmSymbolPhaseOfClass(s, s->first + i)};
+
+    c.size     = hypot(c.re, c.im);
+    c.distance = hypot(c.re - scalbn(1, -(int)exponent), c.im);
+    if (IsBetter(&c, &best)) best = c;
+  }
+  return best;
+}
+
+PetscErrorCode MpmSymbolLeading(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscInt n,
+                                MpmSymbolFactor best[])
+{
+  const PetscMPIInt count = (PetscMPIInt)(n * (PetscInt)(sizeof(*best) / sizeof(PetscReal)));
+  PetscMPIInt       ranks;
+  MpmSymbolFactor  *all;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) best[i] = (MpmSymbolFactor){.size = -1};
+  for (PetscInt i = 0; i < s->count; i++) Insert(BestOf(s, i, exponent), n, best);
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
-  PetscCall(PetscMalloc1(ranks, &all));
-  PetscCallMPI(MPI_Allgather(&best, 4, MPIU_REAL, all, 4, MPIU_REAL, comm));
-  best = all[0];
-  for (PetscMPIInt r = 1; r < ranks; r++)
-    if (IsBetter(&all[r], &best)) best = all[r];
+  PetscCall(PetscMalloc1(ranks * n, &all));
+  PetscCallMPI(MPI_Allgather(best, count, MPIU_REAL, all, count, MPIU_REAL, comm));
+  for (PetscInt i = 0; i < n; i++) best[i] = (MpmSymbolFactor){.size = -1};
+  for (PetscInt i = 0; i < ranks * n; i++) Insert(all[i], n, best);
   PetscCall(PetscFree(all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolTarget(MPI_Comm comm, const MpmSymbol *s, PetscInt exponent, PetscReal target[2])
+{
+  MpmSymbolFactor best;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSymbolLeading(comm, s, exponent, 1, &best));
   target[0] = best.re;
-  target[1] = best.im;
+  target[1] = fabs(best.im);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

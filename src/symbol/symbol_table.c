@@ -81,16 +81,6 @@ static PetscErrorCode Matrices(void *context, PetscInt n, const PetscInt which[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Matrix(void *context, const PetscReal beta[], PetscBool noisy, double complex G[],
-                             PetscInt *exponent)
-{
-  const PetscInt first = 0;
-
-  PetscFunctionBegin;
-  PetscCall(Matrices(context, 1, &first, beta, noisy, G, exponent));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
 {
   TableMatrix *t = context;
@@ -100,26 +90,11 @@ static PetscErrorCode Growths(void *context, const PetscReal beta[], PetscReal g
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A layout is its own mirror image about the middle of a cell. In one dimension that is beta and -beta, known besides. */
-static PetscBool Reflects(const MpmLayout *layout, const MpmStep *step, PetscInt a)
-{
-  return layout->dim > 1 && layout->offset[a].value == 0.5 && step->drift[a].value == 0 ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool Alike(const MpmLayout *layout, const MpmStep *step, PetscInt a, PetscInt b)
-{
-  return layout->ppc[a] == layout->ppc[b] && layout->offset[a].value == layout->offset[b].value &&
-                 step->drift[a].value == step->drift[b].value
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
 /* Over a period of several steps modes may grow by many digits on the way, so that rounding has to be followed. */
 static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *source)
 {
   const MpmBloch  *b      = &t->bloch;
   const MpmLayout *layout = b->layout;
-  const MpmSpace  *space  = &b->scheme->space;
 
   PetscFunctionBegin;
   *source = (MpmSource){.dim       = layout->dim,
@@ -127,18 +102,13 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
                         .period    = b->period,
                         .cases     = t->n,
                         .together  = PetscMin(b->most, t->n),
-                        .matrix    = Matrix,
                         .matrices  = Matrices,
                         .growths   = b->turn < b->period || b->nodal || b->taken ? Growths : NULL,
                         .context   = t,
                         .has_noise = b->period > 1 ? PETSC_TRUE : PETSC_FALSE,
                         .null_all  = MPM_NONE};
-  for (PetscInt a = 0; a < layout->dim; a++) {
-    source->reflects[a] = Reflects(layout, step, a) && MpmSpaceMirrors(space, a) ? PETSC_TRUE : PETSC_FALSE;
-    source->alike[a]    = a;
-    for (PetscInt other = a - 1; other >= 0; other--)
-      if (Alike(layout, step, a, other) && MpmSpaceAlike(space, a, other)) source->alike[a] = other;
-  }
+  MpmPhasesSymmetries(layout, &b->scheme->space, step->drift, source->reflects, source->alike);
+  if (layout->dim == 1) source->reflects[0] = PETSC_FALSE; /* that is beta and -beta, known besides */
   MpmBlochCountNull(b, &source->null_rest, &source->null_all, &source->null_factor);
   PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
   PetscFunctionReturn(PETSC_SUCCESS);
