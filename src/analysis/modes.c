@@ -265,9 +265,9 @@ static PetscBool IsRepeated(const MpmTable *table, PetscInt o)
 }
 
 /*
-   Makes the map of all components of a field, registers [first, first + n), to the nodes: the program of the sums that read
-   them. It is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an isothermal
-   gas that is stretched: in one dimension its force does not depend on the stretch.
+   Makes the map of all components of a field, registers [first, first + n), to the nodes: the program of the sums that
+   read them. It is NULL where no node feels the field. That is so too where all factors are 0, as of the stress of an
+   isothermal gas that is stretched: in one dimension its force does not depend on the stretch.
 */
 static PetscErrorCode MapOfField(MpmMaps *maps, PetscInt first, PetscInt n, Mat *map)
 {

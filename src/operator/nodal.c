@@ -20,7 +20,7 @@ typedef struct {
    slot              - the slot of each node register
    captured          - captured[s]: terms of particles refer to slot s as it is, so it must not change
    readings          - what the present row of sums reads, each with the image that it is so far
-   room              - of the plan's lines, maps and slots
+   room              - of the plan's maps and slots
    why_not, full     - why there is no plan; full: it has too many images
 */
 typedef struct {
@@ -33,7 +33,7 @@ typedef struct {
   const char     *why_not;
   Reading         reading[MPM_MAX_FIELDS];
   MpmNodalImage   image[MPM_MAX_FIELDS];
-  PetscInt        line_room, map_room, slot_room;
+  PetscInt        map_room, slot_room;
 } Builder;
 
 static PetscErrorCode NewSlot(Builder *b, PetscInt *slot)
@@ -44,16 +44,11 @@ static PetscErrorCode NewSlot(Builder *b, PetscInt *slot)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AddLine(Builder *b, MpmNodalLine line)
+static PetscErrorCode AddLine(Builder *b, MpmLine line)
 {
-  MpmNodalPlan *plan = b->plan;
-
   PetscFunctionBegin;
-  if (plan->nlines == b->line_room) {
-    b->line_room = PetscMax(64, 2 * b->line_room);
-    PetscCall(PetscRealloc(sizeof(*plan->line) * (size_t)b->line_room, &plan->line));
-  }
-  plan->line[plan->nlines++] = line;
+  line.accumulates = PETSC_TRUE;
+  PetscCall(MpmStepProgramAppend(b->plan->program, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,11 +92,11 @@ static PetscErrorCode AddTerms(Builder *b, PetscInt slot, PetscInt particle, con
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; i < b->nterms[particle]; i++) {
-    const Term  *term = &b->terms[particle][i];
-    MpmNodalLine line = {
-        .dst = slot, .src = term->slot, .power = power + term->op.coefficient, .factor = to->factor * term->op.factor};
+    const Term *term = &b->terms[particle][i];
+    MpmLine     line = {
+            .dst = slot, .src = term->slot, .power = power + term->op.coefficient, .factor = to->factor * term->op.factor};
 
-    PetscCall(MapOf(b, to, &term->op, &line.map));
+    PetscCall(MapOf(b, to, &term->op, &line.key));
     PetscCall(AddLine(b, line));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -156,8 +151,8 @@ static PetscErrorCode EndSums(Builder *b)
   PetscFunctionBegin;
   for (PetscInt r = 0; r < b->nreadings; r++) {
     MpmNodalImage *image = &b->image[r];
-    MpmNodalLine   line  = {
-           .dst = b->reading[r].slot, .map = MPM_NONE, .power = b->reading[r].power, .factor = image->term[0].factor};
+    MpmLine        line  = {
+                .dst = b->reading[r].slot, .key = MPM_NONE, .power = b->reading[r].power, .factor = image->term[0].factor};
 
     for (PetscInt i = 0; i < image->n; i++) image->term[i].factor /= line.factor;
     line.src = ImageOf(b, image);
@@ -227,7 +222,7 @@ static PetscErrorCode Renew(Builder *b, PetscInt reg, PetscBool keep)
 
   PetscFunctionBegin;
   PetscCall(NewSlot(b, &b->slot[reg]));
-  if (keep) PetscCall(AddLine(b, (MpmNodalLine){.dst = b->slot[reg], .src = old, .map = MPM_NONE, .factor = 1}));
+  if (keep) PetscCall(AddLine(b, (MpmLine){.dst = b->slot[reg], .src = old, .key = MPM_NONE, .factor = 1}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -242,11 +237,10 @@ static PetscErrorCode BetweenNodes(Builder *b, const MpmOp *op)
   if (op->kind != MPM_COPY) PetscCall(MapOf(b, op, NULL, &map));
   if (wall || !op->accumulates || b->captured[old])
     PetscCall(Renew(b, op->dst, wall || op->accumulates ? PETSC_TRUE : PETSC_FALSE));
-  if (wall) PetscCall(AddLine(b, (MpmNodalLine){.dst = b->slot[op->dst], .src = old, .map = map, .factor = -1}));
+  if (wall) PetscCall(AddLine(b, (MpmLine){.dst = b->slot[op->dst], .src = old, .key = map, .factor = -1}));
   if (op->factor != 0)
     PetscCall(AddLine(
-        b, (MpmNodalLine){
-               .dst = b->slot[op->dst], .src = src, .map = map, .power = op->coefficient, .factor = op->factor}));
+        b, (MpmLine){.dst = b->slot[op->dst], .src = src, .key = map, .power = op->coefficient, .factor = op->factor}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,7 +272,7 @@ static PetscErrorCode Sent(const Builder *b)
   MpmNodalPlan *plan = b->plan;
 
   PetscFunctionBegin;
-  plan->nlines_sent = plan->nlines;
+  plan->nlines_sent = plan->program->n;
   for (PetscInt r = 0; r < plan->nstate; r++) plan->nsent += b->nterms[r];
   PetscCall(PetscMalloc1(plan->nsent, &plan->sent));
   plan->nsent = 0;
@@ -300,7 +294,7 @@ static PetscErrorCode Next(Builder *b)
     for (PetscInt i = 0; i < image->n; i++)
       PetscCall(AddTerms(b, plan->next[g], image->term[i].src, &image->term[i], 0));
     if (image->c != 0)
-      PetscCall(AddLine(b, (MpmNodalLine){.dst = plan->next[g], .src = g, .map = MPM_NONE, .factor = image->c}));
+      PetscCall(AddLine(b, (MpmLine){.dst = plan->next[g], .src = g, .key = MPM_NONE, .factor = image->c}));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -312,8 +306,8 @@ static PetscErrorCode Powers(MpmNodalPlan *plan)
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(plan->nslots * plan->nimages, &plan->powers));
   for (PetscInt g = 0; g < plan->nimages; g++) plan->powers[g * plan->nimages + g] = 1;
-  for (PetscInt l = 0; l < plan->nlines; l++) {
-    const MpmNodalLine *line = &plan->line[l];
+  for (PetscInt l = 0; l < plan->program->n; l++) {
+    const MpmLine *line = &plan->program->line[l];
 
     for (PetscInt g = 0; g < plan->nimages; g++)
       plan->powers[line->dst * plan->nimages + g] |= plan->powers[line->src * plan->nimages + g] << line->power;
@@ -372,9 +366,11 @@ static void Keep(const MpmTable *table, MpmNodalPlan *plan)
 
 static PetscErrorCode Build(Builder *b)
 {
-  MpmNodalPlan *plan = b->plan;
+  const MpmRegisters slots = {.comm = PETSC_COMM_SELF};
+  MpmNodalPlan      *plan  = b->plan;
 
   PetscFunctionBegin;
+  PetscCall(MpmStepProgramCreate(&slots, 1, &plan->program));
   plan->dim    = b->table->dim;
   plan->nstate = b->table->nstate;
   PetscCall(PetscCalloc1(b->slot_room, &b->captured));
@@ -420,7 +416,7 @@ PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan)
   PetscFunctionBegin;
   if (!*plan) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree((*plan)->map));
-  PetscCall(PetscFree((*plan)->line));
+  PetscCall(MpmStepProgramDestroy(&(*plan)->program));
   PetscCall(PetscFree((*plan)->powers));
   PetscCall(PetscFree((*plan)->sent));
   PetscCall(PetscFree(*plan));

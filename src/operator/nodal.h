@@ -14,7 +14,7 @@
    many particles there are.
 */
 #pragma once
-#include <mpmstab/table.h>
+#include "program/program.h"
 #include <complex.h>
 
 #define MPM_MAX_IMAGES 16 /* the most images of a plan */
@@ -40,15 +40,6 @@ typedef struct {
 } MpmNodalMap;
 
 /*S
-   MpmNodalLine - a line of a plan: slot dst += factor k^power (map of slot src). map is MPM_NONE for the identity. k is
-   the Courant number.
-S*/
-typedef struct {
-  PetscInt  dst, src, map, power;
-  PetscReal factor;
-} MpmNodalLine;
-
-/*S
    MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, its number there,
    and the slot that it reads.
 S*/
@@ -58,11 +49,11 @@ typedef struct {
 } MpmNodalSent;
 
 /*S
-   MpmNodalPlan - the nodal operator of a table. A slot has a number at each node. Slot g starts as image g, for g <
-   nimages, and all others as 0.
+   MpmNodalPlan - the nodal operator of a table: a program without matrices, all of whose lines accumulate. Its
+   registers are slots, with a number at each node. Slot g starts as image g, for g < nimages, and all others as 0.
 
    nimages, image - the unknowns
-   nslots, nmaps, nlines, line, map - the slots, the maps and the lines, in order
+   nslots, nmaps, map, program - the slots, the maps by their keys, and the program
    next    - next[g]: the slot that holds image g after the step
    nsent, sent, nlines_sent - what a step adds to the registers of the state; the first nlines_sent lines make the slots
              that it reads
@@ -72,15 +63,15 @@ typedef struct {
              degree in k^stride. stride is 2 where that is possible, as it is for all waves of second order, and else 1.
 S*/
 typedef struct {
-  PetscInt      dim, nstate, nimages, nslots, nmaps, nlines;
-  MpmNodalImage image[MPM_MAX_IMAGES];
-  MpmNodalMap  *map;
-  MpmNodalLine *line;
-  PetscInt      next[MPM_MAX_IMAGES], weight[MPM_MAX_IMAGES], stride, degree;
-  PetscReal     kept[MPM_MAX_FIELDS];
-  PetscInt64   *powers;
-  PetscInt      nsent, nlines_sent;
-  MpmNodalSent *sent;
+  PetscInt        dim, nstate, nimages, nslots, nmaps;
+  MpmNodalImage   image[MPM_MAX_IMAGES];
+  MpmNodalMap    *map;
+  MpmStepProgram *program;
+  PetscInt        next[MPM_MAX_IMAGES], weight[MPM_MAX_IMAGES], stride, degree;
+  PetscReal       kept[MPM_MAX_FIELDS];
+  PetscInt64     *powers;
+  PetscInt        nsent, nlines_sent;
+  MpmNodalSent   *sent;
 } MpmNodalPlan;
 
 /*

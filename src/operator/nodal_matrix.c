@@ -47,14 +47,12 @@ static PetscErrorCode Begin(const Nodal *x, PetscInt lines, MpmStepProgram **pro
   PetscFunctionBegin;
   PetscCall(MpmStepProgramCreate(&r, x->sizes.step.courant, program));
   for (PetscInt l = 0; l < lines; l++) {
-    const MpmNodalLine *line = &plan->line[l];
+    MpmLine line = plan->program->line[l];
 
-    PetscCall(MpmStepProgramAppend(*program, (MpmLine){.dst         = plan->nstate + line->dst,
-                                                       .src         = plan->nstate + line->src,
-                                                       .power       = line->power,
-                                                       .factor      = line->factor,
-                                                       .accumulates = PETSC_TRUE,
-                                                       .map = line->map == MPM_NONE ? NULL : x->map[line->map]}));
+    line.dst += plan->nstate;
+    line.src += plan->nstate;
+    line.map = line.key == MPM_NONE ? NULL : x->map[line.key];
+    PetscCall(MpmStepProgramAppend(*program, line));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -66,7 +64,7 @@ static PetscErrorCode CreateM(const Nodal *x, Mat *M)
   MpmStepProgram     *program;
 
   PetscFunctionBegin;
-  PetscCall(Begin(x, plan->nlines, &program));
+  PetscCall(Begin(x, plan->program->n, &program));
   program->registers.nin = program->registers.nout = plan->nimages;
   for (PetscInt g = 0; g < plan->nimages; g++) {
     program->registers.in[g]  = plan->nstate + g;

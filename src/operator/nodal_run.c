@@ -1,6 +1,7 @@
 /*
-   A plan run on small dense matrices. A slot is, for each image and each power of the Courant number, a multiple of the
-   identity plus a matrix. In most plans every map meets a multiple of the identity, and no product of matrices is made.
+   The algebra of plans on small dense matrices. A slot is, for each image and each power of the Courant number, a
+   multiple of the identity plus a matrix. In most plans every map meets a multiple of the identity, and no product of
+   matrices is made.
 */
 #include "linalg/lapack_names.h"
 #include "operator/nodal.h"
@@ -42,10 +43,10 @@ static void Add(PetscInt n, PetscReal factor, const double complex src[], double
 }
 
 /* dst += factor (map of src) */
-static PetscErrorCode AddBlock(const Run *r, const MpmNodalLine *line, const Block *src, Block *dst)
+static PetscErrorCode AddBlock(const Run *r, const MpmLine *line, const Block *src, Block *dst)
 {
   const PetscInt        square = r->nodes * r->nodes;
-  const double complex *map = line->map == MPM_NONE ? NULL : r->map + line->map * square, alpha = line->factor, one = 1;
+  const double complex *map = line->key == MPM_NONE ? NULL : r->map + line->key * square, alpha = line->factor, one = 1;
   PetscBLASInt          n;
 
   PetscFunctionBegin;
@@ -67,14 +68,19 @@ static PetscErrorCode AddBlock(const Run *r, const MpmNodalLine *line, const Blo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RunLine(const Run *r, const MpmNodalLine *line)
+static PetscErrorCode AddLine(void *registers, const MpmLine *line, PetscBool back)
 {
+  const Run *r = registers;
+
   PetscFunctionBegin;
+  PetscCheck(!back, PETSC_COMM_SELF, PETSC_ERR_SUP, "a program runs backwards on vectors alone");
   for (PetscInt g = 0; g < r->plan->nimages; g++)
     for (PetscInt j = 0; j + line->power < r->powers; j++)
       PetscCall(AddBlock(r, line, BlockOf(r, line->src, g, j), BlockOf(r, line->dst, g, j + line->power)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static const MpmAlgebra block_algebra = {.add = AddLine};
 
 /* Block (g, h) of what multiplies k^power in the step goes to the coefficient of k^(power + weight[g] - weight[h]). */
 static void Gather(const Run *r, PetscInt g, PetscInt h, PetscInt power, double complex *const coefficient[])
@@ -114,7 +120,7 @@ PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, MpmNodalMap
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscArrayzero(coefficient[j], all));
   PetscCall(PetscCalloc1(plan->nslots * plan->nimages * r.powers, &r.block));
   for (PetscInt g = 0; g < plan->nimages; g++) BlockOf(&r, g, g, 0)->multiple = 1;
-  for (PetscInt l = 0; l < plan->nlines; l++) PetscCall(RunLine(&r, &plan->line[l]));
+  PetscCall(MpmStepProgramRun(plan->program, &block_algebra, &r, PETSC_FALSE));
   for (PetscInt g = 0; g < plan->nimages; g++)
     for (PetscInt h = 0; h < plan->nimages; h++)
       for (PetscInt j = 0; j < r.powers; j++) Gather(&r, g, h, j, coefficient);

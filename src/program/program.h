@@ -1,8 +1,8 @@
 /*
    Program: a step, or several, as a list of lines on registers, and the one interpreter that walks them. What a
    register
-   is, an algebra says: a vector (vectors.c), or a sparse matrix whose columns are the numbers that the program takes
-   (matrices.c).
+   is, an algebra says: a vector (vectors.c), a sparse matrix whose columns are the numbers that the program takes
+   (matrices.c), or a polynomial of small matrices (operator/nodal_run.c).
 
    Registers are numbered: first those of particles, then those of nodes. A line with a map M is
 
@@ -40,11 +40,12 @@ static inline PetscInt MpmRegisterPlace(const MpmRegisters *r, PetscInt reg)
    MpmLine - a line of a program.
 
    map         - NULL: the identity
+   key         - in a program without matrices, the number of the line's map, or MPM_NONE: the identity
    transposed  - the line's map is the transpose of map
    left, right - NULL: ones
 S*/
 typedef struct {
-  PetscInt  dst, src, power;
+  PetscInt  dst, src, power, key;
   PetscReal factor;
   PetscBool accumulates, transposed;
   Mat       map;

@@ -1,16 +1,17 @@
 /*
    The growth of particles that move and only gain from nodes, as with flip: a register is never multiplied, and all that is
    added to it comes from nodes. With y the numbers that nodes give in the steps of a turn, and U y what particles gain,
-   the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the state that hold all U y
-   and what P makes of them are enough: a turn takes their sums to such sums, and all other amplification factors have
-   modulus 1. There are two sets of them, and the smaller one is taken.
+   the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the state that hold all
+   U y and what P makes of them are enough: a turn takes their sums to such sums, and all other amplification factors
+   have modulus 1. There are two sets of them, and the smaller one is taken.
 
-   Orbits: the P^l U, l < q. P^q is a number mu of modulus 1, since q turns take each particle to its own place some cells
-   farther. In three dimensions usl with eight particles in a cell and a drift of 1/8 along the diagonal has 48 of them
-   where the registers hold 72 numbers.
+   Orbits: the P^l U, l < q. P^q is a number mu of modulus 1, since q turns take each particle to its own place some
+   cells farther. In three dimensions usl with eight particles in a cell and a drift of 1/8 along the diagonal has 48 of
+   them where the registers hold 72 numbers.
 
    Products, where particles move along some directions only. The weights of a map are products of those along the
-   directions, and along a direction without drift they stay. So all that a number y of the nodes ever gives to particles is
+   directions, and along a direction without drift they stay. So all that a number y of the nodes ever gives to
+   particles is
 
      sum_d e_d x w_(y,d)
 
@@ -23,8 +24,8 @@
 #define MPM_MAX_STILL 128 /* the most w */
 
 /*S
-   MpmBlochGained - see above. Vector i is number l x steps x numbers + step x numbers + y of the orbits, or the product of
-   the w with number i / moving and of the place i % moving along the moving directions.
+   MpmBlochGained - see above. Vector i is number l x steps x numbers + step x numbers + y of the orbits, or the product
+   of the w with number i / moving and of the place i % moving along the moving directions.
 
    gains    - what nodes give in a step
    order    - how many vectors there are

@@ -12,8 +12,8 @@ void           MpmPhasesFind(const MpmSource *source, MpmSymbol *symbol);
 PetscErrorCode MpmPhasesList(MpmSymbol *symbol);
 
 /*
-   Not collective. The symmetries of a uniform layout: mirror[a] is true where it is its own mirror image in direction a,
-   about the middle of a cell, and alike[a] is the first direction that may be exchanged with a.
+   Not collective. The symmetries of a uniform layout: mirror[a] is true where it is its own mirror image in direction
+   a, about the middle of a cell, and alike[a] is the first direction that may be exchanged with a.
 */
 void MpmPhasesSymmetries(const MpmLayout *layout, const MpmSpace *space, const MpmFraction drift[], PetscBool mirror[],
                          PetscInt alike[]);

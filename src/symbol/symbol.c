@@ -64,8 +64,8 @@ PetscErrorCode MpmSourceMatrix(const MpmSource *source, const PetscReal beta[], 
 }
 
 /*
-   Computes the matrices of a phase in up to as many cases as the source takes together; noisy: also those with noise, for
-   Rounding.
+   Computes the matrices of a phase in up to as many cases as the source takes together; noisy: also those with noise,
+   for Rounding.
 */
 static PetscErrorCode Matrices(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[], PetscBool noisy)
 {
