@@ -21,9 +21,11 @@ PetscErrorCode MpmWavesDestroy(MpmWaves *w)
 
 PetscErrorCode MpmWavesGrowth(MpmWaves *w, PetscReal courant, const PetscReal beta[], PetscReal *growth)
 {
+  PetscReal without_null;
+
   PetscFunctionBegin;
   w->evaluations++;
-  PetscCall(MpmBlochGrowth(&w->bloch, &w->eigen, courant, beta, growth));
+  PetscCall(MpmBlochGrowths(&w->bloch, &w->eigen, 1, &courant, beta, growth, &without_null));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -325,17 +325,13 @@ static inline double complex At(const MpmBloch *b, const PetscReal row[], PetscI
   return CMPLX(row[c * b->lanes + lane], row[b->width + c * b->lanes + lane]);
 }
 
-/* The steps of a period, or of a turn, from all states of a cell at once. */
+/* The first steps of a period, from what the registers hold. */
 static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
                             PetscBool noisy, PetscInt exponent[])
 {
   const PetscInt every = Every(n, courant);
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochBegin(b, n, courant, beta, steps, b->size));
-  for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < b->ppc; j++)
-      SetAll(b, MpmBlochRows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
   for (PetscInt step = 0; step < steps; step++) {
     const PetscBool all = step % SELDOM == SELDOM - 1 || step == steps - 1 ? PETSC_TRUE : PETSC_FALSE;
 
@@ -361,10 +357,14 @@ double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], Pe
 static PetscErrorCode Whole(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscBool turn,
                             PetscBool noisy, double complex G[], PetscInt exponent[])
 {
-  const PetscInt size = b->size;
+  const PetscInt size = b->size, steps = turn ? b->turn : b->period;
 
   PetscFunctionBegin;
-  PetscCall(Steps(b, n, courant, beta, turn ? b->turn : b->period, noisy, exponent));
+  PetscCall(MpmBlochBegin(b, n, courant, beta, steps, size));
+  for (PetscInt field = 0; field < b->fields; field++)
+    for (PetscInt j = 0; j < b->ppc; j++)
+      SetAll(b, MpmBlochRows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
+  PetscCall(Steps(b, n, courant, beta, steps, noisy, exponent));
   for (PetscInt j = 0; j < b->ppc; j++) {
     const double complex wave = turn ? MpmBlochPhaseBeyond(b, beta, j) : 1;
     const PetscInt       to   = turn ? b->place[j] : j;
@@ -458,19 +458,14 @@ static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal coura
                                   double complex G[], PetscInt exponent[])
 {
   const MpmTaken *t    = b->taken;
-  const PetscInt  size = b->turn_size, every = Every(n, courant);
+  const PetscInt  size = b->turn_size;
   PetscReal      *numbers;
 
   PetscFunctionBegin;
   PetscCall(MpmBlochBegin(b, n, courant, beta, b->turn, size));
   PetscCall(PetscMalloc1(t->numbers * 2 * b->width, &numbers));
   SpreadTaken(b, beta, n, courant);
-  for (PetscInt step = 0; step < b->turn - 1; step++) {
-    Step(b, step, beta);
-    if (step % every == every - 1)
-      Rescale(b, step % SELDOM == SELDOM - 1 ? PETSC_TRUE : PETSC_FALSE, n, courant, exponent);
-  }
-  Rescale(b, PETSC_TRUE, n, courant, exponent);
+  PetscCall(Steps(b, n, courant, beta, b->turn - 1, PETSC_FALSE, exponent));
   LastStep(b, beta, numbers);
   for (PetscInt y = 0; y < t->numbers; y++)
     for (PetscInt lane = 0; lane < n; lane++)

@@ -52,13 +52,3 @@ PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode MpmBlochGrowth(MpmBloch *bloch, MpmSmallEigen *eigen, PetscReal courant, const PetscReal beta[],
-                              PetscReal *growth)
-{
-  PetscReal without_null;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochGrowths(bloch, eigen, 1, &courant, beta, growth, &without_null));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

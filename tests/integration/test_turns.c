@@ -94,11 +94,11 @@ static PetscErrorCode CheckGained(const char options[], PetscInt order)
   PetscCall(MpmSmallEigenCreate(w.bloch.turn_size, &turned));
   for (size_t i = 0; w.bloch.gained && i < sizeof beta / sizeof *beta; i++) {
     MpmBlochGained *gained = w.bloch.gained;
-    PetscReal       growth, whole;
+    PetscReal       growth, whole, without;
 
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, w.scene->step.courant, beta[i], &growth));
+    PetscCall(MpmBlochGrowths(&w.bloch, &turned, 1, &w.scene->step.courant, beta[i], &growth, &without));
     w.bloch.gained = NULL;
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, w.scene->step.courant, beta[i], &whole));
+    PetscCall(MpmBlochGrowths(&w.bloch, &turned, 1, &w.scene->step.courant, beta[i], &whole, &without));
     w.bloch.gained = gained;
     CHECK(fabs(growth - whole) <= (PetscMax(growth, whole) < 1 + SPLIT ? SPLIT : 1e-9) * whole,
           "%s: growth %.17g, %.17g of a turn", options, growth, whole);
@@ -190,7 +190,7 @@ static PetscErrorCode CheckLanes(const char options[])
   for (int i = 0; i < MANY; i++) {
     PetscReal own;
 
-    PetscCall(MpmBlochGrowth(&w.bloch, &turned, courant[i], beta, &own));
+    PetscCall(MpmBlochGrowths(&w.bloch, &turned, 1, &courant[i], beta, &own, &without[i]));
     CHECK(growth[i] == own, "%s: growth %d is %.17g, alone %.17g", options, i, growth[i], own);
   }
   PetscCall(PetscFree2(G, alone));
