@@ -405,8 +405,7 @@ PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *find
   finding->verdict = MpmVerdictOf(finding);
   if (finding->verdict == MPM_STABLE && isfinite(p->follow.doubtful)) {
     finding->verdict = MPM_UNDECIDED;
-    PetscCall(
-        MpmTextJoin(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence));
+    MpmTextJoin(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence);
   }
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -81,7 +81,7 @@ static const char *Explain(PetscErrorCode code, const char function[], const cha
   if (MpmTextAdd(why, "PETSc cannot do what its options ask: %s; given: %s; allowed: see its manual pages", message,
                  given.text))
     return NULL;
-  (void)MpmTextFree(&given);
+  MpmTextFree(&given);
   return why->text;
 }
 
@@ -114,7 +114,7 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
   MPI_Comm_rank(comm, &rank);
   if (code == explained) WaitForFirst();
   if (rank == 0) PrintLine(said);
-  (void)MpmTextFree(&why);
+  MpmTextFree(&why);
   return code;
 }
 

@@ -63,44 +63,21 @@ static void SameCount(Check *c, const char name[], PetscInt mine)
     Wrong(c, "its %s is %lld, the scene's is %" PetscInt_FMT "; allowed: the same", name, theirs, mine);
 }
 
-static PetscErrorCode SameRange(Check *c, const char name[], const PetscReal mine[2])
-{
-  static const char *const ends[] = {"from", "to"};
-  char                     end[64];
-
-  PetscFunctionBegin;
-  for (int e = 0; e < 2; e++) {
-    PetscCall(PetscSNPrintf(end, sizeof end, "%s_%s", name, ends[e]));
-    SameNumber(c, end, mine[e]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Compares the value of direction a. */
 static PetscErrorCode SameValue(Check *c, const MpmValue *mine, PetscInt a)
 {
-  char name[48];
+  MpmAttribute of[2];
+  PetscInt     n;
 
   PetscFunctionBegin;
-  PetscCall(MpmValueAttribute(mine, a, sizeof name, name));
-  switch (mine->kind) {
-  case MPM_AS_COUNT:
-    SameCount(c, name, (PetscInt)mine->whole[a]);
-    break;
-  case MPM_AS_LONG:
-    SameNumber(c, name, (PetscReal)mine->whole[a]);
-    break;
-  case MPM_AS_REAL:
-    SameNumber(c, name, mine->number[a][0]);
-    break;
-  case MPM_AS_FRACTION:
-    SameNumber(c, name, mine->fraction[a].value);
-    break;
-  case MPM_AS_RANGE:
-    PetscCall(SameRange(c, name, mine->number[a]));
-    break;
-  default:
-    SameText(c, name, mine->text);
+  PetscCall(MpmValueAttributes(mine, a, &n, of));
+  for (PetscInt i = 0; i < n; i++) {
+    if (of[i].kind == MPM_AS_COUNT)
+      SameCount(c, of[i].name, of[i].count);
+    else if (of[i].kind == MPM_AS_REAL)
+      SameNumber(c, of[i].name, of[i].number);
+    else
+      SameText(c, of[i].name, of[i].text);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

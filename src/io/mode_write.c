@@ -51,28 +51,27 @@ static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
-                             MpmDataFile *file)
+/* fields: the names of the parts of a vector; NULL: it is a whole, in the order of its rows. */
+static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields[], const MpmEigen *eigen,
+                                 PetscInt count, MpmDataFile *file)
 {
   static const char *const parts[] = {"re", "im"};
-  Vec                      x[2], field;
+  Vec                      x[2], field = NULL;
+  char                     name[128];
 
   PetscFunctionBegin;
-  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->layout, cell_width, file));
   PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
-  PetscCall(MatCreateVecs(op->p2g, &field, NULL));
+  if (fields) PetscCall(MatCreateVecs(op->p2g, &field, NULL));
   for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
-    char name[128];
-
     PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
     PetscCall(MpmOperatorToState(op, x[0], x[1]));
-    for (PetscInt f = 0; f < op->fields; f++) {
+    for (PetscInt f = 0; f < (fields ? op->fields : 1); f++) {
       for (int part = 0; part < 2; part++) {
-        PetscCall(VecSetBlockSize(x[part], op->fields));
-        PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
+        if (fields) PetscCall(VecSetBlockSize(x[part], op->fields));
+        if (fields) PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
         PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1,
-                                op->scheme->table->fields[f], parts[part]));
-        PetscCall(WriteField(name, field, file));
+                                fields ? fields[f] : "vector", parts[part]));
+        PetscCall(WriteField(name, fields ? field : x[part], file));
       }
     }
     PetscCall(WriteEigenvalue(op, eigen, j, file));
@@ -83,25 +82,16 @@ PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file)
+{
+  PetscFunctionBegin;
+  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->layout, cell_width, file));
+  PetscCall(WriteModes(op, op->scheme->table->fields, eigen, count, file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmVectorsWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
 {
-  static const char *const parts[] = {"re", "im"};
-  Vec                      x[2];
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
-  for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
-    PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
-    PetscCall(MpmOperatorToState(op, x[0], x[1]));
-    for (int part = 0; part < 2; part++) {
-      char name[64];
-
-      PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/vector_%s", j + 1, parts[part]));
-      PetscCall(WriteField(name, x[part], file));
-    }
-    PetscCall(WriteEigenvalue(op, eigen, j, file));
-  }
-  PetscCall(VecDestroy(&x[0]));
-  PetscCall(VecDestroy(&x[1]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return WriteModes(op, NULL, eigen, count, file);
 }

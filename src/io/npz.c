@@ -262,7 +262,7 @@ static PetscErrorCode Header(const MpmArray *a, PetscBool whole, char header[HEA
     char part[32];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%" PetscInt64_FMT ",", a->shape[d]));
-    PetscCall(MpmTextJoin(shape, part, sizeof shape));
+    MpmTextJoin(shape, part, sizeof shape);
   }
   if (a->dims < 0)
     PetscCall(PetscSNPrintf(type, sizeof type, "|S%d", (int)strlen(a->text)));

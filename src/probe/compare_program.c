@@ -103,8 +103,8 @@ static PetscErrorCode AddParticles(const MpmProgram *p, const char text[], MpmTe
   }
   if (!SaysOneOf(text, counts)) PetscCall(MpmTextAdd(yaml, "ppc: %s\n", ppc.text));
   if (!Says(text, "offset")) PetscCall(MpmTextAdd(yaml, "offset: %s\n", offset.text));
-  PetscCall(MpmTextFree(&ppc));
-  PetscCall(MpmTextFree(&offset));
+  MpmTextFree(&ppc);
+  MpmTextFree(&offset);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,7 +155,7 @@ static PetscErrorCode MakeScene(const MpmProgram *p, MpmScene **scene)
   PetscCall(AddParticles(p, text, &yaml));
   PetscCall(AddStep(p, text, &yaml));
   PetscCall(MpmSceneFromNamedText("-compare", yaml.text, scene));
-  PetscCall(MpmTextFree(&yaml));
+  MpmTextFree(&yaml);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -324,7 +324,7 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
     ierr = MpmRefusal(
         "-program_dt %s: the code has no parameter of this name, and so no time step to search for; allowed: %s",
         c->name, names.text);
-    PetscCall(MpmTextFree(&names));
+    MpmTextFree(&names);
     PetscCall(ierr);
   }
   MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,

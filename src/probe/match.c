@@ -324,12 +324,12 @@ static PetscErrorCode ListFields(const MpmMatchSide *one, const MpmMatchSide *ot
 
   PetscFunctionBegin;
   for (int s = 0; s < 2; s++) {
-    PetscCall(MpmTextJoin(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not));
+    MpmTextJoin(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not);
     for (PetscInt f = 0; f < sides[s]->nfields; f++) {
-      PetscCall(MpmTextJoin(m->why_not, f ? ", " : " ", sizeof m->why_not));
-      PetscCall(MpmTextJoin(m->why_not, sides[s]->fields[f].name, sizeof m->why_not));
+      MpmTextJoin(m->why_not, f ? ", " : " ", sizeof m->why_not);
+      MpmTextJoin(m->why_not, sides[s]->fields[f].name, sizeof m->why_not);
       PetscCall(PetscSNPrintf(text, sizeof text, " (%" PetscInt_FMT ")", sides[s]->fields[f].size));
-      PetscCall(MpmTextJoin(m->why_not, text, sizeof m->why_not));
+      MpmTextJoin(m->why_not, text, sizeof m->why_not);
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -13,7 +13,7 @@ static PetscErrorCode RefuseAxis(const MpmStepper *s, const char name[])
   PetscFunctionBegin;
   PetscCall(MpmStepperParameterNames(s, &names));
   ierr = MpmRefusal("-map_axes %s: %s has no such parameter; allowed: %s", name, s->where, names.text);
-  PetscCall(MpmTextFree(&names));
+  MpmTextFree(&names);
   PetscFunctionReturn(ierr);
 }
 

@@ -265,7 +265,7 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
   if (!found) {
     PetscCall(MpmStepperParameterNames(s, &names));
     PetscCall(MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text));
-    PetscCall(MpmTextFree(&names));
+    MpmTextFree(&names);
   }
   (void)snprintf(what, sizeof what, "set %s to %.17g", name, (double)value);
   if (!s->failure[0]) PetscCall(Ask(s, what, json_pack("{s:s, s:f}", "do", "set", name, value), NULL, 0, &answer));

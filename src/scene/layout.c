@@ -214,7 +214,7 @@ static PetscErrorCode Append(char text[], size_t room, const char format[], Pets
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(part, sizeof part, format, number));
-  PetscCall(MpmTextJoin(text, part, room));
+  MpmTextJoin(text, part, room);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

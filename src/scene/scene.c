@@ -61,11 +61,7 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   scene->scheme.transfer = MpmTransfers[i];
   PetscCall(ReadOwnTransfer(settings, scene));
   PetscCall(MpmSettingsWord(settings, "layout", &i));
-  scene->layout.name = MpmOptions[MpmOptionIndex("layout")].word(i);
-  PetscCall(MpmSettingsWord(settings, "balance", &i));
-  scene->layout.balance = (MpmBalance)i;
-  PetscCall(MpmSettingsWord(settings, "initial", &i));
-  scene->initial = (MpmInitial)i;
+  scene->layout.name = MpmFieldWord(&MpmOptions[MpmOptionIndex("layout")], i);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,31 +74,25 @@ static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names
   names[0] = '\0';
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     if (!can(MpmFormulations[f])) continue;
-    if (names[0]) PetscCall(MpmTextJoin(names, ", ", room));
-    PetscCall(MpmTextJoin(names, MpmFormulations[f]->name, room));
+    if (names[0]) MpmTextJoin(names, ", ", room);
+    MpmTextJoin(names, MpmFormulations[f]->name, room);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool CanBeAffine(const MpmFormulation *f)
-{
-  return f->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool CanBeFree(const MpmFormulation *f)
-{
-  return f->free_ends;
-}
-
-static PetscBool HasImpose(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_IMPOSE);
-}
-
-static PetscBool CanReact(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_REACT);
-}
+/* clang-format off */
+#define CAN(function, condition) static PetscBool function(const MpmFormulation *f) { return (condition) ? PETSC_TRUE : PETSC_FALSE; }
+CAN(CanBeAffine, f->affine != MPM_NONE)
+CAN(CanBeFree, f->free_ends)
+CAN(CanDiffer, f->materials)
+CAN(CanReact, MpmFormulationHas(f, MPM_REACT))
+CAN(CanChooseFilter, MpmFormulationHas(f, MPM_FILTER_AFTER))
+CAN(HasFilter, MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) || MpmFormulationHas(f, MPM_FILTER_AFTER))
+CAN(HasImpose, MpmFormulationHas(f, MPM_IMPOSE))
+CAN(HasGradient, MpmFormulationHas(f, MPM_GRAD))
+/* the functions of open knot vectors are not equally far apart, so differences of their values are no Laplacian */
+CAN(TakesNoDifferences, !MpmFormulationHas(f, MPM_LAP))
+/* clang-format on */
 
 PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
                                   PetscBool (*can)(const MpmFormulation *), const char why[])
@@ -144,10 +134,10 @@ static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[
   if (has || MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, of))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with %s ", of));
-  for (PetscInt i = 0; words->word(i); i++) {
+  for (PetscInt i = 0; MpmFieldWord(words, i); i++) {
     if (!reads(i, option)) continue;
-    if (named++) PetscCall(MpmTextJoin(message, " or ", sizeof message));
-    PetscCall(MpmTextJoin(message, words->word(i), sizeof message));
+    if (named++) MpmTextJoin(message, " or ", sizeof message);
+    MpmTextJoin(message, MpmFieldWord(words, i), sizeof message);
   }
   PetscCall(MpmSettingsRefuse(settings, option, message));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -171,11 +161,6 @@ static PetscErrorCode CheckAllReads(const MpmSettings *settings, const MpmScheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool CanChooseFilter(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_FILTER_AFTER);
-}
-
 PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
 {
   return CanChooseFilter(scene->scheme.formulation) && scene->scheme.transfer->filter ? PETSC_TRUE : PETSC_FALSE;
@@ -183,26 +168,12 @@ PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
 
 static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "pic_filter", &i));
-  scene->scheme.space.filter = (MpmFilterTime)i;
-  if (MpmSceneChoosesFilter(scene) || MpmSettingsSource(settings, "pic_filter") == MPM_FROM_DEFAULT ||
-      MpmSettingsOverruled(settings, "pic_filter", "formulation") ||
-      MpmSettingsOverruled(settings, "pic_filter", "transfer"))
+  if (MpmSceneChoosesFilter(scene) || !MpmSettingsStands(settings, "pic_filter", "formulation,transfer"))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
   PetscCall(MpmSettingsRefuse(settings, "pic_filter", "flip has no filter; allowed: with another transfer"));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool HasFilter(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) ||
-                 MpmFormulationHas(f, MPM_FILTER_AFTER)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
@@ -225,8 +196,8 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
 static PetscErrorCode AppendWord(MpmScene *scene, const char between[], MpmEnd end)
 {
   PetscFunctionBegin;
-  PetscCall(MpmTextJoin(scene->boundary, between, sizeof scene->boundary));
-  PetscCall(MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary));
+  MpmTextJoin(scene->boundary, between, sizeof scene->boundary);
+  MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -261,17 +232,10 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The functions of open knot vectors are not equally far apart, so differences of their values are no Laplacian. */
-static PetscBool TakesNoDifferences(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_LAP) ? PETSC_FALSE : PETSC_TRUE;
-}
-
 /* Gives the scene its splines next to walls. Call it when the ends are known. */
 static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scene)
 {
-  const MpmLayout *l        = &scene->layout;
-  const PetscBool  periodic = MpmLayoutIsPeriodic(l);
+  const MpmLayout *l = &scene->layout;
   const MpmBasis  *basis;
   PetscInt         i;
 
@@ -280,14 +244,12 @@ static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scen
   PetscCall(MpmSettingsWord(settings, "spline_ends", &i));
   basis = MpmBasisWithEnds(scene->scheme.basis, (MpmSplineEnds)i);
   if (!MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN)) {
-    if (!MpmSettingsOverruled(settings, "spline_ends", "basis"))
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends", "allowed: only with basis quadratic or cubic"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "basis", "allowed: only with basis quadratic or cubic"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (periodic) {
-    if (!MpmSettingsOverruled(settings, "spline_ends", "boundary"))
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
-                                  "the domain is periodic and has no ends; allowed: only with another boundary"));
+  if (MpmLayoutIsPeriodic(l)) {
+    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "boundary",
+                                      "the domain is periodic and has no ends; allowed: only with another boundary"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (basis->spline_ends == MPM_SPLINES_OPEN)
@@ -307,7 +269,7 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   PetscInt   end[MPM_MAX_DIM][2];
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEachEnds(settings, "boundary", l->dim, end));
+  PetscCall(MpmSettingsEnds(settings, "boundary", l->dim, end));
   for (PetscInt a = 0; a < l->dim; a++) {
     for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
     PetscCall(AppendWord(scene, a ? "," : "", l->grid[a].ends[0]));
@@ -331,11 +293,11 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
   if (l->counts.n > 1) {
-    if (!MpmSettingsOverruled(settings, "fill", "counts"))
-      PetscCall(MpmSettingsRefuse(settings, "fill", "allowed: with ppc (counts may be 0 where there is nothing)"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "fill", "counts",
+                                      "allowed: with ppc (counts may be 0 where there is nothing)"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmSettingsEachRange(settings, "fill", l->dim, range));
+  PetscCall(MpmSettingsRanges(settings, "fill", l->dim, range));
   l->particles = 1;
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscReal first = range[a][0] * l->ppc[a], end = range[a][1] * l->ppc[a];
@@ -356,47 +318,23 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- gradient and Poisson's ratio ---- */
 
-static PetscBool HasGradient(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_GRAD);
-}
-
 static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "gradient", &i));
-  scene->scheme.space.gradient = (MpmGradient)i;
   if (scene->scheme.space.gradient != MPM_GRADIENT_BASIS) {
     if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scene->scheme.formulation))
       scene->scheme.space.gradient = MPM_GRADIENT_BASIS;
     else
       PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
   }
-  if (MpmSceneHasPoisson(scene) || MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT ||
-      MpmSettingsOverruled(settings, "poisson", "dim") || MpmSettingsOverruled(settings, "poisson", "formulation"))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRefuse(
-      settings, "poisson", "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  if (!MpmSceneHasPoisson(scene))
+    PetscCall(MpmSettingsRefuseUnless(
+        settings, "poisson", "dim,formulation",
+        "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- material ---- */
-
-/* Refuses a number of a material when the scene has no such material. */
-static PetscErrorCode CheckMaterialReads(const MpmSettings *settings, const char option[], const char why[])
-{
-  PetscFunctionBegin;
-  if (MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, option, "material"))
-    PetscCall(MpmSettingsRefuse(settings, option, why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool CanDiffer(const MpmFormulation *f)
-{
-  return f->materials;
-}
 
 static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
 {
@@ -406,7 +344,7 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsRequire(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
   if (m->kind != MPM_MATERIAL_TWO)
-    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscReal *inclusion = m->inclusion[a];
 
@@ -431,9 +369,11 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
   if (scene->layout.material.kind != MPM_MATERIAL_UNIFORM)
     PetscCall(ReadRatios(settings, scene));
   else {
-    PetscCall(CheckMaterialReads(settings, "density_ratio", "allowed: only with material two or graded"));
-    PetscCall(CheckMaterialReads(settings, "stiffness_ratio", "allowed: only with material two or graded"));
-    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "density_ratio", "material", "allowed: only with material two or graded"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "stiffness_ratio", "material", "allowed: only with material two or graded"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
     scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
   }
   varies[MPM_VOLUME]    = scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
@@ -494,45 +434,6 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
                            &scene->scheme.space, &scene->scheme.table));
   PetscCall(MpmSettingsReadInitial(settings, scene));
   PetscCall(CheckSizes(settings, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Makes a scene from a file, or from text that messages call by a name. A refusal frees what there is, so that the caller can go on. */
-static PetscErrorCode FromYaml(const char path[], const char name[], const char yaml[], MpmScene **scene)
-{
-  MpmSettings   *settings = NULL;
-  PetscErrorCode ierr;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(scene));
-  (*scene)->law = &MpmLawLinear;
-  ierr          = MpmSettingsCreate(&settings);
-  if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, name, yaml);
-  if (!ierr) ierr = MpmSettingsReadProblem(settings, *scene);
-  PetscCall(MpmSettingsDestroy(&settings));
-  if (ierr) PetscCall(MpmSceneDestroy(scene));
-  PetscCall(ierr);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(FromYaml(NULL, name, yaml, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSceneFromNamedText("text", yaml, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(FromYaml(path, NULL, NULL, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

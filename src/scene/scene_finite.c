@@ -51,22 +51,15 @@ static PetscBool LeavesStress(const MpmFormulation *f)
   return PETSC_TRUE;
 }
 
-static PetscBool HasProjected(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
-}
-
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt  word;
-  PetscBool given = MpmSettingsGiven(settings, "gravity");
+  PetscInt word;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "kinematics", &word));
   scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
-  if (!word && given && !MpmSettingsOverruled(settings, "gravity", "kinematics"))
-    PetscCall(MpmSettingsRefuse(settings, "gravity", "allowed: only with kinematics finite"));
   if (!word) {
+    PetscCall(MpmSettingsRefuseUnless(settings, "gravity", "kinematics", "allowed: only with kinematics finite"));
     PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -93,9 +86,8 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
   if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
     if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
-    if (!MpmSettingsOverruled(settings, "lame_ratio", rivals[i]))
-      PetscCall(MpmSettingsRefuse(settings, "lame_ratio",
-                                  "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", rivals[i],
+                                      "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
     given = PETSC_FALSE;
   }
   if (given) {
@@ -146,14 +138,14 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
                                 "with kinematics finite all particles are of one material; allowed: uniform (linear in "
                                 "the stretch), neo, svk, tait, gas or polytropic"));
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "lame_ratio", scene->law->solid,
-                                              "allowed: only with material uniform, neo or svk"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
-                                              "allowed: only with material tait or polytropic"));
-  if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, "prestress", "kinematics"))
-    PetscCall(MpmSettingsRefuse(settings, "prestress",
-                                "with kinematics finite material and stretch give it; allowed: one of the two"));
+  if (!scene->law->solid)
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "allowed: only with material uniform, neo or svk"));
+  if (!(scene->law->exponent > 0))
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
+  PetscCall(MpmSettingsRefuseUnless(settings, "prestress", "kinematics",
+                                    "with kinematics finite material and stretch give it; allowed: one of the two"));
   PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
   if (scene->law->solid) PetscCall(SetRatio(settings, scene));
@@ -181,8 +173,7 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsIsAlso(settings, "courant")) {
-    if (MpmSettingsGiven(settings, "safety") && !MpmSettingsOverruled(settings, "safety", "courant"))
-      PetscCall(MpmSettingsRefuse(settings, "safety", "allowed: only with courant auto"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "safety", "courant", "allowed: only with courant auto"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   scene->safety = less ? SAFETY_LESS : SAFETY;
@@ -202,12 +193,9 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
 
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt word;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "move", &word));
-  scene->scheme.space.move = (MpmMove)word;
-  if (word) PetscCall(MpmSettingsRequire(settings, scene, "move", HasProjected, "second P2G of the velocity"));
+  if (scene->scheme.space.move)
+    PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
   if (scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine)
     PetscCall(MpmSettingsRefuse(settings, "transfer",
                                 "it moves particles with a velocity of its own, which is not here; allowed: aflip, "

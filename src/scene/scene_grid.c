@@ -93,7 +93,7 @@ static PetscErrorCode Divisor(const MpmSettings *settings, const MpmScene *scene
   *divisor = (MpmFraction){.value = scene->wave_speed};
   for (int i = 0; i < 2; i++) {
     if (!MpmSettingsGiven(settings, names[i])) continue;
-    PetscCall(MpmSettingsEachFraction(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
+    PetscCall(MpmSettingsFractions(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
     *divisor = each[0];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,11 +110,10 @@ static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene
   const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
   const char *const step      = has_dt ? "dt" : "courant";
   MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over;
-  PetscBool         ok;
 
   PetscFunctionBegin;
   factor[1] = *velocity;
-  PetscCall(MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2], &ok));
+  (void)MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2]);
   if (has_dt && MpmSettingsGiven(settings, "length")) {
     const PetscInt cells = scene->layout.grid[0].cells;
 
@@ -135,7 +134,7 @@ static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, "velocity", scene->layout.dim, velocity));
+  PetscCall(MpmSettingsFractions(settings, "velocity", scene->layout.dim, velocity));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     PetscCall(DriftOf(settings, scene, &velocity[a], &scene->step.drift[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,9 +146,7 @@ static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
 static PetscErrorCode OneDimensional(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
   PetscFunctionBegin;
-  if (scene->layout.dim > 1 && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, option, "dim"))
-    PetscCall(MpmSettingsRefuse(settings, option, "allowed: only with dim 1"));
+  if (scene->layout.dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, option, "dim", "allowed: only with dim 1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,7 +163,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
   else {
-    PetscCall(MpmSettingsEachInteger(settings, "ppc", l->dim, ppc));
+    PetscCall(MpmSettingsIntegers(settings, "ppc", l->dim, ppc));
     for (PetscInt a = 0; a < l->dim; a++) l->ppc[a] = (PetscInt)ppc[a];
     c->of[0] = l->ppc[0];
   }

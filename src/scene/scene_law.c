@@ -147,14 +147,17 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "stretch", scene->law != &MpmLawLinear,
-                                              "allowed: only with material neo, svk, tait, gas or polytropic"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(
-      settings, "lame_ratio", scene->law == &MpmLawNeo && scene->layout.dim == 1,
-      scene->law == &MpmLawNeo ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
-                               : "allowed: only with material neo"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
-                                              "allowed: only with material tait or polytropic"));
+  if (scene->law == &MpmLawLinear)
+    PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
+                                      "allowed: only with material neo, svk, tait, gas or polytropic"));
+  if (scene->law != &MpmLawNeo || scene->layout.dim > 1)
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material",
+                                      scene->law == &MpmLawNeo
+                                          ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
+                                          : "allowed: only with material neo"));
+  if (!(scene->law->exponent > 0))
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
   if (scene->law == &MpmLawLinear) {
     PetscCall(FromStress(settings, scene));
     PetscFunctionReturn(PETSC_SUCCESS);

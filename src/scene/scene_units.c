@@ -16,8 +16,8 @@ static PetscErrorCode AddMissing(const MpmSettings *settings, const char name[],
 {
   PetscFunctionBegin;
   if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
-  if (list[0]) PetscCall(MpmTextJoin(list, " and ", room));
-  PetscCall(MpmTextJoin(list, name, room));
+  if (list[0]) MpmTextJoin(list, " and ", room);
+  MpmTextJoin(list, name, room);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,7 +18,7 @@ static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt
 {
   const MpmField *o = &MpmOptions[option];
 
-  return o->file == use && settings->text[option] && (!o->tasks || strstr(o->tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+  return o->file == use && settings->text[option] && MpmFieldIsOf(o, task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], const char name[], char path[])

@@ -13,7 +13,7 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   PetscFunctionBegin;
   *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
   if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, "mach", dim, number));
+  PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
   PetscCall(MpmMachCreate(dim, number, mach, &ok));
   if (!ok) PetscCall(MpmSettingsRefuse(settings, "mach", "allowed: numbers of at most 15 digits, or fractions"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -29,7 +29,7 @@ static PetscErrorCode OneOf(const MpmSettings *settings, const char name[], cons
   PetscFunctionBegin;
   *fraction = (MpmFraction){.value = number};
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, given, 1, each));
+  PetscCall(MpmSettingsFractions(settings, given, 1, each));
   *fraction = each[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -51,9 +51,9 @@ static PetscErrorCode CourantOf(const MpmSettings *settings, const MpmScene *sce
   PetscCall(OneOf(settings, "wave_speed", "sound_speed", scene->wave_speed, &factor[0]));
   PetscCall(OneOf(settings, "dt", "dt", scene->dt, &factor[1]));
   if (MpmSettingsGiven(settings, "cell_width"))
-    PetscCall(MpmSettingsEachFraction(settings, "cell_width", 1, width));
+    PetscCall(MpmSettingsFractions(settings, "cell_width", 1, width));
   else
-    PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, width));
+    PetscCall(MpmSettingsFractions(settings, "length", scene->layout.dim, width));
   factor[3] = (MpmFraction){width[0].den, width[0].num, 1 / width[0].value};
   *courant  = MpmFractionProduct(4, factor);
   PetscFunctionReturn(PETSC_SUCCESS);

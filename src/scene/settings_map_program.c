@@ -45,23 +45,20 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
 
 static PetscErrorCode ReadSpan(MpmAxis *axis)
 {
-  char        key[64], place[MPM_PLACE_TEXT], first[64];
-  const char *text, *comma;
-  PetscBool   given, ok = PETSC_FALSE;
+  char        key[64], place[MPM_PLACE_TEXT];
+  const char *text;
+  MpmFraction span[2];
+  PetscBool   given;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(key, sizeof key, "-%s%s", map, axis->name));
   PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
   MpmCheckInput(given, "-map_axes %s: the span of that axis is missing; allowed: with %s lo,hi", axis->name, key);
   PetscCall(MpmSettingsPlace(key + 1, text, place));
-  comma = text ? strchr(text, ',') : NULL;
-  if (comma && comma - text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
-    PetscCall(MpmFractionParse(first, &axis->from, &ok));
-    if (ok) PetscCall(MpmFractionParse(comma + 1, &axis->to, &ok));
-  }
-  MpmCheckInput(ok && isfinite(axis->from.value) && isfinite(axis->to.value) && axis->from.value < axis->to.value,
+  MpmCheckInput(text && MpmSettingsParseSpan(text, span),
                 "%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", key, text ? text : "", place);
+  axis->from = span[0];
+  axis->to   = span[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -27,9 +27,7 @@ static const struct {
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
 {
-  const char *tasks = MpmOptions[i].tasks;
-
-  return settings->source[i] != MPM_FROM_DEFAULT && (!tasks || strstr(tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+  return settings->source[i] != MPM_FROM_DEFAULT && MpmFieldIsOf(&MpmOptions[i], task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
@@ -57,7 +55,8 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
 
     if (!MpmSettingsGiven(settings, sources[s])) continue;
     PetscCall(PetscSNPrintf(why, sizeof why, "task %s does not read it; allowed: with task %s", task, reads));
-    if (!strstr(reads, task)) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
+    if (!MpmFieldIsOf(&MpmOptions[MpmOptionIndex(sources[s])], task))
+      PetscCall(MpmSettingsRefuse(settings, sources[s], why));
     PetscCall(PetscSNPrintf(why, sizeof why, "%s takes the place of a scene too; allowed: one of them", source));
     if (source) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
     source = sources[s];
@@ -78,7 +77,7 @@ static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], c
   const char *given = MpmSettingsText(settings, name);
 
   PetscFunctionBegin;
-  if (!given || !strstr(MpmOptions[MpmOptionIndex(name)].tasks, task)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!given || !MpmFieldIsOf(&MpmOptions[MpmOptionIndex(name)], task)) PetscFunctionReturn(PETSC_SUCCESS);
   if (!given[0]) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a text that is not empty"));
   if (strlen(given) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter text"));
   PetscCall(PetscStrncpy(text, given, LONGEST));

@@ -48,35 +48,12 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
 
 /* ---- what tasks measure ---- */
 
-/* The slides define their weights for hat functions, at nodes with a cell on either side. */
-static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (request->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
-    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A survey goes through all schemes and does not depend on the scene's Courant number. */
-static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
-{
-  static const char *const idle[] = {"formulation", "scheme", "basis",           "transfer", "courant",
-                                     "dt",          "expect", "expect_critical", "json"};
-
-  PetscFunctionBegin;
-  for (size_t i = 0; request->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
-    if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The waves are those of the phases along x that are at least 3 cells long. */
 static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (!request->damping && MpmSettingsSource(settings, "damping_divisors") == MPM_FROM_COMMAND_LINE)
-    PetscCall(MpmSettingsRefuse(settings, "damping_divisors", "allowed: only with damping"));
+  if (!request->damping)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "damping_divisors", "allowed: only with damping"));
   if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
   if (!scene->scheme.formulation->wave)
     PetscCall(MpmSettingsRefuse(settings, "damping",
@@ -142,30 +119,19 @@ static const char *const spans[] = {"map_courant", "map_drift",       "map_offse
                                     "map_poisson", "map_drift_angle", "map_mach"};
 
 /* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
-static const char *const replaced[][3] = {{"courant", "dt"},
-                                          {"drift", "velocity", "mach"},
-                                          {"offset"},
-                                          {"ppc"},
-                                          {"poisson"},
-                                          {NULL},
-                                          {"mach", "velocity", "drift"}};
+static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
+                                       "",           "mach,velocity,drift"};
 
-/* Whether an axis says how particles move. */
-static PetscBool IsMotion(PetscInt kind)
-{
-  return kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* In more dimensions than one the scene's drift still says along which axes the map's goes. */
+/* In more dimensions than one the scene's drift, or mach, still says along which axes the map's goes. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
-  char why[128];
+  const char *names = replaced[kind];
+  char        why[128];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = IsMotion(kind) && scene->layout.dim > 1 ? 1 : 0; i < 3 && replaced[kind][i]; i++)
-    if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
+  if (scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH)) names = strchr(names, ',') + 1;
+  PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, names, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,8 +154,6 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
 /* Refuses axes that the scene does not have. */
 static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const moduli[] = {"young", "bulk"};
-
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
     PetscCall(MpmSettingsRefuse(
@@ -197,11 +161,10 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   if (MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space))
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes"));
-  for (int i = 0; i < 2 && MpmRequestVaries(request, MPM_AXIS_POISSON); i++)
-    if (MpmSettingsGiven(settings, moduli[i]))
-      PetscCall(MpmSettingsRefuse(settings, moduli[i],
-                                  "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
-                                  "change; allowed: sound_speed"));
+  if (MpmRequestVaries(request, MPM_AXIS_POISSON))
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "young,bulk",
+                                   "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
+                                   "change; allowed: sound_speed"));
   if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
     PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
   if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
@@ -232,10 +195,10 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
     text += length + strspn(text + length, separators);
   }
   if (request->axes[0].parameter == MPM_NONE && request->axes[1].parameter == MPM_NONE) {
-    PetscInt kinds[2];
+    PetscInt kinds[1][2];
 
-    PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
-    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[a];
+    PetscCall(MpmSettingsEnds(settings, "map_axes", 1, kinds));
+    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[0][a];
   } else
     for (int a = 0; a < 2; a++) {
       PetscInt kind = 0;
@@ -260,23 +223,15 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
 /* The span of a parameter, which has no default. The map takes the place of the parameter's value. */
 static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, MpmFraction span[2])
 {
-  const MpmSettingsParameter *own   = MpmSettingsParameterSaid(settings, "", axis->name);
-  const MpmSettingsParameter *said  = MpmSettingsParameterSaid(settings, "map_", axis->name);
-  const char                 *comma = said ? strchr(said->text, ',') : NULL;
-  char                        first[64];
-  PetscBool                   ok = PETSC_FALSE;
+  const MpmSettingsParameter *own  = MpmSettingsParameterSaid(settings, "", axis->name);
+  const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", axis->name);
 
   PetscFunctionBegin;
   if (own && own->source == MPM_FROM_COMMAND_LINE)
     PetscCall(MpmSettingsRefuseParameter(settings, own, "the map goes over it; allowed: its span lo,hi, after map_"));
   MpmCheckInput(said, "map_axes %s: allowed: with its span, as -map_%s lo,hi", MpmSettingsText(settings, "map_axes"),
                 axis->name);
-  if (comma && comma - said->text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, said->text, (size_t)(comma - said->text) + 1));
-    PetscCall(MpmFractionParse(first, &span[0], &ok));
-    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
-  }
-  if (!ok || !isfinite(span[0].value) || !isfinite(span[1].value) || span[0].value >= span[1].value)
+  if (!MpmSettingsParseSpan(said->text, span))
     PetscCall(MpmSettingsRefuseParameter(settings, said,
                                          "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -345,8 +300,8 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
   MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
   if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
-    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
+  if (!wanted)
+    PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
   if (strlen(path) >= sizeof request->mode_file)
     PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: a shorter name"));
@@ -407,8 +362,6 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
 static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, const char task[],
                                  MpmExpect *expect)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
   expect->has_verdict  = MpmSettingsGiven(settings, "expect");
   expect->has_kind     = MpmSettingsGiven(settings, "expect_kind");
@@ -419,20 +372,10 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
   if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
-  if (expect->has_verdict) {
-    PetscCall(MpmSettingsWord(settings, "expect", &i));
-    expect->verdict = (MpmVerdict)i;
-  }
-  if (expect->has_kind) {
-    PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
-    expect->kind = (MpmGrowthKind)i;
-  }
   if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
-    if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
-        !MpmSettingsOverruled(settings, "expect_error", "boundary"))
-      PetscCall(
-          MpmSettingsRefuse(settings, "expect_error",
-                            "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
+    PetscCall(MpmSettingsRefuseUnless(
+        settings, "expect_error", "initial,boundary",
+        "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
     expect->has_error = PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -443,18 +386,16 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 /* What reads the linear step of a scheme has none at finite deformation. */
 static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const linear[] = {"symbol", "critical", "map", "ensemble"};
-
   PetscFunctionBegin;
   if (scene->safety > 0 && strcmp(request->task, "run"))
     PetscCall(MpmSettingsRefuse(settings, "courant", "allowed with this task: a number"));
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(linear) && scene->scheme.space.finite; i++)
-    if (!strcmp(request->task, linear[i]))
-      PetscCall(MpmSettingsRefuse(
-          settings, "kinematics",
-          "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
-          "material and stretch, or prestress, is about a uniform state"));
-  if (scene->scheme.space.finite && (request->weights || request->source_term || request->ringing))
+  if (!scene->scheme.space.finite) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strcmp(request->task, "run") && strcmp(request->task, "spectrum"))
+    PetscCall(MpmSettingsRefuse(
+        settings, "kinematics",
+        "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
+        "material and stretch, or prestress, is about a uniform state"));
+  if ((request->weights || request->source_term || request->ringing))
     PetscCall(MpmSettingsRefuse(settings, "kinematics",
                                 "weights, source_term and ringing are of the linear step; allowed: without them"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -494,7 +435,10 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(MpmSettingsReadTangent(settings, scene, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
-  PetscCall(CheckSurvey(settings, request));
+  if (request->survey) /* it does not depend on the scene's Courant number */
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
+                                   "formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json",
+                                   "a survey goes through all schemes; allowed: without survey"));
   PetscCall(ReadDamping(settings, scene, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
@@ -502,7 +446,9 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
-  PetscCall(CheckDiagnostics(settings, scene, request));
+  /* the slides define their weights for hat functions, at nodes with a cell on either side */
+  if (!strcmp(request->task, "run") && request->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
+    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,6 +1,5 @@
 /* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
 #include "scene/settings.h"
-#include "base/suggest.h"
 #include "base/text.h"
 #include "base/yaml.h"
 #include "scene/synonyms.h"
@@ -21,12 +20,9 @@ static const char *Scalar(const yaml_node_t *node)
 
 PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line)
 {
-  const char *names[MPM_MAX_OPTIONS], *near;
-  PetscInt    n = 0;
+  const char *near = MpmOptionNear(key);
 
   PetscFunctionBegin;
-  for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
-  near = MpmSuggest(key, n, names);
   if (MpmOptionCalledHere(key))
     MpmRefuse("%s:%d: unknown key '%s'; it is called '%s' here", settings->scene, line, key, MpmOptionCalledHere(key));
   if (near) MpmRefuse("%s:%d: unknown key '%s'; did you mean '%s'?", settings->scene, line, key, near);
@@ -89,7 +85,7 @@ static PetscErrorCode KeepParameter(MpmSettings *settings, yaml_document_t *docu
   } else if (Scalar(value))
     PetscCall(MpmTextAdd(&text, "%s", Scalar(value)));
   ierr = MpmSettingsKeepParameter(settings, key, text.text, MPM_FROM_SCENE, line);
-  PetscCall(MpmTextFree(&text));
+  MpmTextFree(&text);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

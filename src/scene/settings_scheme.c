@@ -222,14 +222,12 @@ static PetscErrorCode SetParameters(MpmSettings *settings)
     const char                 *name = scheme->parameters[i].name.text;
     const MpmSettingsParameter *said;
     MpmFraction                 number;
-    PetscBool                   ok;
 
     if (settings->has_options) PetscCall(KeepOption(settings, "", name));
     if (settings->has_options) PetscCall(KeepOption(settings, map, name));
     said = MpmSettingsParameterSaid(settings, "", name);
     if (!said) continue;
-    PetscCall(MpmFractionParse(said->text, &number, &ok));
-    if (!ok || !isfinite(number.value))
+    if (!MpmFractionParse(said->text, &number) || !isfinite(number.value))
       PetscCall(MpmSettingsRefuseParameter(settings, said, "allowed: a finite number or a fraction such as 1/3"));
     scheme->parameters[i].set   = PETSC_TRUE;
     scheme->parameters[i].value = number.value;

@@ -68,8 +68,8 @@ PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene
   PetscCall(MpmSettingsWord(settings, "shape", &shape));
   if (shape == BOX) PetscFunctionReturn(PETSC_SUCCESS);
   if (!scene->scheme.space.finite || l->dim == 1) {
-    if (!MpmSettingsOverruled(settings, "shape", "kinematics") && !MpmSettingsOverruled(settings, "shape", "dim"))
-      PetscCall(MpmSettingsRefuse(settings, "shape", "allowed: with kinematics finite and dim 2 or 3"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "shape", "kinematics,dim", "allowed: with kinematics finite and dim 2 or 3"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   l->nspans = FindSpans(scene, (Shape)shape, NULL, &l->particles);

@@ -31,11 +31,11 @@ static void PutOption(const MpmField *o)
   Put(o->help);
   if (o->tasks) MpmPrint(". Tasks: %s", o->tasks);
   MpmPrint(".\n");
-  if (!o->word) return;
+  if (!MpmFieldWord(o, 0)) return;
   MpmPrint("Words:");
-  for (PetscInt i = 0; o->word(i); i++) {
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) {
     MpmPrint(i ? ", " : " ");
-    Put(o->word(i));
+    Put(MpmFieldWord(o, i));
   }
   MpmPrint(".\n");
 }

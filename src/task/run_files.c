@@ -161,7 +161,7 @@ static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRu
     PetscCall(MpmRunDestroy(&run));
   }
   PetscCall(PetscSNPrintf(more, sizeof more, "; the checkpoint has the state of step %" PetscInt64_FMT, failed->steps));
-  PetscCall(MpmTextJoin(failed->failure, more, sizeof failed->failure));
+  MpmTextJoin(failed->failure, more, sizeof failed->failure);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
