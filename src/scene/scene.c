@@ -37,8 +37,8 @@ static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *sce
     PetscFunctionReturn(PETSC_SUCCESS);
   (void)snprintf(message, sizeof message, "the scheme has the transfer %.60s of its own; allowed: one of the two",
                  scene->own->transfer->name);
-  if (MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"))
-    PetscCall(MpmSettingsRefuse(settings, "transfer", message));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"), settings,
+                      "transfer", message);
   scene->scheme.transfer = scene->own->transfer;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -97,15 +97,14 @@ CAN(TakesNoDifferences, !MpmFormulationHas(f, MPM_LAP))
 PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
                                   PetscBool (*can)(const MpmFormulation *), const char why[])
 {
-  char names[256], message[512];
+  char names[256];
 
   PetscFunctionBegin;
   if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Those(can, names, sizeof names));
-  PetscCall(PetscSNPrintf(message, sizeof message, "%s has no %s; allowed: with formulation %s%s",
-                          scene->scheme.formulation->name, why, names,
-                          scene->written ? ", or a line for that in the scheme" : ""));
-  PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscCall(MpmSettingsRefuse(settings, option, "%s has no %s; allowed: with formulation %s%s",
+                              scene->scheme.formulation->name, why, names,
+                              scene->written ? ", or a line for that in the scheme" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,20 +125,19 @@ static PetscBool FormulationReads(PetscInt i, const char option[])
 static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], const char of[], PetscBool has,
                                  PetscBool (*reads)(PetscInt, const char[]))
 {
-  const MpmField *words = &MpmOptions[MpmOptionIndex(of)];
-  char            message[128];
-  int             named = 0;
+  const MpmField *words        = &MpmOptions[MpmOptionIndex(of)];
+  char            message[128] = "";
+  int             named        = 0;
 
   PetscFunctionBegin;
   if (has || MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, of))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with %s ", of));
   for (PetscInt i = 0; MpmFieldWord(words, i); i++) {
     if (!reads(i, option)) continue;
     if (named++) MpmTextJoin(message, " or ", sizeof message);
     MpmTextJoin(message, MpmFieldWord(words, i), sizeof message);
   }
-  PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscCall(MpmSettingsRefuse(settings, option, "allowed: only with %s %s", of, message));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,8 +206,8 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   const MpmFraction *offset = &l->offset[a];
 
   PetscFunctionBegin;
-  if ((l->grid[a].ends[0] == MPM_PERIODIC) != (l->grid[a].ends[1] == MPM_PERIODIC))
-    PetscCall(MpmSettingsRefuse(settings, "boundary", "allowed: periodic at both ends or at none"));
+  MpmSettingsRefuseIf((l->grid[a].ends[0] == MPM_PERIODIC) != (l->grid[a].ends[1] == MPM_PERIODIC), settings,
+                      "boundary", "allowed: periodic at both ends or at none");
   for (int e = 0; e < 2; e++) {
     if (l->grid[a].ends[e] == MPM_FREE)
       PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanBeFree,
@@ -256,9 +254,9 @@ static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scen
     PetscCall(MpmSettingsRequire(settings, scene, "spline_ends", TakesNoDifferences,
                                  "differences of nodal values with open knot vectors"));
   for (PetscInt a = 0; a < l->dim; a++)
-    if (basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes)
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
-                                  "the grid is too small for it; allowed: as many cells as the degree of the basis"));
+    MpmSettingsRefuseIf(basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes, settings,
+                        "spline_ends",
+                        "the grid is too small for it; allowed: as many cells as the degree of the basis");
   scene->scheme.basis = basis;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -302,17 +300,16 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscReal first = range[a][0] * l->ppc[a], end = range[a][1] * l->ppc[a];
 
-    if (!(first >= 0 && end <= (PetscReal)l->grid[a].cells * l->ppc[a] && end > first) ||
-        fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9)
-      PetscCall(MpmSettingsRefuse(settings, "fill",
-                                  "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi"));
+    MpmSettingsRefuseIf(!(first >= 0 && end <= (PetscReal)l->grid[a].cells * l->ppc[a] && end > first) ||
+                            fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9,
+                        settings, "fill",
+                        "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi");
     l->first[a] = (PetscInt64)round(first);
     l->row[a]   = (PetscInt64)round(end) - l->first[a];
     l->particles *= l->row[a];
   }
-  if (!l->particles)
-    PetscCall(MpmSettingsRefuse(settings, "fill",
-                                "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart"));
+  MpmSettingsRefuseIf(!l->particles, settings, "fill",
+                      "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -352,8 +349,8 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
       inclusion[0] = a ? 0 : l->grid[a].cells / 2.0;
       inclusion[1] = l->grid[a].cells;
     }
-    if (!(inclusion[0] >= 0 && inclusion[0] < inclusion[1] && inclusion[1] <= l->grid[a].cells))
-      PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
+    MpmSettingsRefuseIf(!(inclusion[0] >= 0 && inclusion[0] < inclusion[1] && inclusion[1] <= l->grid[a].cells),
+                        settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

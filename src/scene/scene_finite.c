@@ -94,10 +94,9 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
     scene->scheme.space.poisson = scene->lame_ratio / (2 * (1 + scene->lame_ratio));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (nu == 0.5)
-    PetscCall(MpmSettingsRefuse(settings, "poisson",
-                                "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
-                                "or material tait, gas or polytropic"));
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
+                      "or material tait, gas or polytropic");
   scene->lame_ratio = 2 * nu / (1 - 2 * nu);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -133,10 +132,9 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
-  if (word > 0 && word < MPM_MATERIAL_KINDS)
-    PetscCall(MpmSettingsRefuse(settings, "material",
-                                "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                                "the stretch), neo, svk, tait, gas or polytropic"));
+  MpmSettingsRefuseIf(word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
+                      "with kinematics finite all particles are of one material; allowed: uniform (linear in "
+                      "the stretch), neo, svk, tait, gas or polytropic");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
   if (!scene->law->solid)
     PetscCall(
@@ -152,11 +150,9 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
-  if (!(modulus > 0) || !isfinite(modulus))
-    PetscCall(
-        MpmSettingsRefuse(settings, "stretch",
-                          "the material has no stiffness against more stretch there, so that waves have no speed; "
-                          "allowed: a stretch with a stress that rises"));
+  MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch",
+                      "the material has no stiffness against more stretch there, so that waves have no speed; "
+                      "allowed: a stretch with a stress that rises");
   space->stiffness = 1 / modulus;
   scene->wave_speed *= sqrt(modulus);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -178,16 +174,15 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   }
   scene->safety = less ? SAFETY_LESS : SAFETY;
   if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
-  if (!scene->scheme.space.finite)
-    PetscCall(MpmSettingsRefuse(settings, "courant",
-                                "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
-                                "or kinematics finite ('mpmstab critical' finds the largest stable number)"));
+  MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",
+                      "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
+                      "or kinematics finite ('mpmstab critical' finds the largest stable number)");
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->step.drift[a].value != 0) moves = PETSC_TRUE;
   if (moves && MpmSettingsGiven(settings, "drift") && MpmSettingsSource(settings, "drift") != MPM_FROM_DEFAULT)
     PetscCall(MpmSettingsRefuse(
         settings, "drift", "with courant auto no step is known of which it is the way; allowed: velocity or mach"));
-  if (scene->stagger) PetscCall(MpmSettingsRefuse(settings, "stagger", "courant auto: steps differ; allowed: false"));
+  MpmSettingsRefuseIf(scene->stagger, settings, "stagger", "courant auto: steps differ; allowed: false");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -196,15 +191,15 @@ PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *sce
   PetscFunctionBegin;
   if (scene->scheme.space.move)
     PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
-  if (scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine)
-    PetscCall(MpmSettingsRefuse(settings, "transfer",
-                                "it moves particles with a velocity of its own, which is not here; allowed: aflip, "
-                                "which is linearly the same, or another transfer"));
-  if (scene->initial == MPM_INITIAL_PULSE || scene->initial == MPM_INITIAL_STEP ||
-      scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmSettingsRefuse(settings, "initial",
-                                "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
-                                "shock_tube, collision or uniform"));
+  MpmSettingsRefuseIf(scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine,
+                      settings, "transfer",
+                      "it moves particles with a velocity of its own, which is not here; allowed: aflip, "
+                      "which is linearly the same, or another transfer");
+  MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_PULSE || scene->initial == MPM_INITIAL_STEP ||
+                          scene->initial == MPM_INITIAL_EIGENMODE,
+                      settings, "initial",
+                      "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
+                      "shock_tube, collision or uniform");
   PetscCall(MpmSettingsReadSolution(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

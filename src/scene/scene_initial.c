@@ -34,12 +34,12 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   PetscBool         fits = PETSC_TRUE, none = PETSC_TRUE;
 
   PetscFunctionBegin;
-  if (number && *end) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+  MpmSettingsRefuseIf(number && *end, settings, "mode", positive);
   if (number || !list)
     PetscCall(MpmSettingsIntegers(settings, "mode", 1, mode));
   else
     PetscCall(MpmSettingsIntegers(settings, "mode", l->dim, mode));
-  if (number && mode[0] < 1) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+  MpmSettingsRefuseIf(number && mode[0] < 1, settings, "mode", positive);
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscBool  ends = l->grid[a].ends[0] != MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
     const PetscInt64 most = PetscMax(1, ends ? l->grid[a].cells : l->grid[a].cells / 2);
@@ -50,10 +50,9 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   }
   if (none && scene->initial != MPM_INITIAL_MODE) scene->mode[0] = 1; /* a scene's mode that is not read any more */
   if (scene->initial != MPM_INITIAL_MODE || (fits && !none)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (l->dim > 1)
-    PetscCall(MpmSettingsRefuse(settings, "mode",
-                                "allowed: one whole number for each direction, not all 0; from -cells / 2 to cells / 2 "
-                                "in a periodic direction, from 0 to cells between ends"));
+  MpmSettingsRefuseIf(l->dim > 1, settings, "mode",
+                      "allowed: one whole number for each direction, not all 0; from -cells / 2 to cells / 2 "
+                      "in a periodic direction, from 0 to cells between ends");
   PetscCall(MpmSettingsRefuse(settings, "mode",
                               MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                         : "allowed: a whole number from 1 to cells"));
@@ -132,10 +131,9 @@ PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadMode(settings, scene));
   PetscCall(ReadPolarisation(settings, scene));
   PetscCall(CheckExact(settings, scene));
-  if (scene->initial == MPM_INITIAL_STEP &&
-      (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE))
-    PetscCall(
-        MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
+  MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_STEP &&
+                          (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE),
+                      settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free");
   if (asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE)
     PetscCall(MpmSettingsRefuseUnless(settings, "mode", "initial", "allowed: only with initial mode or eigenmode"));
   PetscCall(ReadStagger(settings, asked, scene));

@@ -18,7 +18,7 @@ PetscBool MpmFormulationIsProjected(const MpmFormulation *f)
 static PetscErrorCode Refuse(const MpmSettings *settings, const MpmScene *scene, const char why[])
 {
   PetscFunctionBegin;
-  PetscCall(MpmSettingsRefuse(settings, scene->law == &MpmLawLinear ? "prestress" : "material", why));
+  PetscCall(MpmSettingsRefuse(settings, scene->law == &MpmLawLinear ? "prestress" : "material", "%s", why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

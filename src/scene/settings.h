@@ -106,8 +106,16 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[]);
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);
 
-/* Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be. */
-PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[]);
+/*
+   Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be: a format of printf
+   and its arguments. MpmSettingsRefuseIf - does so if a condition holds.
+*/
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[], ...)
+    __attribute__((format(printf, 3, 4)));
+#define MpmSettingsRefuseIf(condition, ...)                                                                            \
+  do {                                                                                                                 \
+    if (condition) PetscCall(MpmSettingsRefuse(__VA_ARGS__));                                                          \
+  } while (0)
 
 /*
    MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given one

@@ -29,7 +29,7 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], c
   PetscFunctionBegin;
   if (!IsUsed(settings, task, option, MpmOptions[option].file)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPath(settings, name, &text));
-  if (strlen(text) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter name"));
+  MpmSettingsRefuseIf(strlen(text) >= LONGEST, settings, name, "allowed: a shorter name");
   PetscCall(PetscStrncpy(path, text, LONGEST));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,12 +54,10 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *reques
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   ending = Ending(path);
   length = (int)(ending ? (size_t)(ending - path) : strlen(path));
-  if (ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings))
-    PetscCall(MpmSettingsRefuse(settings, "output",
-                                "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending"));
+  MpmSettingsRefuseIf(ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings), settings,
+                      "output", "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending");
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (strpbrk(path, "<>&\":"))
-    PetscCall(MpmSettingsRefuse(settings, "output", "allowed: a name without < > & : and quotes"));
+  MpmSettingsRefuseIf(strpbrk(path, "<>&\":"), settings, "output", "allowed: a name without < > & : and quotes");
   PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -67,14 +65,11 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *reques
 /* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
 static PetscErrorCode ReadWritten(const MpmSettings *settings, const char task[], const char name[], char path[])
 {
-  char why[128];
 
   PetscFunctionBegin;
   PetscCall(ReadPath(settings, task, name, path));
-  PetscCall(
-      PetscSNPrintf(why, sizeof why, "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings));
-  if (path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings))
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings), settings, name,
+                      "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,7 +171,6 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings)
 {
   static const char *const run[] = {"program", "plugin"};
 
-  char        why[256];
   PetscBool   trusted;
   int         here = 1;
   PetscMPIInt rank;
@@ -184,26 +178,25 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings)
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt i = 0; MpmOptions[i].name; i++)
-    if (MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT && settings->source[i] != MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, "allowed: on the command line only"));
+    MpmSettingsRefuseIf(MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT &&
+                            settings->source[i] != MPM_FROM_COMMAND_LINE,
+                        settings, MpmOptions[i].name, "allowed: on the command line only");
   PetscCall(MpmSettingsSwitch(settings, "trust_scene", &trusted));
   if (trusted) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(run); i++)
-    if (MpmSettingsSource(settings, run[i]) == MPM_FROM_SCENE)
-      PetscCall(MpmSettingsRefuse(settings, run[i],
-                                  "a scene that is read runs nothing; allowed: on the command line, or with "
-                                  "-trust_scene if you trust who wrote the scene"));
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, run[i]) == MPM_FROM_SCENE, settings, run[i],
+                        "a scene that is read runs nothing; allowed: on the command line, or with "
+                        "-trust_scene if you trust who wrote the scene");
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     const MpmField *o = &MpmOptions[i];
 
     if (o->file != MPM_FILE_WRITTEN || settings->source[i] != MPM_FROM_SCENE) continue;
     if (rank == 0) here = MpmFileIsHere(settings->text[i]) && MpmFileHasEnding(settings->text[i], o->endings);
     PetscCallMPI(MPI_Bcast(&here, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-    PetscCall(PetscSNPrintf(why, sizeof why,
-                            "a scene may write to the current folder and below it; allowed: a name there that ends in "
-                            "%s and is not hidden; any on the command line, or with -trust_scene",
-                            o->endings));
-    if (!here) PetscCall(MpmSettingsRefuse(settings, o->name, why));
+    MpmSettingsRefuseIf(!here, settings, o->name,
+                        "a scene may write to the current folder and below it; allowed: a name there that ends in "
+                        "%s and is not hidden; any on the command line, or with -trust_scene",
+                        o->endings);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,7 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
   PetscCall(MpmMachCreate(dim, number, mach, &ok));
-  if (!ok) PetscCall(MpmSettingsRefuse(settings, "mach", "allowed: numbers of at most 15 digits, or fractions"));
+  MpmSettingsRefuseIf(!ok, settings, "mach", "allowed: numbers of at most 15 digits, or fractions");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -73,8 +73,8 @@ PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene
   if (!part.den) part = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
   MpmMachDrift(&mach, &part, scene->step.drift);
   for (PetscInt a = 0; a < scene->layout.dim; a++)
-    if (!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT))
-      PetscCall(MpmSettingsRefuse(settings, "mach", "allowed: at most 1e6 cells per step"));
+    MpmSettingsRefuseIf(!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT), settings, "mach",
+                        "allowed: at most 1e6 cells per step");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,7 +83,7 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
   const PetscReal part = mach->unit.value * scene->step.courant;
   MpmFraction     near, courant;
   PetscInt64      common = 1;
-  char            why[256], over[32];
+  char            over[32];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
@@ -98,10 +98,9 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
   courant = MpmMachCourant(mach, &near);
   PetscCall(PetscSNPrintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den));
   PetscCall(
-      PetscSNPrintf(why, sizeof why,
-                    "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
-                    "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
-                    scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
-  PetscCall(MpmSettingsRefuse(settings, "mach", why));
+      MpmSettingsRefuse(settings, "mach",
+                        "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
+                        "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
+                        scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

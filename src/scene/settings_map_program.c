@@ -71,9 +71,8 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
 
     if (MpmOptions[i].kind != MPM_SPAN || !strcmp(name, request->axes[0].name) || !strcmp(name, request->axes[1].name))
       continue;
-    if (settings->source[i] != MPM_FROM_DEFAULT)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name,
-                                  "map_axes does not name it; allowed: with a parameter of the code of that name"));
+    MpmSettingsRefuseIf(settings->source[i] != MPM_FROM_DEFAULT, settings, MpmOptions[i].name,
+                        "map_axes does not name it; allowed: with a parameter of the code of that name");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -90,10 +89,10 @@ PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmReques
       "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
       "dt,E, and a span for each, as -map_dt lo,hi");
   PetscCall(Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit));
-  if (!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", allowed));
+  MpmSettingsRefuseIf(!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+                      allowed);
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
-  if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
+  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
   for (int a = 0; a < 2; a++) {
     MpmAxis *axis = &request->axes[a];
 

@@ -32,14 +32,13 @@ static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt
 
 static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
 {
-  char why[128];
 
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
     if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
     if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s or %s", needs[i].first, needs[i].second));
-    PetscCall(MpmSettingsRefuse(settings, needs[i].name, why));
+    PetscCall(
+        MpmSettingsRefuse(settings, needs[i].name, "allowed: only with %s or %s", needs[i].first, needs[i].second));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,11 +53,10 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
     const char *reads = MpmOptions[MpmOptionIndex(sources[s])].tasks;
 
     if (!MpmSettingsGiven(settings, sources[s])) continue;
-    PetscCall(PetscSNPrintf(why, sizeof why, "task %s does not read it; allowed: with task %s", task, reads));
-    if (!MpmFieldIsOf(&MpmOptions[MpmOptionIndex(sources[s])], task))
-      PetscCall(MpmSettingsRefuse(settings, sources[s], why));
-    PetscCall(PetscSNPrintf(why, sizeof why, "%s takes the place of a scene too; allowed: one of them", source));
-    if (source) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
+    MpmSettingsRefuseIf(!MpmFieldIsOf(&MpmOptions[MpmOptionIndex(sources[s])], task), settings, sources[s],
+                        "task %s does not read it; allowed: with task %s", task, reads);
+    MpmSettingsRefuseIf(source, settings, sources[s], "%s takes the place of a scene too; allowed: one of them",
+                        source);
     source = sources[s];
   }
   *named = source ? PETSC_TRUE : PETSC_FALSE;
@@ -67,8 +65,7 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
   PetscCall(PetscSNPrintf(why, sizeof why,
                           "it describes a scene, and %s takes the place of a scene; allowed: one of them", source));
   for (PetscInt i = 0; MpmOptions[i].name; i++)
-    if (IsSaid(settings, task, i) && !MpmOptions[i].of_matrix)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, why));
+    MpmSettingsRefuseIf(IsSaid(settings, task, i) && !MpmOptions[i].of_matrix, settings, MpmOptions[i].name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,8 +75,8 @@ static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], c
 
   PetscFunctionBegin;
   if (!given || !MpmFieldIsOf(&MpmOptions[MpmOptionIndex(name)], task)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!given[0]) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a text that is not empty"));
-  if (strlen(given) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter text"));
+  MpmSettingsRefuseIf(!given[0], settings, name, "allowed: a text that is not empty");
+  MpmSettingsRefuseIf(strlen(given) >= LONGEST, settings, name, "allowed: a shorter text");
   PetscCall(PetscStrncpy(text, given, LONGEST));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,18 +93,17 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
   PetscCall(ReadText(settings, task, "at", request->at));
   PetscCall(ReadText(settings, task, "compare", request->compare));
-  if (request->program_dt[0] && strcmp(task, "critical") && !request->compare[0])
-    PetscCall(MpmSettingsRefuse(settings, "program_dt", "allowed: with task critical, or with compare"));
-  if (request->compare[0] && request->at[0])
-    PetscCall(
-        MpmSettingsRefuse(settings, "compare", "it is about the state that the code describes; allowed: without at"));
+  MpmSettingsRefuseIf(request->program_dt[0] && strcmp(task, "critical") && !request->compare[0], settings,
+                      "program_dt", "allowed: with task critical, or with compare");
+  MpmSettingsRefuseIf(request->compare[0] && request->at[0], settings, "compare",
+                      "it is about the state that the code describes; allowed: without at");
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
-  if (!strcmp(task, "symbol") && (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE))
-    PetscCall(MpmSettingsRefuse(settings, "probe", "a symbol needs cells that are alike; allowed: bloch"));
-  if (!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH)
-    PetscCall(MpmSettingsRefuse(settings, "probe",
-                                "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol"));
+  MpmSettingsRefuseIf(!strcmp(task, "symbol") &&
+                          (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE),
+                      settings, "probe", "a symbol needs cells that are alike; allowed: bloch");
+  MpmSettingsRefuseIf(!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH, settings, "probe",
+                      "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -37,11 +37,10 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
   PetscFunctionBegin;
   if (reads && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
-  if (n && request->survey)
-    PetscCall(MpmSettingsRefuse(settings, "neighbourhood", "a survey is of the bulk; allowed: without survey"));
-  if (n && critical && request->at_mach)
-    PetscCall(
-        MpmSettingsRefuse(settings, "neighbourhood", "at a Mach number the search is of the bulk; allowed: drift"));
+  MpmSettingsRefuseIf(n && request->survey, settings, "neighbourhood",
+                      "a survey is of the bulk; allowed: without survey");
+  MpmSettingsRefuseIf(n && critical && request->at_mach, settings, "neighbourhood",
+                      "at a Mach number the search is of the bulk; allowed: drift");
   if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
   if (!request->neighbourhood[MPM_IN_BULK])

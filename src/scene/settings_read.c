@@ -6,10 +6,12 @@
 #include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#define WHY 2048       /* bytes of why a value cannot be */
 #define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
 
 PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
@@ -32,13 +34,17 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
   return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char format[], ...)
 {
   const PetscInt    i                     = MpmOptionIndex(name);
   const char *const dots                  = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
-  char              place[MPM_PLACE_TEXT] = "";
+  char              place[MPM_PLACE_TEXT] = "", why[WHY];
+  va_list           arguments;
 
   PetscFunctionBegin;
+  va_start(arguments, format);
+  (void)vsnprintf(why, sizeof why, format, arguments);
+  va_end(arguments);
   if (settings->source[i] == MPM_FROM_SCENE)
     MpmRefuse("%s:%d: %s: %.*s%s: %s", settings->scene, settings->line[i], name, MOST_SHOWN, settings->text[i], dots,
               why);
@@ -69,7 +75,7 @@ PetscBool MpmSettingsStands(const MpmSettings *settings, const char key[], const
 PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[], const char why[])
 {
   PetscFunctionBegin;
-  if (MpmSettingsStands(settings, key, by)) PetscCall(MpmSettingsRefuse(settings, key, why));
+  MpmSettingsRefuseIf(MpmSettingsStands(settings, key, by), settings, key, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -79,29 +85,25 @@ PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least
 
   PetscFunctionBegin;
   while (*names)
-    if (MpmSettingsSource(settings, NextName(&names, name)) >= least) PetscCall(MpmSettingsRefuse(settings, name, why));
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, NextName(&names, name)) >= least, settings, name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  char            why[256];
 
   PetscFunctionBegin;
-  if (option->lo_open && option->hi == PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g%s%s", what, (double)option->lo,
-                            option->also ? ", or " : "", option->also ? option->also : ""));
-  else if (option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g", what, (double)option->lo));
-  else if (option->hi == PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s", what));
-  else if (option->kind == MPM_FRACTION && option->hi < 1)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g to below 1", what, (double)option->lo));
-  else
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
-                            (double)option->hi));
-  PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(option->lo_open && option->hi == PETSC_MAX_REAL, settings, name,
+                      "allowed: %s greater than %.6g%s%s", what, (double)option->lo, option->also ? ", or " : "",
+                      option->also ? option->also : "");
+  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL, settings, name,
+                      "allowed: %s from %.6g", what, (double)option->lo);
+  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL, settings, name, "allowed: %s", what);
+  MpmSettingsRefuseIf(option->kind == MPM_FRACTION && option->hi < 1, settings, name,
+                      "allowed: %s from %.6g to below 1", what, (double)option->lo);
+  PetscCall(MpmSettingsRefuse(settings, name, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
+                              (double)option->hi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -220,9 +222,9 @@ static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[],
   const char *rest;
 
   PetscFunctionBegin;
-  if (!BeforeComma(text, first, &rest) || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) || range[0] > range[1])
-    PetscCall(
-        MpmSettingsRefuse(settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
+  MpmSettingsRefuseIf(!BeforeComma(text, first, &rest) || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) ||
+                          range[0] > range[1],
+                      settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,7 +248,7 @@ static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[],
     PetscCall(MpmTextAdd(&why, "; here it is %s", MpmWordCalledHere(name, text)));
   else if (near)
     PetscCall(MpmTextAdd(&why, "; did you mean %s?", near));
-  ierr = MpmSettingsRefuse(settings, name, why.text);
+  ierr = MpmSettingsRefuse(settings, name, "%s", why.text);
   MpmTextFree(&why);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -302,7 +304,7 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
                           char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
 {
   const char *text                   = MpmSettingsNumberText(settings, name);
-  char        part[MOST_PARTS][PART] = {{0}}, why[160];
+  char        part[MOST_PARTS][PART] = {{0}};
   PetscInt    n                      = 0;
   PetscBool   fits                   = PETSC_TRUE;
 
@@ -326,10 +328,9 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
     }
   }
   if (!fits || (n != parts && n != parts * dim)) {
-    PetscCall(PetscSNPrintf(why, sizeof why,
-                            "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
-                            parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+    PetscCall(MpmSettingsRefuse(
+        settings, name, "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
+        parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
   }
   for (PetscInt a = 0; a < dim; a++) {
     const PetscInt at = n == parts ? 0 : parts * a;
@@ -432,18 +433,17 @@ PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2])
 PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  char            bounds[32], why[256];
+  char            bounds[32];
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(bounds, sizeof bounds,
                           1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
                           (double)option->hi));
-  PetscCall(PetscSNPrintf(
-      why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
-      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));
-  if (!MpmSettingsParseSpan(MpmSettingsText(settings, name), span) || !InRange(option, span[0].value) ||
-      !InRange(option, span[1].value))
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(
+      !MpmSettingsParseSpan(MpmSettingsText(settings, name), span) || !InRange(option, span[0].value) ||
+          !InRange(option, span[1].value),
+      settings, name, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
+      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -451,18 +451,17 @@ PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], P
                                PetscInt list[])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  char            why[128], *end;
+  char           *end;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
-                          (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2"));
   *n = 0;
   for (const char *text = settings->text[MpmOptionIndex(name)];; text = end + 1) {
     const long value = strtol(text, &end, 10);
 
-    if (*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) || (*end && *end != ',') ||
-        !InRange(option, (PetscReal)value))
-      PetscCall(MpmSettingsRefuse(settings, name, why));
+    MpmSettingsRefuseIf(*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) ||
+                            (*end && *end != ',') || !InRange(option, (PetscReal)value),
+                        settings, name, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
+                        (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2");
     list[(*n)++] = (PetscInt)value;
     if (!*end) break;
   }
@@ -492,7 +491,7 @@ PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], c
 {
   PetscFunctionBegin;
   *path = settings->text[MpmOptionIndex(name)];
-  if (*path && !**path) PetscCall(MpmSettingsRefuse(settings, name, "allowed: the name of a file"));
+  MpmSettingsRefuseIf(*path && !**path, settings, name, "allowed: the name of a file");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -15,14 +15,12 @@ static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scen
                                        "cell_width", "sound_speed", "density", "young",      "bulk",  "shear"};
   static const char        faster[] = "wave_speed sound_speed young bulk shear";
   const char              *blamed;
-  char                     why[128];
 
   PetscFunctionBegin;
   if (isfinite((PetscReal)request->steps * scene->dt)) PetscFunctionReturn(PETSC_SUCCESS);
   blamed = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
-  PetscCall(PetscSNPrintf(why, sizeof why, "steps times dt is out of range; allowed: a %s %s",
-                          strstr(faster, blamed) ? "larger" : "smaller", blamed));
-  PetscCall(MpmSettingsRefuse(settings, blamed, why));
+  PetscCall(MpmSettingsRefuse(settings, blamed, "steps times dt is out of range; allowed: a %s %s",
+                              strstr(faster, blamed) ? "larger" : "smaller", blamed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,7 +37,7 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
     PetscCall(MpmSettingsReal(settings, "time", &time));
     /* a time that is a whole number of steps but for rounding does not get one more */
     steps = ceil(time / scene->dt * (1 - 1e-12));
-    if (!(steps <= MOST_STEPS)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
+    MpmSettingsRefuseIf(!(steps <= MOST_STEPS), settings, "time", "allowed: at most 1e15 steps of dt");
     request->steps = PetscMax((PetscInt64)steps, 1);
   }
   if (request->end == 0) PetscCall(CheckEnd(settings, scene, request));
@@ -55,17 +53,14 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
   if (!request->damping)
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "damping_divisors", "allowed: only with damping"));
   if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!scene->scheme.formulation->wave)
-    PetscCall(MpmSettingsRefuse(settings, "damping",
-                                "the formulation names no continuous problem whose waves could be followed; allowed: a "
-                                "formulation with an exact solution"));
-  if (scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space))
-    PetscCall(MpmSettingsRefuse(settings, "damping",
-                                "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
-                                "without a prestress"));
-  if (request->phases[0] < 3)
-    PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
-                                "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
+  MpmSettingsRefuseIf(!scene->scheme.formulation->wave, settings, "damping",
+                      "the formulation names no continuous problem whose waves could be followed; allowed: a "
+                      "formulation with an exact solution");
+  MpmSettingsRefuseIf(scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space), settings, "damping",
+                      "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
+                      "without a prestress");
+  MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                      "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
   PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -85,10 +80,9 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
   if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
                 MpmRequestVaries(request, MPM_AXIS_MACH)))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
-  if (request->survey)
-    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
-    PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
+  MpmSettingsRefuseIf(request->survey, settings, "mach", "a survey keeps the drift; allowed: drift, or without survey");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT),
+                      settings, "mach", "a map that turns the drift keeps its size; allowed: drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -99,15 +93,17 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
 static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
-    PetscCall(MpmSettingsRefuse(settings, "velocity",
-                                "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                                "would change; allowed: drift or mach"));
-  if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
-    PetscCall(MpmSettingsRefuse(settings, "velocity",
-                                "how many cells particles move per step depends on the time step; allowed: with dt or "
-                                "courant, or drift"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+                          !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") &&
+                          MpmSceneDrifts(scene),
+                      settings, "velocity",
+                      "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
+                      "would change; allowed: drift or mach");
+  MpmSettingsRefuseIf(!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") &&
+                          !MpmSceneHasStep(scene),
+                      settings, "velocity",
+                      "how many cells particles move per step depends on the time step; allowed: with dt or "
+                      "courant, or drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -138,16 +134,14 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
 /* An axis of particles per cell has every number between its ends; the default number of points does not count. */
 static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
 {
-  char why[128];
 
   PetscFunctionBegin;
-  if (axis->from.den != 1 || axis->to.den != 1)
-    PetscCall(MpmSettingsRefuse(settings, "map_ppc", "allowed: two whole numbers lo,hi"));
+  MpmSettingsRefuseIf(axis->from.den != 1 || axis->to.den != 1, settings, "map_ppc",
+                      "allowed: two whole numbers lo,hi");
   axis->points = (PetscInt)(axis->to.num - axis->from.num) + 1;
-  PetscCall(PetscSNPrintf(
-      why, sizeof why, "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it", axis->points));
-  if (MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points)
-    PetscCall(MpmSettingsRefuse(settings, "map_points", why));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points, settings,
+                      "map_points", "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it",
+                      axis->points);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,22 +153,22 @@ static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *sce
     PetscCall(MpmSettingsRefuse(
         settings, "map_axes",
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space),
+                      settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes");
   if (MpmRequestVaries(request, MPM_AXIS_POISSON))
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "young,bulk",
                                    "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
                                    "change; allowed: sound_speed"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
-  if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
-      (MpmRequestVaries(request, MPM_AXIS_DRIFT) || MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "mach makes the drift; allowed: mach with another axis"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
-    PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
-                                "drift such as 1/8,0"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1, settings, "map_axes",
+                      "allowed: drift_angle only with dim 2 or 3");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_MACH) && (MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
+                                                                   MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)),
+                      settings, "map_axes", "mach makes the drift; allowed: mach with another axis");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+                          scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0,
+                      settings, "map_axes",
+                      "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
+                      "drift such as 1/8,0");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -188,8 +182,8 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
     const size_t length = strcspn(text, separators);
     MpmAxis     *axis   = &request->axes[a];
 
-    if (length >= sizeof axis->name)
-      PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: two names of axes, none of them so long"));
+    MpmSettingsRefuseIf(length >= sizeof axis->name, settings, "map_axes",
+                        "allowed: two names of axes, none of them so long");
     PetscCall(PetscStrncpy(axis->name, text, length + 1));
     axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
     text += length + strspn(text + length, separators);
@@ -204,19 +198,16 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
       PetscInt kind = 0;
 
       while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], request->axes[a].name)) kind++;
-      if (!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE)
-        PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                    "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
-                                    "mach and the parameters of the scheme"));
+      MpmSettingsRefuseIf(!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE, settings, "map_axes",
+                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
+                          "mach and the parameters of the scheme");
       request->axes[a].kind = request->axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
     }
   for (int a = 0; a < 2; a++)
     if (request->axes[a].kind != MPM_AXIS_PARAMETER)
       PetscCall(PetscStrncpy(request->axes[a].name, MpmAxisNames[request->axes[a].kind], sizeof request->axes[a].name));
-  if (*text || !strcmp(request->axes[0].name, request->axes[1].name))
-    PetscCall(
-        MpmSettingsRefuse(settings, "map_axes",
-                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
+  MpmSettingsRefuseIf(*text || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+                      "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -263,7 +254,7 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
   PetscFunctionBegin;
   PetscCall(ReadKinds(settings, request));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
-  if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
+  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
   for (int a = 0; a < 2; a++) {
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
@@ -280,9 +271,9 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
     if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
   }
   for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
-    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != (PetscInt)request->axes[0].kind &&
-        i != (PetscInt)request->axes[1].kind)
-      PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE &&
+                            i != (PetscInt)request->axes[0].kind && i != (PetscInt)request->axes[1].kind,
+                        settings, spans[i], "map_axes does not name it; allowed: with an axis of that name");
   PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -303,8 +294,7 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
   if (!wanted)
     PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
-  if (strlen(path) >= sizeof request->mode_file)
-    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: a shorter name"));
+  MpmSettingsRefuseIf(strlen(path) >= sizeof request->mode_file, settings, "mode_file", "allowed: a shorter name");
   PetscCall(PetscStrncpy(request->mode_file, path, sizeof request->mode_file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -313,14 +303,12 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
 static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
                                  const MpmRequest *request, PetscInt64 *every)
 {
-  char why[64];
 
   PetscFunctionBegin;
   if (strcmp(request->task, "run") || !MpmSettingsGiven(settings, name))
     *every = request->steps;
   else if (!path[0]) {
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s", file));
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+    PetscCall(MpmSettingsRefuse(settings, name, "allowed: only with %s", file));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -335,8 +323,8 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  if (request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3)
-    PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
+  MpmSettingsRefuseIf(request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3, settings, "output",
+                      "too many particles for it; allowed: at most 715827882");
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
     request->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
@@ -352,9 +340,8 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
 {
   PetscFunctionBegin;
   if (strcmp(task, "critical") || !scene || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
-    PetscCall(
-        MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE, settings, "expect",
+                      "the scene has no time step to judge; allowed: with dt or courant");
   expect->has_verdict = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -387,17 +374,16 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (scene->safety > 0 && strcmp(request->task, "run"))
-    PetscCall(MpmSettingsRefuse(settings, "courant", "allowed with this task: a number"));
+  MpmSettingsRefuseIf(scene->safety > 0 && strcmp(request->task, "run"), settings, "courant",
+                      "allowed with this task: a number");
   if (!scene->scheme.space.finite) PetscFunctionReturn(PETSC_SUCCESS);
   if (strcmp(request->task, "run") && strcmp(request->task, "spectrum"))
     PetscCall(MpmSettingsRefuse(
         settings, "kinematics",
         "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
         "material and stretch, or prestress, is about a uniform state"));
-  if ((request->weights || request->source_term || request->ringing))
-    PetscCall(MpmSettingsRefuse(settings, "kinematics",
-                                "weights, source_term and ringing are of the linear step; allowed: without them"));
+  MpmSettingsRefuseIf((request->weights || request->source_term || request->ringing), settings, "kinematics",
+                      "weights, source_term and ringing are of the linear step; allowed: without them");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -405,20 +391,17 @@ static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScen
 static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   const MpmSolution *solution = MpmSolutionOf(scene);
-  char               why[160];
 
   PetscFunctionBegin;
   if (!solution) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->safety > 0 && request->end == 0)
-    PetscCall(MpmSettingsRefuse(settings, "courant",
-                                "its exact solution holds until some time, and the time of so many steps is not known; "
-                                "allowed: with time in the place of steps"));
+  MpmSettingsRefuseIf(scene->safety > 0 && request->end == 0, settings, "courant",
+                      "its exact solution holds until some time, and the time of so many steps is not known; "
+                      "allowed: with time in the place of steps");
   if ((scene->safety > 0 ? request->end : request->steps * scene->dt) <= solution->end(scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "its exact solution holds until time %.6g; allowed: a run to that time or before",
-                          (double)solution->end(scene)));
-  PetscCall(MpmSettingsRefuse(settings, "initial", why));
+  PetscCall(MpmSettingsRefuse(settings, "initial",
+                              "its exact solution holds until time %.6g; allowed: a run to that time or before",
+                              (double)solution->end(scene)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -447,8 +430,9 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
   /* the slides define their weights for hat functions, at nodes with a cell on either side */
-  if (!strcmp(request->task, "run") && request->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
-    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
+  MpmSettingsRefuseIf(!strcmp(request->task, "run") && request->weights &&
+                          !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)),
+                      settings, "weights", "allowed: with basis linear and boundary periodic");
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -56,8 +56,8 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscB
   PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
   PetscCall(MpmSettingsWord(settings, "rk_on", &on));
   numbers->rk_on = (MpmRkOn)on;
-  if (numbers->rk_on == MPM_RK_PARTICLES && filters)
-    PetscCall(MpmSettingsRefuse(settings, "rk_on", "allowed: only with transfer flip; nodes with others"));
+  MpmSettingsRefuseIf(numbers->rk_on == MPM_RK_PARTICLES && filters, settings, "rk_on",
+                      "allowed: only with transfer flip; nodes with others");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,14 +34,12 @@ static PetscErrorCode CheckSpectrum(const MpmSettings *settings, const MpmScene 
 static PetscErrorCode CheckUnknowns(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
   const PetscInt64 each = 2 * scene->layout.dim + scene->scheme.table->nstate;
-  char             why[128];
 
   PetscFunctionBegin;
   if (scene->layout.particles <= PETSC_MAX_INT / each) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
-                          scene->layout.particles, PETSC_MAX_INT / each));
-  PetscCall(MpmSettingsRefuse(settings, option, why));
+  PetscCall(MpmSettingsRefuse(
+      settings, option, "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
+      scene->layout.particles, PETSC_MAX_INT / each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,15 +49,16 @@ PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScen
   const char     *why    = WhyNot(scene);
 
   PetscFunctionBegin;
-  if (request->tangent && why) PetscCall(MpmSettingsRefuse(settings, "tangent", why));
+  MpmSettingsRefuseIf(request->tangent && why, settings, "tangent", "%s", why);
   if (request->tangent) PetscCall(CheckUnknowns(settings, scene, "tangent"));
   if (frozen) PetscCall(CheckSpectrum(settings, scene));
-  if (frozen && why && scene->scheme.space.finite) PetscCall(MpmSettingsRefuse(settings, "kinematics", why));
+  MpmSettingsRefuseIf(frozen && why && scene->scheme.space.finite, settings, "kinematics", "%s", why);
   if (frozen && scene->scheme.space.finite) PetscCall(CheckUnknowns(settings, scene, "kinematics"));
   if (!request->tangent)
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "window,exponents,warn_above",
                                    "nothing reads it here; allowed: with tangent"));
-  if ((PetscInt64)request->exponents > (scene->layout.dim + scene->scheme.table->nstate) * scene->layout.particles)
-    PetscCall(MpmSettingsRefuse(settings, "exponents", "allowed: no more than places and fields of all particles"));
+  MpmSettingsRefuseIf((PetscInt64)request->exponents >
+                          (scene->layout.dim + scene->scheme.table->nstate) * scene->layout.particles,
+                      settings, "exponents", "allowed: no more than places and fields of all particles");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -73,8 +73,8 @@ PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   l->nspans = FindSpans(scene, (Shape)shape, NULL, &l->particles);
-  if (!l->particles)
-    PetscCall(MpmSettingsRefuse(settings, "shape", "no particle is inside; allowed: more cells, or a larger domain"));
+  MpmSettingsRefuseIf(!l->particles, settings, "shape",
+                      "no particle is inside; allowed: more cells, or a larger domain");
   PetscCall(PetscMalloc1(l->nspans, &l->spans));
   l->shape = MpmShapeNames[shape];
   (void)FindSpans(scene, (Shape)shape, l->spans, &l->particles);
