@@ -6,6 +6,7 @@
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "symbol/bloch.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 
 #define MODES (MPM_BLOCH_VECTORS / 2)
@@ -62,13 +63,12 @@ static Candidate BestOf(const MpmSymbol *s, PetscInt i)
 static PetscErrorCode Leading(MPI_Comm comm, const MpmSymbol *s, Candidate best[MODES])
 {
   const PetscMPIInt count = MODES * sizeof(Candidate) / sizeof(PetscReal);
-  PetscMPIInt       ranks;
+  const PetscMPIInt ranks = MpmRanksOf(comm);
   Candidate        *all;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < MODES; i++) best[i] = (Candidate){.size = -1};
   for (PetscInt i = 0; i < s->count; i++) Insert(BestOf(s, i), best);
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(PetscMalloc1(ranks * MODES, &all));
   PetscCallMPI(MPI_Allgather(best, count, MPIU_REAL, all, count, MPIU_REAL, comm));
   for (PetscInt i = 0; i < MODES; i++) best[i] = (Candidate){.size = -1};

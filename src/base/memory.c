@@ -48,7 +48,7 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  PetscCallMPI(MPI_Comm_size(machine, &here));
+  here = MpmRanksOf(machine);
   PetscCallMPI(MPI_Comm_free(&machine));
   *bytes = Available(here) / here;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_MIN, comm));
@@ -57,12 +57,11 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
 
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[])
 {
-  PetscMPIInt ranks;
-  PetscReal   least;
+  const PetscMPIInt ranks = MpmRanksOf(comm);
+  PetscReal         least;
 
   PetscFunctionBegin;
   if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(MpmMemoryOfRank(comm, &least));
   MpmCheckInput(bytes / ranks <= least,
                 "%s: %s needs about %.2g GB, %.2g GB on each of %d "

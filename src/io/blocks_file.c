@@ -123,15 +123,14 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
 PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, PetscReal tolerance, MpmCertificates *c,
                              MpmBlocks *b)
 {
-  char        why[MPM_WHY_TEXT] = "";
-  PetscInt    sizes[4];
-  MpmHooked   hooked;
-  PetscMPIInt rank;
+  char              why[MPM_WHY_TEXT] = "";
+  PetscInt          sizes[4];
+  MpmHooked         hooked;
+  const PetscMPIInt rank = MpmRankOf(comm);
 
   PetscFunctionBegin;
   *b = (MpmBlocks){.n = 0};
   MpmHookedBegin(&hooked);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) PetscCall(ReadFile(path, &hooked, b, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
   MpmCheckInput(!why[0], "-matrix_blocks %s: %s", path, why);
@@ -157,12 +156,11 @@ PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, P
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmBlocks *b)
 {
-  PetscMPIInt rank;
-  MpmDataFile file;
-  hid_t       whole;
+  const PetscMPIInt rank = MpmRankOf(PETSC_COMM_WORLD);
+  MpmDataFile       file;
+  hid_t             whole;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmDataFileCreate(PETSC_COMM_WORLD, path, &file)); /* first, as it prepares HDF5 */
   whole = sizeof(PetscInt) == sizeof(int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;
   PetscCall(MpmHdf5WriteRows(&file.hdf5, "/d", whole, rank ? 0 : b->n, 1, &b->dim, b->d));

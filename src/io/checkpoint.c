@@ -19,11 +19,8 @@
 /* Writes an array that the first rank holds whole. */
 static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, PetscInt64 n, const void *values)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(s->comm, &rank));
-  PetscCall(MpmHdf5Write(s, name, type, rank ? 0 : n, 1, values));
+  PetscCall(MpmHdf5Write(s, name, type, MpmRankOf(s->comm) ? 0 : n, 1, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -390,13 +387,11 @@ static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 
 static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const MpmMarch *march, Share *share)
 {
-  PetscMPIInt rank, size;
-  PetscInt    mine;
-  int         same;
+  const PetscMPIInt rank = MpmRankOf(comm), size = MpmRanksOf(comm);
+  PetscInt          mine;
+  int               same;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
   same = file->ranks == size && file->rank_nodes[rank] == mine;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));

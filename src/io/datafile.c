@@ -104,12 +104,10 @@ PetscErrorCode MpmDataFileDrop(MpmDataFile *file)
 PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const char name[], PetscInt rows,
                                 PetscInt columns, const PetscReal values[])
 {
-  PetscMPIInt rank;
-  char        path[256];
+  char path[256];
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
   PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", group, name));
-  PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, rank ? 0 : rows, columns, values));
+  PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, MpmRankOf(file->hdf5.comm) ? 0 : rows, columns, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

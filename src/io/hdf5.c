@@ -6,6 +6,7 @@
 */
 #define _GNU_SOURCE /* fallocate */
 #include "io/hdf5.h"
+#include <mpmstab/errors.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -66,10 +67,7 @@ static PetscErrorCode Begin(MPI_Comm comm, MpmHdf5 *f)
 
 static PetscBool IsWriter(const MpmHdf5 *f)
 {
-  PetscMPIInt rank = 0;
-
-  (void)MPI_Comm_rank(f->comm, &rank);
-  return rank == 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmRankOf(f->comm) == 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static void Fail(MpmHdf5 *f, int error)
@@ -138,12 +136,11 @@ PetscErrorCode MpmHdf5Open(MPI_Comm comm, const char path[], MpmHdf5 *f)
 /* The first rank that has failed tells the others why. */
 static PetscErrorCode Agree(MpmHdf5 *f, PetscBool *failed)
 {
-  PetscMPIInt rank, size, first;
+  const PetscMPIInt size = MpmRanksOf(f->comm);
+  PetscMPIInt       first;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(f->comm, &size));
-  first = f->failed ? rank : size;
+  first = f->failed ? MpmRankOf(f->comm) : size;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, f->comm));
   *failed = first < size ? PETSC_TRUE : PETSC_FALSE;
   if (*failed) PetscCallMPI(MPI_Bcast(f->why, sizeof f->why, MPI_CHAR, first, f->comm));
@@ -258,22 +255,20 @@ static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, const Shape *shape,
 PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt n,
                                 const PetscInt row[], const void *part)
 {
-  Shape       shape = {.type = type, .n = 1 + n};
-  size_t      width = H5Tget_size(type);
-  PetscMPIInt rank, size;
-  PetscInt64 *all;
-  hid_t       array;
+  Shape             shape = {.type = type, .n = 1 + n};
+  size_t            width = H5Tget_size(type);
+  const PetscMPIInt size  = MpmRanksOf(f->comm);
+  PetscInt64       *all;
+  hid_t             array;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(f->comm, &size));
   for (PetscInt d = 0; d < n; d++) {
     shape.extent[1 + d] = (hsize_t)row[d];
     width *= (size_t)row[d];
   }
   PetscCall(PetscCalloc1(size, &all));
   PetscCallMPI(MPI_Gather(&rows, 1, MPIU_INT64, all, 1, MPIU_INT64, 0, f->comm));
-  if (rank == 0) {
+  if (MpmRankOf(f->comm) == 0) {
     for (PetscMPIInt r = 0; r < size; r++) shape.extent[0] += (hsize_t)all[r];
     array = CreateArray(f, name, &shape, width);
     WriteRows(f, array, &shape, 0, rows, part);

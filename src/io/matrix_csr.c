@@ -1,6 +1,7 @@
 /* A sparse matrix on its way between the first rank, which has the file, and all ranks. */
 #include "base/memory.h"
 #include "io/matrix_csr.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *e, char why[MPM_WHY_TEXT])
@@ -123,10 +124,10 @@ typedef struct {
 
 static PetscErrorCode DealCreate(MPI_Comm comm, PetscInt rows, PetscInt entries, Deal *d)
 {
-  PetscMPIInt size, mine[2] = {(PetscMPIInt)rows, (PetscMPIInt)entries};
+  const PetscMPIInt size    = MpmRanksOf(comm);
+  PetscMPIInt       mine[2] = {(PetscMPIInt)rows, (PetscMPIInt)entries};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscMalloc4(size, &d->rows, size, &d->first, size, &d->entries, size, &d->begin));
   PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, d->rows, 1, MPI_INT, comm));
   PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, d->entries, 1, MPI_INT, comm));
@@ -147,13 +148,12 @@ static PetscErrorCode DealDestroy(Deal *d)
 
 PetscErrorCode MpmCsrScatter(MPI_Comm comm, const MpmCsr *c, Mat *A)
 {
-  PetscInt    order = c->order, rows = PETSC_DECIDE, *begin, *column, *count, entries = 0;
-  PetscReal  *value;
-  PetscMPIInt rank;
-  Deal        deal;
+  PetscInt          order = c->order, rows = PETSC_DECIDE, *begin, *column, *count, entries = 0;
+  PetscReal        *value;
+  const PetscMPIInt rank = MpmRankOf(comm);
+  Deal              deal;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Bcast(&order, 1, MPIU_INT, 0, comm));
   PetscCall(PetscSplitOwnership(comm, &rows, &order));
   PetscCall(DealCreate(comm, rows, 0, &deal));
@@ -200,15 +200,14 @@ static PetscErrorCode TakeRows(Mat A, PetscInt exponent, PetscInt count[], Petsc
 
 PetscErrorCode MpmCsrGather(Mat A, PetscInt exponent, MpmCsr *c)
 {
-  const MPI_Comm comm = PetscObjectComm((PetscObject)A);
-  PetscInt       rows, all, *count, *column;
-  PetscReal     *value;
-  MatInfo        local, global;
-  PetscMPIInt    rank;
-  Deal           deal;
+  const MPI_Comm    comm = PetscObjectComm((PetscObject)A);
+  PetscInt          rows, all, *count, *column;
+  PetscReal        *value;
+  MatInfo           local, global;
+  const PetscMPIInt rank = MpmRankOf(comm);
+  Deal              deal;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(MatGetSize(A, &c->order, NULL));
   PetscCall(MatGetLocalSize(A, &rows, NULL));
   PetscCall(MatGetInfo(A, MAT_LOCAL, &local));

@@ -185,14 +185,13 @@ static PetscErrorCode CheckRoom(MPI_Comm comm, const char path[], const MpmEntri
 PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal tolerance, PetscInt *steps,
                              MpmCertificates *certificates, Mat *A)
 {
-  MpmEntries  entries           = {.n = 0};
-  MpmCsr      csr               = {.order = 0};
-  char        why[MPM_WHY_TEXT] = "";
-  PetscInt64  said              = 0;
-  PetscMPIInt rank;
+  MpmEntries        entries           = {.n = 0};
+  MpmCsr            csr               = {.order = 0};
+  char              why[MPM_WHY_TEXT] = "";
+  PetscInt64        said              = 0;
+  const PetscMPIInt rank              = MpmRankOf(comm);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   MpmHookedBegin(&entries.hooked);
   if (rank == 0) PetscCall(ReadFile(path, &entries, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));

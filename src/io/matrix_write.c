@@ -22,14 +22,13 @@ static PetscBool IsHdf5(const char path[])
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt steps)
 {
-  const PetscInt64 n = c->begin ? c->begin[c->order] : 0;
-  PetscMPIInt      rank;
-  PetscInt64       shape[2] = {c->order, c->order};
-  MpmDataFile      file;
-  hid_t            whole;
+  const PetscInt64  n        = c->begin ? c->begin[c->order] : 0;
+  const PetscMPIInt rank     = MpmRankOf(PETSC_COMM_WORLD);
+  PetscInt64        shape[2] = {c->order, c->order};
+  MpmDataFile       file;
+  hid_t             whole;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmDataFileCreate(PETSC_COMM_WORLD, path, &file)); /* first, as it prepares HDF5 */
   whole = sizeof(PetscInt) == sizeof(int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;
   PetscCall(MpmHdf5Write(&file.hdf5, "/data", H5T_NATIVE_DOUBLE, n, 1, c->value));
@@ -70,12 +69,10 @@ static PetscErrorCode WriteNpz(const MpmCsr *c, PetscInt steps, FILE *stream)
 /* Refuses what the format cannot hold. */
 static PetscErrorCode Check(const char path[], const MpmCsr *c)
 {
-  int         bad = 0;
-  PetscMPIInt rank;
+  int bad = 0;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     for (PetscInt k = 0; k < c->begin[c->order] && !bad; k++) bad = !isfinite(c->value[k]);
     if (Ends(path, ".npz") && 16.0 * c->begin[c->order] + 8.0 * c->order > LARGEST_NPZ) bad = 2;
   }

@@ -164,12 +164,10 @@ static PetscErrorCode Examine(Check *c, const char path[])
 
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[])
 {
-  Check       check = {.scene = scene};
-  PetscMPIInt rank;
+  Check check = {.scene = scene};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(Examine(&check, path));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(Examine(&check, path));
   PetscCallMPI(MPI_Bcast(check.why, sizeof check.why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!check.why[0], "mode_file %s: %s", path, check.why);
   PetscFunctionReturn(PETSC_SUCCESS);

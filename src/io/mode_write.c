@@ -21,12 +21,11 @@ static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eig
 /* Writes the particles' starting places, over which a mode's values can be plotted: a row of dim numbers for each. */
 static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
 {
-  const PetscInt dim = layout->dim;
-  PetscMPIInt    rank;
-  PetscReal     *x;
+  const PetscInt    dim  = layout->dim;
+  const PetscMPIInt rank = MpmRankOf(file->hdf5.comm);
+  PetscReal        *x;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
   PetscCall(PetscMalloc1(rank ? 0 : dim * layout->particles, &x));
   for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
     MpmLayoutRest(layout, id, &x[dim * id]);

@@ -221,14 +221,12 @@ static PetscErrorCode NameGroup(PetscInt64 step, size_t room, char group[])
 
 PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, PetscBool *has)
 {
-  PetscMPIInt rank;
-  char        group[64];
+  char group[64];
 
   PetscFunctionBegin;
   *has = PETSC_FALSE;
   PetscCall(NameGroup(step, sizeof group, group));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && !access(request->output, R_OK) && !access(request->xmf, R_OK)) {
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0 && !access(request->output, R_OK) && !access(request->xmf, R_OK)) {
     PetscBool failed;
     MpmHdf5   file;
 

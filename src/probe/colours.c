@@ -290,12 +290,10 @@ static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *col
   const MpmStepper *s       = c->probe->stepper;
   PetscReal         seen[2] = {0, 0};
   MpmProgress       progress;
-  PetscMPIInt       rank, ranks;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
   Room              r = {.largest = 0};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(PetscMalloc4(s->particles, &r.unknown, s->particles, &r.amount, s->particles, &r.by,
                          s->particles * s->width, &r.response));
   PetscCall(MpmProgressBegin("colours probed", &progress));

@@ -282,12 +282,10 @@ PetscErrorCode MpmProbeBlocks(MpmProbe *p, const MpmProbeLattice *l, PetscInt ce
   const MpmStepper *s     = p->stepper;
   const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], order = l->sites * s->width;
   PetscReal        *response, *all;
-  PetscMPIInt       rank, ranks;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
   MpmProgress       progress;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   *b = (MpmBlocks){.dim = s->dim, .size = order, .period = p->steps, .cell_width = s->cell_width};
   PetscCall(PetscMalloc1(s->particles * s->width, &response));
   PetscCall(PetscCalloc1((size_t)cells * order * order, &all));

@@ -36,12 +36,11 @@ PetscErrorCode MpmStepperFail(MpmStepper *s, const char format[], ...)
 /* The message is that of the first rank which has failed, so that it is said once. */
 PetscErrorCode MpmStepperAgree(MpmStepper *s)
 {
-  PetscMPIInt rank, size, first;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
+  PetscMPIInt       first;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  first = s->failure[0] ? rank : size;
+  first = s->failure[0] ? MpmRankOf(PETSC_COMM_WORLD) : size;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
   if (first == size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Bcast(s->failure, sizeof s->failure, MPI_CHAR, first, PETSC_COMM_WORLD));

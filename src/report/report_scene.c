@@ -11,10 +11,7 @@
 
 static PetscMPIInt Ranks(void)
 {
-  PetscMPIInt ranks = 1;
-
-  (void)MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  return ranks;
+  return MpmRanksOf(PETSC_COMM_WORLD);
 }
 
 /* Returns whether a map varies the option, so that the scene's own number does not count. */

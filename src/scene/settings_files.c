@@ -137,7 +137,6 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
   const char       *names[MPM_MAX_OPTIONS + 1], *paths[MPM_MAX_OPTIONS + 1];
   char              why[MESSAGE] = "";
   PetscInt          n            = 0;
-  PetscMPIInt       rank;
 
   PetscFunctionBegin;
   PetscCall(ReadOutput(settings, request));
@@ -157,8 +156,7 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
     names[n]   = "output";
     paths[n++] = request->xmf;
   }
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(CheckWritten(settings, request, n, names, paths, why));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(CheckWritten(settings, request, n, names, paths, why));
   PetscCallMPI(MPI_Bcast(why, sizeof why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!why[0], "%s", why);
   for (PetscInt i = 0; i < n; i++) PetscCall(MpmFileCheck(names[i], paths[i]));
@@ -171,12 +169,11 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings)
 {
   static const char *const run[] = {"program", "plugin"};
 
-  PetscBool   trusted;
-  int         here = 1;
-  PetscMPIInt rank;
+  PetscBool         trusted;
+  int               here = 1;
+  const PetscMPIInt rank = MpmRankOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     MpmSettingsRefuseIf(MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT &&
                             settings->source[i] != MPM_FROM_COMMAND_LINE,
