@@ -425,7 +425,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 
   PetscFunctionBegin;
   PetscCall(MpmNodalChoiceCheck(scene, request));
-  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
+  MpmLayoutSizeText(&scene->layout, sizeof size, size);
   if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &nodal));
   PetscCall(TryOptions(size, scene, order, nodal, request));
   PetscCall(Begin(request, spectrum));

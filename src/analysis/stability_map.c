@@ -67,7 +67,7 @@ static PetscErrorCode SetMach(Point *at, const MpmScene *scene, const MpmFractio
   PetscFunctionBegin;
   for (PetscInt a = 0; a < at->layout.dim; a++)
     number[a] = !MpmSceneDrifts(scene) || scene->step.drift[a].value != 0 ? *value : (MpmFraction){.den = 1};
-  PetscCall(MpmMachCreate(at->layout.dim, number, &at->mach, &ok));
+  MpmMachCreate(at->layout.dim, number, &at->mach, &ok);
   if (!ok) at->mach.unit.den = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

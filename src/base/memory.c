@@ -70,17 +70,15 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
+void MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
 {
   PetscReal available;
 
-  PetscFunctionBegin;
-  if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
+  if (bytes < PLENTY) return;
   available = Available(1);
   if (!(bytes <= available))
-    PetscCall(PetscSNPrintf(why, room, "to read it takes about %.2g GB; allowed: %.2g GB, which is what is left here",
-                            bytes / GB, available / GB));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(why, room, "to read it takes about %.2g GB; allowed: %.2g GB, which is what is left here",
+                   bytes / GB, available / GB);
 }
 
 PetscErrorCode MpmMemoryCheckLapack(void)

@@ -130,7 +130,7 @@ PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
+  (void)snprintf(file->path, sizeof file->path, "%s", path);
   PetscCall(MpmFileCreate(PETSC_COMM_WORLD, path, file->part, &error));
   file->stream = NULL;
   if (!error && IsFirst()) error = OpenStream(file);

@@ -105,8 +105,7 @@ static PetscErrorCode Exchange(MpmHdf5 *s, const Share *share, PetscBool of_node
   if (!share)
     PetscCall(MpmHdf5Write(s, name, type, n, 1, values));
   else
-    PetscCall(
-        MpmHdf5Read(s, name, type, of_nodes ? share->node : share->begin, of_nodes ? share->nodes : share->n, values));
+    MpmHdf5Read(s, name, type, of_nodes ? share->node : share->begin, of_nodes ? share->nodes : share->n, values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,7 +181,7 @@ static PetscErrorCode ExchangeNodes(MpmHdf5 *s, const char path[], const Share *
   if (share) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPIU_INT64, MPI_SUM, s->comm));
   PetscCall(ExchangeNode(s, path, share, length, "inverse_mass", march->inverse_mass));
   for (PetscInt f = 0; f < march->nnodes; f++) {
-    PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
+    (void)snprintf(name, sizeof name, "node_%" PetscInt_FMT, f);
     PetscCall(ExchangeNode(s, path, share, length, name, march->node[f]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -257,7 +256,7 @@ static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_
   PetscCall(Require(s, path, name, type, *n));
   PetscCall(MpmHdf5Length(s, name, type, n));
   PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
-  PetscCall(MpmHdf5Read(s, name, type, 0, *n, *(char **)values));
+  MpmHdf5Read(s, name, type, 0, *n, *(char **)values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -270,9 +269,9 @@ static PetscErrorCode ReadRun(MpmHdf5 *s, PetscInt dim, MpmCheckpoint *f)
   PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
   PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
   PetscCall(Require(s, f->path, "where", integer, MPM_WHERE_OF(dim)));
-  PetscCall(MpmHdf5Read(s, "where", integer, 0, MPM_WHERE_OF(dim), f->where));
+  MpmHdf5Read(s, "where", integer, 0, MPM_WHERE_OF(dim), f->where);
   PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
-  PetscCall(MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
+  MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers);
   PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
   PetscCall(All(s, f->path, "series_state", real, sizeof *f->log_state, &f->samples, &f->log_state));
   PetscCall(All(s, f->path, "series_grid", real, sizeof *f->log_grid, &f->samples, &f->log_grid));
@@ -315,7 +314,7 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
   PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   if (scene->safety > 0) {
     PetscCall(Require(s, path, "pace", H5T_NATIVE_DOUBLE, MPM_PACE_NUMBERS));
-    PetscCall(MpmHdf5Read(s, "pace", H5T_NATIVE_DOUBLE, 0, MPM_PACE_NUMBERS, file->pace));
+    MpmHdf5Read(s, "pace", H5T_NATIVE_DOUBLE, 0, MPM_PACE_NUMBERS, file->pace);
     PetscCall(CheckRead(s, path));
     PetscCall(MpmCheckpointCheckPace(file));
   }

@@ -14,19 +14,19 @@ static PetscErrorCode WriteOne(MpmHdf5 *file, const MpmValue *value, PetscInt a)
   PetscInt     n;
 
   PetscFunctionBegin;
-  PetscCall(MpmValueAttributes(value, a, &n, of));
+  MpmValueAttributes(value, a, &n, of);
   for (PetscInt i = 0; i < n; i++) {
     if (of[i].kind == MPM_AS_COUNT)
-      PetscCall(MpmHdf5WriteInteger(file, "/", of[i].name, of[i].count));
+      MpmHdf5WriteInteger(file, "/", of[i].name, of[i].count);
     else if (of[i].kind == MPM_AS_REAL)
-      PetscCall(MpmHdf5WriteReal(file, "/", of[i].name, of[i].number));
+      MpmHdf5WriteReal(file, "/", of[i].name, of[i].number);
     else
-      PetscCall(MpmHdf5WriteText(file, "/", of[i].name, of[i].text));
+      MpmHdf5WriteText(file, "/", of[i].name, of[i].text);
   }
   if (value->kind != MPM_AS_FRACTION || !value->fraction[a].den) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(name, sizeof name, "%s_exact", of[0].name));
+  (void)snprintf(name, sizeof name, "%s_exact", of[0].name);
   PetscCall(MpmValueOneText(value, a, sizeof text, text));
-  PetscCall(MpmHdf5WriteText(file, "/", name, text));
+  MpmHdf5WriteText(file, "/", name, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -36,7 +36,7 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmReque
   PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(MpmHdf5WriteText(file, "/", "version", MPMSTAB_VERSION));
+  MpmHdf5WriteText(file, "/", "version", MPMSTAB_VERSION);
   PetscCall(MpmValuesIn(MPM_IN_FILE, scene, request, &n, values));
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt a = 0; a < values[i].n; a++) PetscCall(WriteOne(file, &values[i], a));
@@ -48,7 +48,7 @@ PetscErrorCode MpmDataFileCreate(MPI_Comm comm, const char path[], MpmDataFile *
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
+  (void)snprintf(file->path, sizeof file->path, "%s", path);
   PetscCall(MpmFileCreate(comm, file->path, file->part, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscCall(MpmHdf5Create(comm, file->part, 0, &file->hdf5));
@@ -107,7 +107,7 @@ PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const cha
   char path[256];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", group, name));
+  (void)snprintf(path, sizeof path, "%s/%s", group, name);
   PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, MpmRankOf(file->hdf5.comm) ? 0 : rows, columns, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

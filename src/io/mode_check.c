@@ -64,13 +64,12 @@ static void SameCount(Check *c, const char name[], PetscInt mine)
 }
 
 /* Compares the value of direction a. */
-static PetscErrorCode SameValue(Check *c, const MpmValue *mine, PetscInt a)
+static void SameValue(Check *c, const MpmValue *mine, PetscInt a)
 {
   MpmAttribute of[2];
   PetscInt     n;
 
-  PetscFunctionBegin;
-  PetscCall(MpmValueAttributes(mine, a, &n, of));
+  MpmValueAttributes(mine, a, &n, of);
   for (PetscInt i = 0; i < n; i++) {
     if (of[i].kind == MPM_AS_COUNT)
       SameCount(c, of[i].name, of[i].count);
@@ -79,7 +78,6 @@ static PetscErrorCode SameValue(Check *c, const MpmValue *mine, PetscInt a)
     else
       SameText(c, of[i].name, of[i].text);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SameScene(Check *c)
@@ -90,7 +88,7 @@ static PetscErrorCode SameScene(Check *c)
   PetscFunctionBegin;
   PetscCall(MpmValuesIn(MPM_IN_MODE_FILE, c->scene, NULL, &n, mine));
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt a = 0; a < mine[i].n; a++) PetscCall(SameValue(c, &mine[i], a));
+    for (PetscInt a = 0; a < mine[i].n; a++) SameValue(c, &mine[i], a);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -103,14 +101,14 @@ static PetscErrorCode Field(Check *c, const char group[], const char field[], co
   double          *values;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, sizeof name, "%s/%s_%s", group, field, part));
+  (void)snprintf(name, sizeof name, "%s/%s_%s", group, field, part);
   PetscCall(MpmHdf5Length(&c->file, name, H5T_NATIVE_DOUBLE, &length));
   if (length != n) {
     Wrong(c, "%s is not %" PetscInt64_FMT " numbers; " WRITTEN, name, n);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscCalloc1(n, &values));
-  PetscCall(MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values));
+  MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values);
   if (c->file.failed) Wrong(c, "%s cannot be read; " WRITTEN, name);
   for (PetscInt64 i = 0; i < n && !c->why[0]; i++) {
     if (!isfinite(values[i])) Wrong(c, "%s holds a value that is not finite; " WRITTEN, name);
@@ -127,7 +125,7 @@ static PetscErrorCode Mode(Check *c)
   char      group[64];
 
   PetscFunctionBegin;
-  PetscCall(MpmModeFileGroup(c->scene, group, sizeof group));
+  MpmModeFileGroup(c->scene, group, sizeof group);
   if (!MpmHdf5ReadAttribute(&c->file, group, "growth", H5T_NATIVE_DOUBLE, &growth))
     Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
           c->scene->mode[0]);

@@ -4,18 +4,16 @@
 #include <mpmstab/verdict.h>
 #include <math.h>
 
-static PetscErrorCode WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
+static void WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
 {
   const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
   const PetscReal growth = MpmGrowthPerStep(hypot(eigen->re[j], eigen->im[j]), op->exponent, op->period);
   char            group[64];
 
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1));
-  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "re", re));
-  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "im", im));
-  PetscCall(MpmHdf5WriteReal(&file->hdf5, group, "growth", growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1);
+  MpmHdf5WriteReal(&file->hdf5, group, "re", re);
+  MpmHdf5WriteReal(&file->hdf5, group, "im", im);
+  MpmHdf5WriteReal(&file->hdf5, group, "growth", growth);
 }
 
 /* Writes the particles' starting places, over which a mode's values can be plotted: a row of dim numbers for each. */
@@ -68,12 +66,12 @@ static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields
       for (int part = 0; part < 2; part++) {
         if (fields) PetscCall(VecSetBlockSize(x[part], op->fields));
         if (fields) PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
-        PetscCall(PetscSNPrintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1,
-                                fields ? fields[f] : "vector", parts[part]));
+        (void)snprintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1, fields ? fields[f] : "vector",
+                       parts[part]);
         PetscCall(WriteField(name, fields ? field : x[part], file));
       }
     }
-    PetscCall(WriteEigenvalue(op, eigen, j, file));
+    WriteEigenvalue(op, eigen, j, file);
   }
   PetscCall(VecDestroy(&x[0]));
   PetscCall(VecDestroy(&x[1]));

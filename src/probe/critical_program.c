@@ -318,7 +318,7 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
   *c = (MpmCriticalProgram){
       .name = p->request->program_dt[0] ? p->request->program_dt : "dt", .dim = stepper->dim, .critical = NAN};
   for (int i = 0; i < MPM_LIMIT_KINDS; i++) c->limit[i] = NAN;
-  PetscCall(MpmStepperParameterOf(stepper, c->name, &c->given, &found));
+  MpmStepperParameterOf(stepper, c->name, &c->given, &found);
   if (!found) {
     PetscCall(MpmStepperParameterNames(stepper, &names));
     ierr = MpmRefusal(

@@ -164,7 +164,7 @@ typedef struct {
    Not collective. What value a is as attributes, one or the two ends of a range: the field's name, where there are several
    with _x, _y or _z, and of a stress with _xx, _xy and so on; the ends have _from and _to behind it.
 */
-PetscErrorCode MpmValueAttributes(const MpmValue *value, PetscInt a, PetscInt *n, MpmAttribute attributes[2]);
+void MpmValueAttributes(const MpmValue *value, PetscInt a, PetscInt *n, MpmAttribute attributes[2]);
 
 /* Not collective. The value of direction a with all its digits, as MpmValueText has it. */
 PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, char text[]);

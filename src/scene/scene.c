@@ -68,16 +68,14 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
 /* ---- scheme ---- */
 
 /* The names of all formulations that can do something, to be told in a message. */
-static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
+static void Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
 {
-  PetscFunctionBegin;
   names[0] = '\0';
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     if (!can(MpmFormulations[f])) continue;
     if (names[0]) MpmTextJoin(names, ", ", room);
     MpmTextJoin(names, MpmFormulations[f]->name, room);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* clang-format off */
@@ -101,7 +99,7 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 
   PetscFunctionBegin;
   if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Those(can, names, sizeof names));
+  Those(can, names, sizeof names);
   PetscCall(MpmSettingsRefuse(settings, option, "%s has no %s; allowed: with formulation %s%s",
                               scene->scheme.formulation->name, why, names,
                               scene->written ? ", or a line for that in the scheme" : ""));
@@ -191,12 +189,10 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AppendWord(MpmScene *scene, const char between[], MpmEnd end)
+static void AppendWord(MpmScene *scene, const char between[], MpmEnd end)
 {
-  PetscFunctionBegin;
   MpmTextJoin(scene->boundary, between, sizeof scene->boundary);
   MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses ends of direction a that the formulation has no condition for, and particles that would leave there. */
@@ -270,8 +266,8 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsEnds(settings, "boundary", l->dim, end));
   for (PetscInt a = 0; a < l->dim; a++) {
     for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
-    PetscCall(AppendWord(scene, a ? "," : "", l->grid[a].ends[0]));
-    if (l->grid[a].ends[0] != MPM_PERIODIC) PetscCall(AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]));
+    AppendWord(scene, a ? "," : "", l->grid[a].ends[0]);
+    if (l->grid[a].ends[0] != MPM_PERIODIC) AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]);
   }
   PetscCall(ReadSplineEnds(settings, scene));
   for (PetscInt a = 0; a < l->dim; a++) {

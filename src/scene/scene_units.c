@@ -12,13 +12,11 @@
 static const char *const moduli[] = {"young", "bulk", "shear"};
 
 /* Adds the name of an option to a list, unless it was given. */
-static PetscErrorCode AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
+static void AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
 {
-  PetscFunctionBegin;
-  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) return;
   if (list[0]) MpmTextJoin(list, " and ", room);
   MpmTextJoin(list, name, room);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses a modulus without the others that it needs; density and poisson have a meaning beside a wave speed, too. */
@@ -28,10 +26,10 @@ static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene 
   char            missing[64] = "";
 
   PetscFunctionBegin;
-  if (!is_young) PetscCall(AddMissing(settings, "bulk", sizeof missing, missing));
-  if (!is_young) PetscCall(AddMissing(settings, "shear", sizeof missing, missing));
-  if (is_young && scene->layout.dim > 1) PetscCall(AddMissing(settings, "poisson", sizeof missing, missing));
-  PetscCall(AddMissing(settings, "density", sizeof missing, missing));
+  if (!is_young) AddMissing(settings, "bulk", sizeof missing, missing);
+  if (!is_young) AddMissing(settings, "shear", sizeof missing, missing);
+  if (is_young && scene->layout.dim > 1) AddMissing(settings, "poisson", sizeof missing, missing);
+  AddMissing(settings, "density", sizeof missing, missing);
   if (!missing[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRefuse(
       settings, modulus, "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",

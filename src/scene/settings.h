@@ -241,8 +241,8 @@ PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmReques
 PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 
 /* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
-PetscBool      MpmSettingsIsOfMap(const char name[]);
-PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
+PetscBool MpmSettingsIsOfMap(const char name[]);
+void      MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*
    Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether

@@ -30,7 +30,7 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], c
   if (!IsUsed(settings, task, option, MpmOptions[option].file)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPath(settings, name, &text));
   MpmSettingsRefuseIf(strlen(text) >= LONGEST, settings, name, "allowed: a shorter name");
-  PetscCall(PetscStrncpy(path, text, LONGEST));
+  (void)snprintf(path, LONGEST, "%s", text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -58,7 +58,7 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *reques
                       "output", "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending");
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(strpbrk(path, "<>&\":"), settings, "output", "allowed: a name without < > & : and quotes");
-  PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path));
+  (void)snprintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,15 +97,15 @@ static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], 
 
   PetscFunctionBegin;
   role[0] = '\0';
-  if (MpmFileIsSame(settings->scene, path)) PetscCall(PetscStrncpy(role, "scene", room));
+  if (MpmFileIsSame(settings->scene, path)) (void)snprintf(role, room, "%s", "scene");
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     if (IsUsed(settings, task, i, MPM_FILE_READ) && MpmFileIsSame(settings->text[i], path))
-      PetscCall(PetscStrncpy(role, MpmOptions[i].name, room));
+      (void)snprintf(role, room, "%s", MpmOptions[i].name);
   if (MpmSettingsGiven(settings, "program") && HasWord(MpmSettingsText(settings, "program"), path))
-    PetscCall(PetscStrncpy(role, "program", room));
+    (void)snprintf(role, room, "%s", "program");
   for (int i = 0; there; i++) {
     PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
-    if (there && MpmFileIsSame(file, path)) PetscCall(PetscStrncpy(role, "file of options", room));
+    if (there && MpmFileIsSame(file, path)) (void)snprintf(role, room, "%s", "file of options");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -120,12 +120,12 @@ static PetscErrorCode CheckWritten(const MpmSettings *settings, const MpmRequest
   for (PetscInt i = 0; i < n && !why[0]; i++) {
     for (PetscInt j = 0; j < i && !why[0]; j++)
       if (MpmFileIsSame(paths[j], paths[i]))
-        PetscCall(PetscSNPrintf(why, MESSAGE, "%s and %s would both write %s; allowed: different files", names[j],
-                                names[i], paths[j]));
+        (void)snprintf(why, MESSAGE, "%s and %s would both write %s; allowed: different files", names[j], names[i],
+                       paths[j]);
     if (why[0]) break;
     PetscCall(FindInput(settings, request->task, paths[i], sizeof role, role));
     if (role[0] && (strcmp(role, "restart") || strcmp(names[i], "checkpoint")))
-      PetscCall(PetscSNPrintf(why, MESSAGE, "-%s %s: that is the %s; allowed: another file", names[i], paths[i], role));
+      (void)snprintf(why, MESSAGE, "-%s %s: that is the %s; allowed: another file", names[i], paths[i], role);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

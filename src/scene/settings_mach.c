@@ -14,7 +14,7 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
   if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
-  PetscCall(MpmMachCreate(dim, number, mach, &ok));
+  MpmMachCreate(dim, number, mach, &ok);
   MpmSettingsRefuseIf(!ok, settings, "mach", "allowed: numbers of at most 15 digits, or fractions");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,7 +96,7 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
   near = MpmFractionNearest(part, MPM_LONGEST_PERIOD);
   if (!near.num) near = (MpmFraction){1, MPM_LONGEST_PERIOD, 1.0 / MPM_LONGEST_PERIOD};
   courant = MpmMachCourant(mach, &near);
-  PetscCall(PetscSNPrintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den));
+  (void)snprintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den);
   PetscCall(
       MpmSettingsRefuse(settings, "mach",
                         "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "

@@ -9,19 +9,17 @@
 static const char map[] = "map_", separators[] = ", ";
 
 /* The two words of map_axes, or fewer. */
-static PetscErrorCode Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
+static void Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
 {
-  PetscFunctionBegin;
   *fit = PETSC_TRUE;
   for (*n = 0; text && *text; ++*n) {
     const size_t length = strcspn(text, separators);
 
     if (*n == 2 || length == 0 || length >= sizeof axes[0].name) *fit = PETSC_FALSE;
     if (!*fit) break;
-    PetscCall(PetscStrncpy(axes[*n].name, text, length + 1));
+    (void)snprintf(axes[*n].name, length + 1, "%s", text);
     text += length + strspn(text + length, separators);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether it is a code that is mapped is known later: map_axes of a scene allows no word that is not its own. */
@@ -37,7 +35,7 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
   if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsFindPair(NULL, NULL, "-map_axes", &text, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Words(text, &n, axes, &fit));
+  Words(text, &n, axes, &fit);
   for (PetscInt i = 0; i < n; i++)
     if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -51,7 +49,7 @@ static PetscErrorCode ReadSpan(MpmAxis *axis)
   PetscBool   given;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(key, sizeof key, "-%s%s", map, axis->name));
+  (void)snprintf(key, sizeof key, "-%s%s", map, axis->name);
   PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
   MpmCheckInput(given, "-map_axes %s: the span of that axis is missing; allowed: with %s lo,hi", axis->name, key);
   PetscCall(MpmSettingsPlace(key + 1, text, place));
@@ -88,7 +86,7 @@ PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmReques
       MpmSettingsSource(settings, "map_axes") != MPM_FROM_DEFAULT,
       "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
       "dt,E, and a span for each, as -map_dt lo,hi");
-  PetscCall(Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit));
+  Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit);
   MpmSettingsRefuseIf(!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
                       allowed);
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));

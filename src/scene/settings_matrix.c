@@ -62,8 +62,8 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
   *named = source ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(CheckNeeds(settings, task, source));
   if (!source) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "it describes a scene, and %s takes the place of a scene; allowed: one of them", source));
+  (void)snprintf(why, sizeof why, "it describes a scene, and %s takes the place of a scene; allowed: one of them",
+                 source);
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     MpmSettingsRefuseIf(IsSaid(settings, task, i) && !MpmOptions[i].of_matrix, settings, MpmOptions[i].name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -77,7 +77,7 @@ static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], c
   if (!given || !MpmFieldIsOf(&MpmOptions[MpmOptionIndex(name)], task)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(!given[0], settings, name, "allowed: a text that is not empty");
   MpmSettingsRefuseIf(strlen(given) >= LONGEST, settings, name, "allowed: a shorter text");
-  PetscCall(PetscStrncpy(text, given, LONGEST));
+  (void)snprintf(text, LONGEST, "%s", given);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -107,14 +107,12 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
+void MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
 {
   const char *text = MpmSettingsText(settings, "phases");
 
-  PetscFunctionBegin;
   *given = text ? 1 : 0;
   for (; text && *text; text++) *given += *text == ',';
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])

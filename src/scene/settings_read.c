@@ -273,7 +273,7 @@ static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], 
   char         first[PART];
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(first, text, PetscMin(ends + 1, sizeof first)));
+  (void)snprintf(first, PetscMin(ends + 1, sizeof first), "%s", text);
   PetscCall(FindWord(settings, name, first, &index[0]));
   PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -320,7 +320,7 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
       fits = PETSC_FALSE;
       break;
     }
-    PetscCall(PetscStrncpy(part[n], from, length + 1));
+    (void)snprintf(part[n], length + 1, "%s", from);
     from += length;
     if (!*from++) {
       n++;
@@ -338,7 +338,7 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
     if (parts == 2)
       PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
     else
-      PetscCall(PetscStrncpy(room[a], part[at], 2 * PART));
+      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s", part[at]));
     group[a] = room[a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -406,7 +406,7 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
   for (*n = 0;; text++) {
     const size_t length = strcspn(text, ",");
 
-    PetscCall(PetscStrncpy(word, text, PetscMin(length + 1, sizeof word)));
+    (void)snprintf(word, PetscMin(length + 1, sizeof word), "%s", text);
     PetscCall(FindWord(settings, name, word, &found));
     known = PETSC_FALSE;
     for (PetscInt i = 0; i < *n; i++)
@@ -436,9 +436,8 @@ PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], M
   char            bounds[32];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(bounds, sizeof bounds,
-                          1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
-                          (double)option->hi));
+  (void)snprintf(bounds, sizeof bounds, 1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
+                 (double)option->hi);
   MpmSettingsRefuseIf(
       !MpmSettingsParseSpan(MpmSettingsText(settings, name), span) || !InRange(option, span[0].value) ||
           !InRange(option, span[1].value),
@@ -479,7 +478,7 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
   for (*n = 0; *n == 0 || *text++ == ','; text += strcspn(text, ",")) {
     const size_t length = strcspn(text, ",");
 
-    PetscCall(PetscStrncpy(part, text, PetscMin(length + 1, sizeof part)));
+    (void)snprintf(part, PetscMin(length + 1, sizeof part), "%s", text);
     if (*n == room || length >= sizeof part || !IsReal(part, &list[*n]) || !InRange(option, list[*n]))
       PetscCall(RefuseNumber(settings, name, "finite numbers"));
     ++*n;

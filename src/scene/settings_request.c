@@ -125,7 +125,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
   char        why[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
+  (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
   if (scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH)) names = strchr(names, ',') + 1;
   PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, names, why));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -184,7 +184,7 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
 
     MpmSettingsRefuseIf(length >= sizeof axis->name, settings, "map_axes",
                         "allowed: two names of axes, none of them so long");
-    PetscCall(PetscStrncpy(axis->name, text, length + 1));
+    (void)snprintf(axis->name, length + 1, "%s", text);
     axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
     text += length + strspn(text + length, separators);
   }
@@ -205,7 +205,7 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
     }
   for (int a = 0; a < 2; a++)
     if (request->axes[a].kind != MPM_AXIS_PARAMETER)
-      PetscCall(PetscStrncpy(request->axes[a].name, MpmAxisNames[request->axes[a].kind], sizeof request->axes[a].name));
+      (void)snprintf(request->axes[a].name, sizeof request->axes[a].name, "%s", MpmAxisNames[request->axes[a].kind]);
   MpmSettingsRefuseIf(*text || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
                       "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -295,7 +295,7 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
     PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
   MpmSettingsRefuseIf(strlen(path) >= sizeof request->mode_file, settings, "mode_file", "allowed: a shorter name");
-  PetscCall(PetscStrncpy(request->mode_file, path, sizeof request->mode_file));
+  (void)snprintf(request->mode_file, sizeof request->mode_file, "%s", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -447,7 +447,7 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
   PetscInt dim;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsPhases(settings, &request->given_phases));
+  MpmSettingsPhases(settings, &request->given_phases);
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));

@@ -125,7 +125,7 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
     MpmCheckInput(part, "%s:%d: key '%s': a zero byte in its value; allowed: text", settings->scene, Line(value), key);
     MpmCheckInput(used + strlen(part) + 2 < size, "%s:%d: key '%s': its value is too long", settings->scene,
                   Line(value), key);
-    PetscCall(PetscSNPrintf(text + used, size - used, "%s%s", first ? "" : ",", part));
+    (void)snprintf(text + used, size - used, "%s%s", first ? "" : ",", part);
     used  = strlen(text);
     first = PETSC_FALSE;
   } while (item < end);
@@ -184,9 +184,9 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
       continue;
     }
     if (inside_expect && !strcmp(key, "verdict"))
-      PetscCall(PetscStrncpy(name, "expect", sizeof name));
+      (void)snprintf(name, sizeof name, "%s", "expect");
     else
-      PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
+      (void)snprintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key);
     MpmCheckInput(
         !inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
         "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, share, error or energy",
@@ -214,7 +214,7 @@ static PetscErrorCode ReadRoot(void *context, yaml_document_t *document, const y
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
+  (void)snprintf(settings->scene, sizeof settings->scene, "%s", path);
   PetscCall(MpmYamlReadFile("scene", path, ReadRoot, settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -222,7 +222,7 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char name[], const char yaml[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(settings->scene, name, sizeof settings->scene));
+  (void)snprintf(settings->scene, sizeof settings->scene, "%s", name);
   PetscCall(MpmYamlReadText("scene", settings->scene, yaml, ReadRoot, settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

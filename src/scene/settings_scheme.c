@@ -175,7 +175,7 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
   PetscBool   given;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(key, sizeof key, "-%s%s", before, name));
+  (void)snprintf(key, sizeof key, "-%s%s", before, name);
   PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPlace(key + 1, text, place));
@@ -264,7 +264,7 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters && !near[0]; i++) {
     const char *const one = settings->scheme->parameters[i].name.text;
 
-    if (MpmSuggest(name, 1, &one)) PetscCall(PetscStrncpy(near, one, room));
+    if (MpmSuggest(name, 1, &one)) (void)snprintf(near, room, "%s", one);
   }
   PetscCall(MpmSettingsDestroy(&settings));
   PetscCall(ierr);

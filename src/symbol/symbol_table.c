@@ -140,7 +140,7 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
       if (Alike(layout, step, a, other) && MpmSpaceAlike(space, a, other)) source->alike[a] = other;
   }
   MpmBlochCountNull(b, &source->null_rest, &source->null_all, &source->null_factor);
-  PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
+  MpmLayoutSizeText(layout, sizeof source->name, source->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -11,4 +11,4 @@
 */
 PetscErrorCode MpmPrintSchema(void);
 void           MpmPrintCompletion(PetscBool zsh);
-PetscErrorCode MpmPrintManual(void);
+void           MpmPrintManual(void);

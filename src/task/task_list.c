@@ -200,7 +200,7 @@ static PetscErrorCode PrintInstalled(const char word[], PetscBool *found)
   if (!strcmp(word, "schema"))
     PetscCall(MpmPrintSchema());
   else if (!strcmp(word, "man"))
-    PetscCall(MpmPrintManual());
+    MpmPrintManual();
   else if (!strcmp(word, "completion-bash") || !strcmp(word, "completion-zsh"))
     MpmPrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE);
   else

@@ -92,7 +92,6 @@ static PetscErrorCode Test(int argc, char **argv)
   const char *const bad[] = {"",    "a",     "1/",   "/8", "1/0", "1/-8",  "1//8", "nan",
                              "inf", "1e999", "0x10", " 1", "1 ",  "1/2/3", "1e"};
   MpmFraction       f;
-  PetscBool         ok;
 
   PetscFunctionBegin;
   (void)argc;
